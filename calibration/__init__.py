@@ -1,0 +1,1 @@
+"""Pure mathematics: kinematics, error maps, identification, uncertainty. No I/O, no clock."""

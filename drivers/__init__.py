@@ -1,0 +1,1 @@
+"""Instrument drivers: one plain class per instrument over a Transport, a pure codec beside it."""

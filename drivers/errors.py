@@ -1,0 +1,49 @@
+"""What can go wrong between the program and an instrument.
+
+Every text says what happened, where (device and endpoint) and what to do.
+"""
+
+
+class DeviceError(Exception):
+    """Root of the errors of the drivers room."""
+
+
+class LinkError(DeviceError):
+    """The link cannot be opened, was refused or has been closed."""
+
+
+class LinkTimeoutError(LinkError):
+    """No answer in time; the link is poisoned until it has been healed."""
+
+
+class ProtocolError(DeviceError):
+    """Bytes that the protocol does not allow."""
+
+
+class WrongDeviceError(DeviceError):
+    """Something else answers behind the port."""
+
+
+class RefusedError(DeviceError):
+    """The instrument understood the request and refused it.
+
+    Args:
+        text: what was refused and what to do.
+        number: the instrument's own error number.
+    """
+
+    def __init__(self, text: str, number: int) -> None:
+        super().__init__(text)
+        self.number = number
+
+
+class AlarmError(RefusedError):
+    """The controller is in alarm; motion is over until an operator has cleared it."""
+
+
+class NotArrivedError(DeviceError):
+    """The robot stands somewhere else than it was sent."""
+
+
+class ProfileError(DeviceError):
+    """A counter profile or register map is wrong or incomplete."""

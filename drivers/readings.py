@@ -1,0 +1,99 @@
+"""What instruments tell, in the units of the house."""
+
+from dataclasses import dataclass
+
+Joints = tuple[float, float, float, float]
+"""J1 deg, J2 deg, J3 mm, J4 deg."""
+
+
+@dataclass(frozen=True)
+class Identity:
+    """Who answers behind an endpoint.
+
+    Attributes:
+        model: what the instrument calls itself.
+        firmware: version text, empty when unknown.
+        serial: serial number text, empty when unknown.
+        simulated: True when the instrument says that it is an emulator.
+    """
+
+    model: str
+    firmware: str
+    serial: str
+    simulated: bool
+
+
+@dataclass(frozen=True)
+class RobotStatus:
+    """State of a robot controller.
+
+    Attributes:
+        servo_on: drives are powered.
+        running: a motion or a program is under way.
+        operation_enabled: this connection holds the right to move the robot.
+        teach_mode: the key switch is at TEACH; motion commands are refused.
+        emergency_stop: the emergency stop circuit is open.
+        override_percent: speed override, read back.
+        alarm_number: 0 when there is none.
+        alarm_text: what the alarm means and what to do; empty when there is none.
+    """
+
+    servo_on: bool
+    running: bool
+    operation_enabled: bool
+    teach_mode: bool
+    emergency_stop: bool
+    override_percent: float
+    alarm_number: int
+    alarm_text: str
+
+
+@dataclass(frozen=True)
+class CounterReading:
+    """One reading of a length counter.
+
+    Attributes:
+        displacement_mm: displacement since the last zero, growing with the beam's length.
+        raw: the instrument's own text or number, as it came.
+        time_s: arrival, on the driver's clock, s.
+    """
+
+    displacement_mm: float
+    raw: str
+    time_s: float
+
+
+@dataclass(frozen=True)
+class CounterStatus:
+    """State of a length counter.
+
+    Attributes:
+        beam_ok: the beam returns now.
+        beam_lost: latched since the last zero: the count is no longer valid even if the beam is back.
+        overspeed: latched since the last zero.
+        laser_ready: the laser is stable.
+        signal: level of the returning beam, 0...1.
+    """
+
+    beam_ok: bool
+    beam_lost: bool
+    overspeed: bool
+    laser_ready: bool
+    signal: float
+
+
+@dataclass(frozen=True)
+class AirSample:
+    """State of the air. A quantity that the sensor does not give is None.
+
+    Attributes:
+        temperature_c: temperature, °C.
+        pressure_hpa: pressure, hPa.
+        humidity_percent: relative humidity, %.
+        time_s: arrival, on the driver's clock, s.
+    """
+
+    temperature_c: float | None
+    pressure_hpa: float | None
+    humidity_percent: float | None
+    time_s: float

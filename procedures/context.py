@@ -1,0 +1,123 @@
+"""What a procedure may do: the only door between a procedure and the world."""
+
+from collections.abc import Awaitable, Callable, Mapping
+from dataclasses import dataclass
+from typing import Literal, Protocol
+
+from procedures.devices import Air, BeamStatus, Joints
+
+Json = None | bool | int | float | str | list["Json"] | dict[str, "Json"]
+"""Anything that JSON can carry."""
+
+Row = Mapping[str, Json]
+"""One record: names with units, plain values."""
+
+
+@dataclass(frozen=True)
+class Measurement:
+    """A distance measured at standstill.
+
+    Attributes:
+        displacement_mm: mean of the readings.
+        spread_mm: standard deviation of the readings, 0 for a single one.
+        readings: how many.
+        signal: level of the returning beam, 0...1.
+        beam_ok: the beam returns and was not lost since the last zero.
+        reported: joints reported by the controller.
+        air: state of the air.
+        time_utc: ISO 8601 UTC time of the first reading.
+        duration_s: from the first to the last reading, s.
+    """
+
+    displacement_mm: float
+    spread_mm: float
+    readings: int
+    signal: float
+    beam_ok: bool
+    reported: Joints
+    air: Air
+    time_utc: str
+    duration_s: float
+
+
+@dataclass(frozen=True)
+class Prompt:
+    """A question to the operator, as data.
+
+    Attributes:
+        id: stable within the run; answers name it.
+        kind: what an answer may be.
+        text: one imperative sentence.
+        choices: for kind "choice".
+        unit: for kind "number".
+        timeout_s: how long the question stays open; None for ever.
+        safe_answer: taken when the time is over; None leaves the prompt unanswered (an error).
+    """
+
+    id: str
+    kind: Literal["confirm", "choice", "number", "text"]
+    text: str
+    choices: tuple[str, ...] = ()
+    unit: str = ""
+    timeout_s: float | None = None
+    safe_answer: str | None = None
+
+
+class Context(Protocol):
+    """The engine as a procedure sees it. Every call is a checkpoint of the stop ladder."""
+
+    async def step(self, step_id: str, title: str, action: Callable[[], Awaitable[Row]]) -> Row:
+        """Run a step once.
+
+        A step that is done already returns its stored result and the action does not run. Rows recorded
+        during the action and the completion of the step are stored in one transaction.
+        """
+        ...
+
+    def record(self, table: Literal["points", "search", "readings"], row: Row) -> None:
+        """Keep a row of data; it becomes durable with the step that is under way.
+
+        Raises:
+            RuntimeError: no step is under way.
+        """
+        ...
+
+    async def checkpoint(self) -> None:
+        """Let a hold or a stop take effect here."""
+        ...
+
+    async def move(self, target: Joints) -> None:
+        """Interpolate the joints to a target through the limit gate and wait for standstill."""
+        ...
+
+    async def joints(self) -> Joints:
+        """Return the reported joints."""
+        ...
+
+    async def measure(self, settle_time_s: float, dwell_time_s: float, readings: int) -> Measurement:
+        """Settle, then average readings over the dwell time; read beam state, joints and air."""
+        ...
+
+    async def beam(self) -> BeamStatus:
+        """Return the state of the beam now."""
+        ...
+
+    async def zero(self) -> None:
+        """Zero the count: a new dead path begins."""
+        ...
+
+    async def ask(self, prompt: Prompt) -> str:
+        """Put a question to the operator and wait for the answer."""
+        ...
+
+    async def event(self, kind: str, **data: Json) -> None:
+        """Store and publish something that happened."""
+        ...
+
+    async def warn(self, text: str, **data: Json) -> None:
+        """Store and publish a warning with its remedy."""
+        ...
+
+    def progress(self, done: float, total: float, text: str = "") -> None:
+        """Publish how far the run is; done and total in expected bench seconds."""
+        ...

@@ -1,0 +1,1 @@
+"""The physical bench (the truth) and servers that wear the instruments' protocols."""

@@ -1,0 +1,47 @@
+"""Fixtures of every test: nothing may be left behind."""
+
+import asyncio
+import gc
+import os
+import threading
+from collections.abc import AsyncIterator, Iterator
+from pathlib import Path
+
+import pytest
+
+
+def _open_files() -> dict[str, str]:
+    """Return the sockets and regular files that this process holds open, by descriptor."""
+    links: dict[str, str] = {}
+    for entry in Path("/proc/self/fd").iterdir():
+        try:
+            target = os.readlink(entry)
+        except OSError:
+            continue
+        if target.startswith("socket:") or (target.startswith("/") and not target.startswith("/dev/")):
+            links[entry.name] = target
+    return links
+
+
+@pytest.fixture(autouse=True)
+def nothing_left_behind() -> Iterator[None]:
+    """Fail a test that leaves a thread, a socket or an open file."""
+    threads_before = set(threading.enumerate())
+    files_before = _open_files()
+    yield
+    gc.collect()
+    threads = [t.name for t in set(threading.enumerate()) - threads_before if t.is_alive()]
+    # asyncio keeps its default executor's idle workers until the loop closes.
+    threads = [name for name in threads if not name.startswith("asyncio_")]
+    files = [target for fd, target in _open_files().items() if files_before.get(fd) != target]
+    assert not threads, f"threads left running: {threads}"
+    assert not files, f"files or sockets left open: {files}"
+
+
+@pytest.fixture(autouse=True)
+async def no_task_left_behind(request: pytest.FixtureRequest) -> AsyncIterator[None]:
+    """Fail a coroutine test that leaves a task."""
+    yield
+    tasks = [task for task in asyncio.all_tasks() if task is not asyncio.current_task()]
+    names = [repr(task.get_coro()) for task in tasks]
+    assert not names, f"tasks left running after {request.node.name}: {names}"
