@@ -41,6 +41,21 @@ class Measurement:
 
 
 @dataclass(frozen=True)
+class Location:
+    """A position measured by an independent instrument, in that instrument's own frame.
+
+    Attributes:
+        x_mm: position along x.
+        y_mm: position along y.
+        u_mm: standard uncertainty of each coordinate.
+    """
+
+    x_mm: float
+    y_mm: float
+    u_mm: float
+
+
+@dataclass(frozen=True)
 class Prompt:
     """A question to the operator, as data.
 
@@ -74,7 +89,7 @@ class Context(Protocol):
         """
         ...
 
-    def record(self, table: Literal["points", "search", "readings"], row: Row) -> None:
+    def record(self, table: Literal["points", "search", "path"], row: Row) -> None:
         """Keep a row of data; it becomes durable with the step that is under way.
 
         Raises:
@@ -104,6 +119,10 @@ class Context(Protocol):
 
     async def zero(self) -> None:
         """Zero the count: a new dead path begins."""
+        ...
+
+    async def locate(self) -> Location:
+        """Return where an independent instrument (a laser tracker) sees the J4 axis, at standstill."""
         ...
 
     async def ask(self, prompt: Prompt) -> str:

@@ -1,4 +1,4 @@
-"""The three instruments as the engine needs them. Drivers fit these by shape, not by inheritance."""
+"""The instruments as the engine needs them. Drivers fit these by shape, not by inheritance."""
 
 from typing import Protocol
 
@@ -146,4 +146,31 @@ class Environment(Protocol):
 
     async def sample(self) -> Air:
         """Return the state of the air now."""
+        ...
+
+
+class Position(Protocol):
+    """A position in the tracker's frame."""
+
+    @property
+    def x_mm(self) -> float: ...  # noqa: D102 - the attribute's name says it
+    @property
+    def y_mm(self) -> float: ...  # noqa: D102 - the attribute's name says it
+    @property
+    def u_mm(self) -> float: ...  # noqa: D102 - the attribute's name says it
+
+
+class Tracker(Protocol):
+    """An independent instrument that locates the J4 axis."""
+
+    async def connect(self) -> DeviceIdentity:
+        """Open the link and check who answers."""
+        ...
+
+    async def close(self) -> None:
+        """Disconnect; may be called any number of times."""
+        ...
+
+    async def locate(self) -> Position:
+        """Return the position of the J4 axis."""
         ...
