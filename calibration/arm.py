@@ -1,0 +1,86 @@
+"""The arm that both models describe: positions and their derivatives by the arm's parameters."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from calibration.error_map import interpolate
+from calibration.kinematics import forward, position_jacobian
+from calibration.layout import Layout
+from calibration.points import Commands
+from calibration.types import Floats, Ints
+
+
+@dataclass(frozen=True)
+class ArmDesign:
+    """Commands prepared for repeated evaluation: places between nodes are found once.
+
+    Attributes:
+        layout: order of the parameters.
+        commands: where the arm is sent, n rows.
+        columns: columns of the two map nodes of J1 and of J2 in each row, shape (n, 4).
+        weights: their weights, shape (n, 4); the sums over each joint's pair are 1.
+    """
+
+    layout: Layout
+    commands: Commands
+    columns: Ints
+    weights: Floats
+
+    def angles(self, parameters: Floats) -> tuple[Floats, Floats]:
+        """Return the actual joint angles θ1, θ2 at the parameters, rad, shape (n,) each."""
+        deviation = self.weights * parameters[self.columns]
+        theta1 = self.commands.theta1_rad + deviation[:, 0] + deviation[:, 1]
+        theta2 = self.commands.theta2_rad + deviation[:, 2] + deviation[:, 3]
+        return theta1, theta2
+
+    def positions(self, parameters: Floats) -> Floats:
+        """Return the positions of the J4 axis, mm, shape (n, 2)."""
+        theta1, theta2 = self.angles(parameters)
+        return forward(theta1, theta2, float(parameters[0]), float(parameters[1]))
+
+    def local_jacobian(self, parameters: Floats) -> Floats:
+        """Return d(x, y) / d(L1, L2, θ1, θ2), shape (n, 2, 4)."""
+        theta1, theta2 = self.angles(parameters)
+        return position_jacobian(theta1, theta2, float(parameters[0]), float(parameters[1]))
+
+    def spread(self, local: Floats) -> Floats:
+        """Spread derivatives by L1, L2, θ1, θ2 over the arm's parameters.
+
+        Args:
+            local: derivatives of one scalar per row, shape (n, 4).
+
+        Returns:
+            Derivatives by the arm's parameters, shape (n, layout.arm_size).
+        """
+        rows = np.arange(local.shape[0])
+        wide = np.zeros((local.shape[0], self.layout.arm_size))
+        wide[:, :2] = local[:, :2]
+        for k in range(4):
+            # Added, not set: a map of a single node has its two places in the same column.
+            wide[rows, self.columns[:, k]] += self.weights[:, k] * local[:, 2 + k // 2]
+        return wide
+
+
+def arm_design(layout: Layout, commands: Commands) -> ArmDesign:
+    """Prepare commands for a model.
+
+    Raises:
+        MapRangeError: a command lies outside the nodes of a map.
+    """
+    if layout.model == "conventional":
+        columns = np.full((len(commands), 4), 2, dtype=np.int64)
+        return ArmDesign(layout, commands, columns, np.tile([0.0, 0.0, 1.0, 0.0], (len(commands), 1)))
+    first = _places(layout.nodes1_rad, commands.theta1_rad, commands.direction1, layout.map1.start, "θ1")
+    second = _places(layout.nodes2_rad, commands.theta2_rad, commands.direction2, layout.map2.start, "θ2")
+    return ArmDesign(layout, commands, np.hstack([first[0], second[0]]), np.hstack([first[1], second[1]]))
+
+
+def _places(
+    nodes_rad: Floats, theta_rad: Floats, direction: Ints, start: int, name: str
+) -> tuple[Ints, Floats]:
+    place = interpolate(nodes_rad, theta_rad, name=name)
+    table = start + np.where(direction > 0, 0, nodes_rad.size)
+    upper = np.minimum(place.lower + 1, nodes_rad.size - 1)
+    columns = np.stack([table + place.lower, table + upper], axis=1)
+    return columns, np.stack([1.0 - place.alpha, place.alpha], axis=1)

@@ -1,0 +1,78 @@
+"""Distances that a model predicts, their residuals and derivatives (Eqs 5 and 10)."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from calibration.arm import ArmDesign, arm_design
+from calibration.layout import Layout
+from calibration.points import Points
+from calibration.types import Floats
+
+
+@dataclass(frozen=True)
+class DistanceModel:
+    """A model of the arm seen through measured distances.
+
+    Attributes:
+        layout: order of the parameters.
+        points: what was measured, n rows.
+        design: the points' commands, prepared.
+    """
+
+    layout: Layout
+    points: Points
+    design: ArmDesign
+
+    def residuals(self, parameters: Floats) -> Floats:
+        """Return predicted minus measured displacement, mm, shape (n,)."""
+        length, _ = self._beam(parameters)
+        dead_path = parameters[self.layout.dead_path][self.points.dead_path]
+        return length - dead_path - self.points.displacement_mm
+
+    def jacobian(self, parameters: Floats) -> Floats:
+        """Return the derivatives of the residuals, shape (n, layout.size), mm/mm and mm/rad."""
+        _, unit = self._beam(parameters)
+        rows = np.arange(len(self.points))
+        jacobian = np.zeros((len(self.points), self.layout.size))
+        local = np.einsum("ni,nij->nj", unit, self.design.local_jacobian(parameters))
+        jacobian[:, : self.layout.arm_size] = self.design.spread(local)
+        place = self.layout.reflectors.start + 2 * self.points.reflector
+        jacobian[rows, place] = -unit[:, 0]
+        jacobian[rows, place + 1] = -unit[:, 1]
+        jacobian[rows, self.layout.dead_path.start + self.points.dead_path] = -1.0
+        return jacobian
+
+    def start(self, link1_mm: float, link2_mm: float, reflectors_mm: Floats) -> Floats:
+        """Return starting values: nominal arm, rough reflectors, dead paths that fit them.
+
+        Args:
+            link1_mm: nominal length of link 1, mm.
+            link2_mm: nominal length of link 2, mm.
+            reflectors_mm: rough places, mm, shape (reflectors, 2).
+        """
+        parameters = np.zeros(self.layout.size)
+        parameters[:2] = link1_mm, link2_mm
+        parameters[self.layout.reflectors] = np.ravel(reflectors_mm)
+        counts = np.bincount(self.points.dead_path, minlength=len(self.layout.dead_paths))
+        sums = np.bincount(
+            self.points.dead_path, self.residuals(parameters), minlength=len(self.layout.dead_paths)
+        )
+        parameters[self.layout.dead_path] = sums / counts
+        return parameters
+
+    def _beam(self, parameters: Floats) -> tuple[Floats, Floats]:
+        """Return the beam's lengths, shape (n,), and unit vectors from reflector to arm, shape (n, 2)."""
+        places = parameters[self.layout.reflectors].reshape(-1, 2)
+        beam = self.design.positions(parameters) - places[self.points.reflector]
+        length = np.hypot(beam[:, 0], beam[:, 1])
+        return length, beam / length[:, None]
+
+
+def distance_model(layout: Layout, points: Points) -> DistanceModel:
+    """Prepare points for a model.
+
+    Raises:
+        MapRangeError: a point lies outside the nodes.
+    """
+    return DistanceModel(layout, points, arm_design(layout, points.commands))

@@ -1,0 +1,103 @@
+"""Measured distances, as columns."""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from calibration.types import Bools, Floats, Ints
+
+
+@dataclass(frozen=True)
+class Commands:
+    """Command angles with their state of approach.
+
+    Attributes:
+        theta1_rad: J1 command angles, rad, shape (n,).
+        theta2_rad: J2 command angles, rad, shape (n,).
+        direction1: state of approach of J1, 1 or -1, shape (n,).
+        direction2: state of approach of J2, 1 or -1, shape (n,).
+    """
+
+    theta1_rad: Floats
+    theta2_rad: Floats
+    direction1: Ints
+    direction2: Ints
+
+    def __len__(self) -> int:
+        """Return the number of rows."""
+        return int(self.theta1_rad.size)
+
+    def select(self, rows: Bools | Ints) -> "Commands":
+        """Return the chosen rows."""
+        return Commands(
+            self.theta1_rad[rows], self.theta2_rad[rows], self.direction1[rows], self.direction2[rows]
+        )
+
+
+@dataclass(frozen=True)
+class Points:
+    """Distances in measuring order.
+
+    Attributes:
+        commands: where the arm was sent.
+        reflector: index into reflector_names, shape (n,).
+        dead_path: index into dead_paths, shape (n,).
+        displacement_mm: distance relative to the zero of its segment, shape (n,).
+        sigma_mm: standard uncertainty of each distance, shape (n,), or None when it is not known.
+        reflector_names: names of the reflectors.
+        dead_paths: (reflector name, segment) of each dead path.
+    """
+
+    commands: Commands
+    reflector: Ints
+    dead_path: Ints
+    displacement_mm: Floats
+    sigma_mm: Floats | None
+    reflector_names: tuple[str, ...]
+    dead_paths: tuple[tuple[str, int], ...]
+
+    def __len__(self) -> int:
+        """Return the number of distances."""
+        return int(self.displacement_mm.size)
+
+    def select(self, rows: Bools | Ints) -> "Points":
+        """Return the chosen rows; dead paths and reflectors that lose all rows are left out."""
+        kept = replace(
+            self,
+            commands=self.commands.select(rows),
+            reflector=self.reflector[rows],
+            dead_path=self.dead_path[rows],
+            displacement_mm=self.displacement_mm[rows],
+            sigma_mm=None if self.sigma_mm is None else self.sigma_mm[rows],
+        )
+        paths, path_index = np.unique(kept.dead_path, return_inverse=True)
+        names, name_index = np.unique(kept.reflector, return_inverse=True)
+        return replace(
+            kept,
+            dead_path=path_index.astype(np.int64),
+            dead_paths=tuple(self.dead_paths[int(i)] for i in paths),
+            reflector=name_index.astype(np.int64),
+            reflector_names=tuple(self.reflector_names[int(i)] for i in names),
+        )
+
+
+def without_short_segments(points: Points, fewest: int = 3) -> tuple[Points, list[str]]:
+    """Drop segments that are too short to carry a dead path of their own.
+
+    Args:
+        points: all distances.
+        fewest: smallest number of distances that a segment keeps its place with.
+
+    Returns:
+        The remaining points and a sentence for each segment dropped.
+    """
+    counts = np.bincount(points.dead_path, minlength=len(points.dead_paths))
+    short = counts < fewest
+    sentences = [
+        f"segment {segment} of reflector {name} dropped: {counts[i]} distance(s), fewer than {fewest}"
+        for i, (name, segment) in enumerate(points.dead_paths)
+        if short[i]
+    ]
+    if not sentences:
+        return points, []
+    return points.select(~short[points.dead_path]), sentences

@@ -1,0 +1,73 @@
+"""Where an identified arm really goes, with uncertainty."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from calibration.arm import arm_design
+from calibration.identification import Identification
+from calibration.kinematics import forward
+from calibration.points import Commands
+from calibration.types import Bools, Floats
+
+
+@dataclass(frozen=True)
+class Prediction:
+    """Predicted positions for commands; rows outside the identified range are NaN.
+
+    Attributes:
+        command_mm: where the nominal arm would stand, shape (n, 2).
+        position_mm: where the identified arm stands, shape (n, 2).
+        u_mm: standard uncertainties of x and y, shape (n, 2).
+        inside: rows within the identified range, shape (n,).
+    """
+
+    command_mm: Floats
+    position_mm: Floats
+    u_mm: Floats
+    inside: Bools
+
+    @property
+    def error_mm(self) -> Floats:
+        """Predicted minus command position, shape (n, 2)."""
+        return self.position_mm - self.command_mm
+
+
+def inside_range(identified: Identification, commands: Commands) -> Bools:
+    """Return which commands lie within the identified nodes, shape (n,); maps are never extrapolated."""
+    layout = identified.layout
+    if layout.model == "conventional":
+        return np.ones(len(commands), dtype=np.bool_)
+    margin = 1e-9
+    flags = np.ones(len(commands), dtype=np.bool_)
+    for nodes, theta in (
+        (layout.nodes1_rad, commands.theta1_rad),
+        (layout.nodes2_rad, commands.theta2_rad),
+    ):
+        flags &= (theta >= nodes[0] - margin) & (theta <= nodes[-1] + margin)
+    return flags
+
+
+def predict(identified: Identification, commands: Commands, link1_mm: float, link2_mm: float) -> Prediction:
+    """Predict the positions of commands.
+
+    Args:
+        identified: the arm.
+        commands: joint angles with their direction of approach, n rows.
+        link1_mm: nominal length of link 1, mm, for the command position.
+        link2_mm: nominal length of link 2, mm.
+    """
+    inside = inside_range(identified, commands)
+    position = np.full((len(commands), 2), np.nan)
+    uncertainty = np.full((len(commands), 2), np.nan)
+    if inside.any():
+        design = arm_design(identified.layout, commands.select(inside))
+        position[inside] = design.positions(identified.parameters)
+        local = design.local_jacobian(identified.parameters)
+        covariance = identified.covariance[: identified.layout.arm_size, : identified.layout.arm_size]
+        for axis in range(2):
+            gradient = design.spread(local[:, axis, :])
+            variance = np.einsum("ni,ni->n", gradient @ covariance, gradient)
+            uncertainty[inside, axis] = np.sqrt(np.maximum(variance, 0.0))
+    command = forward(commands.theta1_rad, commands.theta2_rad, link1_mm, link2_mm)
+    return Prediction(command, position, uncertainty, inside)
