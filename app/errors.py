@@ -1,0 +1,105 @@
+"""The application's errors: one small tree, each class with the exit code it leads to.
+
+Every text says what happened, where, and what to do.
+"""
+
+import asyncio
+from typing import ClassVar
+
+from app.exitcode import ExitCode
+from calibration.errors import CalibrationError, MapRangeError, OutOfReachError
+from drivers.errors import AlarmError, DeviceError, ProfileError
+
+
+class CatseyeError(Exception):
+    """Root of the application's errors.
+
+    Args:
+        text: what happened, where, and what to do.
+    """
+
+    exit_code: ClassVar[ExitCode] = ExitCode.REJECTED
+
+
+class MeasurementRejectedError(CatseyeError):
+    """The measurement does not meet a criterion."""
+
+
+class UsageError(CatseyeError):
+    """The command asks for something that cannot be done."""
+
+    exit_code = ExitCode.USAGE
+
+
+class ConfigError(CatseyeError):
+    """A cell file, a profile or an answers file is wrong."""
+
+    exit_code = ExitCode.USAGE
+
+
+class LinkFailedError(CatseyeError):
+    """One or more devices cannot be used; the text lists every one of them."""
+
+    exit_code = ExitCode.DEVICE
+
+
+class PromptUnansweredError(CatseyeError):
+    """Nobody answered a question that has no safe answer."""
+
+    exit_code = ExitCode.TIMEOUT
+
+
+class SafetyError(CatseyeError):
+    """A safety condition forbids motion."""
+
+    exit_code = ExitCode.SAFETY
+
+
+class LimitError(SafetyError):
+    """A target lies outside the limits of the cell; the robot was not moved."""
+
+
+class StorageError(CatseyeError):
+    """The data cannot be stored or read; a run stops at once."""
+
+    exit_code = ExitCode.STORAGE
+
+
+class InterruptedRunError(CatseyeError):
+    """The operator stopped or aborted the run."""
+
+    exit_code = ExitCode.INTERRUPTED
+
+
+class TerminatedRunError(CatseyeError):
+    """The run was ended from outside: SIGTERM, SIGHUP or a cancelled task."""
+
+    exit_code = ExitCode.TERMINATED
+
+
+# The first class that fits decides, so special cases stand before their roots. A configuration that cannot
+# be carried out is the user's input (2); a calculation that gives no number has rejected the data (1). A link
+# that stays silent is a device failure (3): 4 is kept for waits of the program itself.
+_FOREIGN: tuple[tuple[type[BaseException], ExitCode], ...] = (
+    (OutOfReachError, ExitCode.USAGE),
+    (MapRangeError, ExitCode.USAGE),
+    (CalibrationError, ExitCode.REJECTED),
+    (AlarmError, ExitCode.SAFETY),
+    (ProfileError, ExitCode.USAGE),
+    (DeviceError, ExitCode.DEVICE),
+    (TimeoutError, ExitCode.TIMEOUT),
+    (KeyboardInterrupt, ExitCode.INTERRUPTED),
+    (asyncio.CancelledError, ExitCode.TERMINATED),
+)
+
+
+def exit_code_of(error: BaseException) -> ExitCode:
+    """Return the exit code an error leads to; that of an unknown error is REJECTED.
+
+    A group of errors has the code of its first member.
+    """
+    if isinstance(error, CatseyeError):
+        return error.exit_code
+    if isinstance(error, BaseExceptionGroup):
+        return exit_code_of(error.exceptions[0])
+    return next((code for kind, code in _FOREIGN if isinstance(error, kind)), ExitCode.REJECTED)

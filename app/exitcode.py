@@ -1,0 +1,34 @@
+"""What the process tells its caller when it ends."""
+
+from enum import IntEnum
+
+
+class ExitCode(IntEnum):
+    """Exit codes of every command; scripts rely on them."""
+
+    DONE = 0
+    """Everything asked for has been done."""
+
+    REJECTED = 1
+    """The measurement was rejected, a criterion failed, or the program met an error of its own."""
+
+    USAGE = 2
+    """The command line, the cell file or another input file is wrong."""
+
+    DEVICE = 3
+    """A device or its link failed."""
+
+    TIMEOUT = 4
+    """Something was not over in time, or a prompt stayed unanswered."""
+
+    SAFETY = 5
+    """A safety condition or a limit refused or ended the motion."""
+
+    STORAGE = 6
+    """The data could not be stored."""
+
+    INTERRUPTED = 130
+    """The operator stopped the run."""
+
+    TERMINATED = 143
+    """The run was terminated from outside."""

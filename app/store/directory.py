@@ -1,0 +1,38 @@
+"""A directory for a new run, on a disk that has room for it."""
+
+import secrets
+import shutil
+from pathlib import Path
+
+from app.errors import StorageError
+from drivers.clock import Clock
+
+
+def make_directory(root: Path, procedure: str, clock: Clock, reserve_bytes: int) -> Path:
+    """Create the directory of a new run, named by time, procedure and a random id.
+
+    Raises:
+        StorageError: there is no space or no permission.
+    """
+    path = root / f"{clock.now_utc():%Y%m%dT%H%M%SZ}_{procedure}_{secrets.token_hex(3)}"
+    try:
+        root.mkdir(parents=True, exist_ok=True)
+        require_space(root, reserve_bytes)
+        path.mkdir()
+    except OSError as error:
+        raise StorageError(f"cannot create a run in {root}: {error}; choose another directory") from error
+    return path
+
+
+def require_space(directory: Path, reserve_bytes: int) -> None:
+    """Check that the disk has a reserve.
+
+    Raises:
+        StorageError: it has not.
+    """
+    free = shutil.disk_usage(directory).free
+    if free < reserve_bytes:
+        raise StorageError(
+            f"{directory} has {free / 1e6:.0f} MB free, {reserve_bytes / 1e6:.0f} MB are needed; "
+            "make room or choose another directory"
+        )

@@ -1,0 +1,94 @@
+"""Append-only files of JSON lines: the wire transcript and the application's log."""
+
+import logging
+from collections.abc import Callable
+from pathlib import Path
+from typing import BinaryIO
+
+from app.store.rows import to_json
+from drivers.clock import Clock
+from procedures.context import Json
+
+DEFAULT_MAX_BYTES = 64 * 1024 * 1024
+
+
+class JsonLines:
+    """A file of JSON lines, each written at once, bounded in size.
+
+    Writing never raises: a stop must reach the robot even when the disk is full. A failure is handed over
+    instead, and lines beyond the bound are counted.
+
+    Args:
+        path: the file; appended to when it exists.
+        clock: stamps the lines.
+        on_failure: called when the disk refuses a line.
+        max_bytes: where the file is cut.
+    """
+
+    def __init__(
+        self,
+        path: Path,
+        clock: Clock,
+        on_failure: Callable[[OSError], None],
+        max_bytes: int = DEFAULT_MAX_BYTES,
+    ) -> None:
+        # Unbuffered: a line that was written survives the death of the process.
+        self._file: BinaryIO = path.open("ab", buffering=0)
+        self._path = path
+        self._clock = clock
+        self._on_failure = on_failure
+        self._free = max_bytes - self._file.tell()
+        self.cut_lines = 0
+        self.cut_bytes = 0
+
+    def write(self, **fields: Json) -> None:
+        """Append a line with the time and these fields; after `close` it does nothing."""
+        if self._file.closed:
+            return
+        line = to_json({"t": self._clock.now_utc().isoformat(), **fields}).encode() + b"\n"
+        if self.cut_lines or len(line) > self._free:
+            self.cut_lines += 1
+            self.cut_bytes += len(line)
+            return
+        self._free -= len(line)
+        try:
+            if self._file.write(line) != len(line):
+                raise OSError(f"{self._path} took only a part of a line; the disk is full")
+        except OSError as error:
+            self._on_failure(error)
+
+    def close(self) -> None:
+        """Close the file; may be called any number of times."""
+        self._file.close()
+
+
+class WireLog(JsonLines):
+    """What went over the wires."""
+
+    def record(self, device: str, direction: str, data: bytes) -> None:
+        """Keep bytes.
+
+        Args:
+            device: its name in the cell file: robot, interferometer, environment, tracker.
+            direction: "tx" is sent, "rx" is received.
+            data: the bytes, as they went.
+        """
+        text = "".join(chr(byte) if 32 <= byte < 127 else "." for byte in data)
+        self.write(device=device, direction=direction, hex=data.hex(), text=text)
+
+
+class LogHandler(logging.Handler):
+    """Writes log records into a file of JSON lines.
+
+    Args:
+        lines: where to.
+    """
+
+    def __init__(self, lines: JsonLines) -> None:
+        super().__init__(logging.INFO)
+        self._lines = lines
+        self.setFormatter(logging.Formatter("%(message)s"))
+
+    def emit(self, record: logging.LogRecord) -> None:
+        """Write a record, with the traceback of an exception."""
+        self._lines.write(level=record.levelname, logger=record.name, text=self.format(record))

@@ -1,0 +1,46 @@
+"""Who writes a run: a lock on its directory that ends with the process that holds it."""
+
+import fcntl
+import os
+from pathlib import Path
+
+from app.errors import StorageError
+
+
+class RunLock:
+    """Exclusive right to write a run; the kernel takes it back when the process dies.
+
+    Args:
+        directory: the run's directory.
+
+    Raises:
+        StorageError: another process writes this run.
+    """
+
+    def __init__(self, directory: Path) -> None:
+        self._descriptor: int | None = os.open(directory, os.O_RDONLY)
+        try:
+            fcntl.flock(self._descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except BlockingIOError as error:
+            self.release()
+            raise StorageError(
+                f"{directory} is being written by a running catseye; stop that first"
+            ) from error
+
+    def release(self) -> None:
+        """Give the right back; may be called any number of times."""
+        if self._descriptor is not None:
+            os.close(self._descriptor)
+            self._descriptor = None
+
+
+def is_being_written(directory: Path) -> bool:
+    """Return whether a living process writes the run."""
+    descriptor = os.open(directory, os.O_RDONLY)
+    try:
+        fcntl.flock(descriptor, fcntl.LOCK_SH | fcntl.LOCK_NB)
+    except BlockingIOError:
+        return True
+    finally:
+        os.close(descriptor)
+    return False

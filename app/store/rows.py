@@ -1,0 +1,97 @@
+"""Rows of data as the tables hold them."""
+
+import json
+import math
+import sqlite3
+from collections.abc import Mapping, Sequence
+from typing import Final, Literal
+
+from procedures.context import Json, Row
+
+Table = Literal["points", "search", "path"]
+
+_POINTS_REQUIRED = {
+    "reflector": str,
+    "segment": int,
+    "theta1_deg": float,
+    "theta2_deg": float,
+    "j3_mm": float,
+    "j4_deg": float,
+    "reported1_deg": float,
+    "reported2_deg": float,
+    "reported3_mm": float,
+    "reported4_deg": float,
+    "direction1": int,
+    "direction2": int,
+    "displacement_mm": float,
+    "spread_mm": float,
+    "readings": int,
+    "signal": float,
+    "time_utc": str,
+    "duration_s": float,
+}  # fmt: skip - one physical group a line
+_PATH_REQUIRED = {
+    "x_mm": float,
+    "y_mm": float,
+    "theta1_deg": float,
+    "theta2_deg": float,
+    "direction1": int,
+    "direction2": int,
+}  # fmt: skip - one physical group a line
+
+REQUIRED: Final[Mapping[Table, Mapping[str, type]]] = {
+    "points": _POINTS_REQUIRED,
+    "search": {"reflector": str, "theta1_deg": float, "theta2_deg": float},
+    "path": _PATH_REQUIRED,
+}
+"""Columns that every row has."""
+
+OPTIONAL: Final[Mapping[Table, Mapping[str, type]]] = {
+    "points": {"temperature_c": float, "pressure_hpa": float, "humidity_percent": float},
+    "search": {"j4_deg": float, "lower_deg": float, "upper_deg": float, "signal": float},
+    "path": {"x_meas_mm": float, "y_meas_mm": float, "u_mm": float},
+}
+"""Columns that may be None or left out."""
+
+Value = None | int | float | str
+
+
+def to_json(value: Json | Mapping[str, Json]) -> str:
+    """Return compact JSON.
+
+    Raises:
+        ValueError: a number is not finite; it could not be read back everywhere.
+    """
+    return json.dumps(value, ensure_ascii=False, allow_nan=False, separators=(",", ":"))
+
+
+def encode(table: Table, row: Row) -> tuple[Value, ...]:
+    """Return the values of a row in the order of the table's columns, then the other keys as JSON.
+
+    Raises:
+        ValueError: a column is missing, has another type, or is not finite.
+    """
+    missing = [name for name in REQUIRED[table] if row.get(name) is None]
+    if missing:
+        raise ValueError(f"a row for {table} lacks {', '.join(missing)}; it has {', '.join(row)}")
+    kinds = {**REQUIRED[table], **OPTIONAL[table]}
+    values = [_checked(table, name, kind, row.get(name)) for name, kind in kinds.items()]
+    extra = {name: value for name, value in row.items() if name not in kinds}
+    return (*values, to_json(extra))
+
+
+def insert(db: sqlite3.Connection, table: str, values: Sequence[object]) -> None:
+    """Insert one row, its values in the order of the table's columns."""
+    db.execute(f"INSERT INTO {table} VALUES ({', '.join('?' * len(values))})", values)
+
+
+def _checked(table: str, name: str, kind: type, value: Json) -> Value:
+    if value is None:
+        return None
+    if kind is float and isinstance(value, int | float) and not isinstance(value, bool):
+        # SQLite would store NaN as NULL: a value would vanish without a word.
+        if math.isfinite(value):
+            return float(value)
+    elif kind is not float and type(value) is kind and isinstance(value, int | str):
+        return value
+    raise ValueError(f"{table}.{name} = {value!r} is not a usable {kind.__name__}")

@@ -1,0 +1,99 @@
+"""Checking that a run is what was written."""
+
+from collections import Counter
+from dataclasses import dataclass
+from pathlib import Path
+
+from app.errors import StorageError
+from app.store.reader import RunReader, Status
+from app.store.seal import DATABASE, digest, read_manifest
+from procedures.context import Json
+
+
+@dataclass(frozen=True)
+class Verification:
+    """What a check found.
+
+    Attributes:
+        status: how the run ended.
+        problems: what contradicts the promise of the store; empty for a sound run.
+        notes: what is worth knowing and no fault of the record.
+    """
+
+    status: Status
+    problems: tuple[str, ...]
+    notes: tuple[str, ...]
+
+    @property
+    def ok(self) -> bool:
+        """The run is what was written."""
+        return not self.problems
+
+
+def verify(path: Path) -> Verification:
+    """Check manifest, database and completeness of a run.
+
+    Raises:
+        StorageError: the run cannot be read at all.
+    """
+    reader = RunReader(path)
+    status = reader.status
+    problems, notes = _check_manifest(path, status)
+    problems += [f"{DATABASE}: {text}" for text in reader.integrity()]
+    problems += _check_events(reader)
+    problems += _check_rows(reader)
+    return Verification(status, tuple(problems), tuple(notes + _losses(reader)))
+
+
+def _check_manifest(path: Path, status: Status) -> tuple[list[str], list[str]]:
+    try:
+        manifest = read_manifest(path)
+    except StorageError as error:
+        return [str(error)], []
+    if manifest is None:
+        if status in {"running", "died"}:
+            return [], [f"not sealed: the run is {status}"]
+        return [], ["not sealed: the process ended between the closing record and the manifest"]
+    found = digest(path)
+    problems = [f"{name} is missing" for name in manifest.files if name not in found]
+    problems += [f"{name} was added after the end" for name in found if name not in manifest.files]
+    changed = [name for name, file in manifest.files.items() if name in found and found[name] != file]
+    return problems + [f"{name} was changed after the end" for name in changed], []
+
+
+def _check_events(reader: RunReader) -> list[str]:
+    numbers = [event.seq for event in reader.events()]
+    return [] if numbers == list(range(1, len(numbers) + 1)) else ["events: numbers are missing"]
+
+
+def _check_rows(reader: RunReader) -> list[str]:
+    steps = {(step.step_id, step.attempt): step.row_count for step in reader.steps()}
+    stored: Counter[tuple[Json, Json]] = Counter()
+    problems = []
+    for table, rows in (
+        ("points", reader.points()),
+        ("search", reader.search()),
+        ("path", reader.path_rows()),
+    ):
+        found: Counter[tuple[Json, Json]] = Counter()
+        for row in rows:
+            key = (row["step_id"], row["attempt"])
+            found[key] += 1
+            if row["seq"] != found[key]:
+                problems.append(f"{table}: row {found[key]} of step {key[0]} is missing")
+        problems += [
+            f"{table}: rows of step {key[0]}, which is not done" for key in found if key not in steps
+        ]
+        stored += found
+    lost = [key[0] for key, count in steps.items() if stored[key] != count]
+    return problems + [f"step {step_id} does not have all of its rows" for step_id in lost]
+
+
+def _losses(reader: RunReader) -> list[str]:
+    notes = []
+    for event in reader.events():
+        if event.kind == "run-ended" and event.data.get("wire_lines_cut"):
+            notes.append(f"wire.log was cut: {event.data['wire_lines_cut']} lines are not in it")
+        if event.kind == "step-dropped":
+            notes.append(f"an attempt at step {event.data['step_id']} was dropped: {event.data.get('error')}")
+    return notes
