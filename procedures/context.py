@@ -121,8 +121,8 @@ class Context(Protocol):
         """Zero the count: a new dead path begins."""
         ...
 
-    async def locate(self) -> Location:
-        """Return where an independent instrument (a laser tracker) sees the J4 axis, at standstill."""
+    async def locate(self, settle_time_s: float) -> Location:
+        """Return where an independent instrument (a laser tracker) sees the J4 axis after settling."""
         ...
 
     async def ask(self, prompt: Prompt) -> str:

@@ -1,0 +1,130 @@
+"""The bench as a procedure knows it: nominal arm, rough reflectors, limits. Made from the cell file by the app."""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+
+@dataclass(frozen=True)
+class Reflector:
+    """A cat's eye retroreflector.
+
+    Attributes:
+        name: as in the cell file.
+        x_mm: place, mm; rough, or found by a search.
+        y_mm: place, mm.
+        facing_deg: direction of the axis of its field, deg.
+    """
+
+    name: str
+    x_mm: float
+    y_mm: float
+    facing_deg: float
+
+    @property
+    def xy_mm(self) -> NDArray[np.float64]:
+        """Place, mm, shape (2,)."""
+        return np.array([self.x_mm, self.y_mm])
+
+
+@dataclass(frozen=True)
+class Arm:
+    """The nominal arm and its limits.
+
+    Attributes:
+        link1_mm: nominal length of link 1.
+        link2_mm: nominal length of link 2.
+        j1_limits_deg: smallest and largest J1.
+        j2_limits_deg: smallest and largest J2.
+        j4_limits_deg: smallest and largest J4, cables included.
+        j3_mm: height at which everything is measured.
+        speed_deg_s: fastest J1, J2, J4 at 100 % override, for the time estimate.
+        acceleration_deg_s2: acceleration of J1, J2, J4, for the time estimate.
+        override_percent: speed override of the run.
+    """
+
+    link1_mm: float
+    link2_mm: float
+    j1_limits_deg: tuple[float, float]
+    j2_limits_deg: tuple[float, float]
+    j4_limits_deg: tuple[float, float]
+    j3_mm: float
+    speed_deg_s: tuple[float, float, float]
+    acceleration_deg_s2: tuple[float, float, float]
+    override_percent: float
+
+
+@dataclass(frozen=True)
+class Optics:
+    """The beam and what stands in its way.
+
+    Attributes:
+        acceptance_mm: largest miss at which the cat's eye returns the beam.
+        max_miss_mm: largest miss that the plan allows itself along its moves.
+        field_half_angle_deg: half angle of the cat's eye's field.
+        column_radius_mm: radius of the robot's base column.
+        column_margin_mm: what the beam is kept away from the column beyond its radius.
+        beam_min_mm: shortest beam.
+        beam_max_mm: longest beam.
+        theta40_deg: direction of the beam at J4 = 0 on the straight arm; rough, or found by a search.
+    """
+
+    acceptance_mm: float
+    max_miss_mm: float
+    field_half_angle_deg: float
+    column_radius_mm: float
+    column_margin_mm: float
+    beam_min_mm: float
+    beam_max_mm: float
+    theta40_deg: float
+
+
+@dataclass(frozen=True)
+class Timing:
+    """How a point is measured.
+
+    Attributes:
+        settle_time_s: wait after a motion.
+        dwell_time_s: time over which the readings are spread.
+        readings: readings of a point.
+    """
+
+    settle_time_s: float
+    dwell_time_s: float
+    readings: int
+
+
+@dataclass(frozen=True)
+class Bench:
+    """Everything a plan is made from.
+
+    Attributes:
+        name: the cell's name.
+        arm: nominal arm.
+        optics: beam.
+        timing: how a point is measured.
+        reflectors: in measuring order.
+        nodes1_deg: J1 nodes, strictly increasing.
+        nodes2_deg: J2 nodes, strictly increasing.
+        take_up_deg: overshoot that brings a joint to its target from the proper side.
+    """
+
+    name: str
+    arm: Arm
+    optics: Optics
+    timing: Timing
+    reflectors: tuple[Reflector, ...]
+    nodes1_deg: tuple[float, ...]
+    nodes2_deg: tuple[float, ...]
+    take_up_deg: float
+
+    def aimed(self, places_mm: dict[str, tuple[float, float]], theta40_deg: float) -> "Bench":
+        """Return the bench with places and zero direction found by a search."""
+        moved = tuple(
+            replace(reflector, x_mm=places_mm[reflector.name][0], y_mm=places_mm[reflector.name][1])
+            if reflector.name in places_mm
+            else reflector
+            for reflector in self.reflectors
+        )
+        return replace(self, reflectors=moved, optics=replace(self.optics, theta40_deg=theta40_deg))

@@ -1,0 +1,164 @@
+"""The automated open-loop tracking measurement, step by step."""
+
+import math
+from collections.abc import Awaitable, Callable
+
+from procedures.beam_scan import find_return, half_window_deg
+from procedures.context import Context, Measurement, Row
+from procedures.devices import Joints
+from procedures.errors import BeamLostError
+from procedures.open_loop_plan import OpenLoopPlan, ReflectorPlan, Visit
+
+_MOST_POINTS_LOST = 5
+"""So many points lost one after the other mean that the reflector is not where it is aimed at."""
+
+_RECOVERY_HALF_RANGE_DEG = 0.5
+
+
+class OpenLoop:
+    """Visits every node from both sides with the beam on each reflector in turn and records the distances."""
+
+    name = "open-loop"
+    title = "Automated open-loop tracking measurement"
+
+    async def run(self, ctx: Context, plan: OpenLoopPlan) -> None:
+        """Measure all reflectors.
+
+        Args:
+            ctx: the bench.
+            plan: what plan_open_loop returned.
+
+        Raises:
+            BeamLostError: several points in a row without a beam.
+        """
+        done_s, total_s = 0.0, plan.duration_s
+        for text in plan.warnings:
+            await ctx.warn(text)
+        for part in plan.reflectors:
+            campaign = _ReflectorCampaign(ctx, plan, part)
+            for visit in part.visits:
+                await campaign.visit(visit)
+                done_s += visit.duration_s
+                name = f"{part.reflector.name} point {visit.command.index + 1}/{part.visits[-1].command.index + 1}"
+                ctx.progress(done_s, total_s, name)
+
+    async def teardown(self, ctx: Context) -> None:
+        """Leave the arm where it stands."""
+
+
+class _ReflectorCampaign:
+    """The measurement of one reflector: knows the present segment and how many points were lost in a row."""
+
+    def __init__(self, ctx: Context, plan: OpenLoopPlan, part: ReflectorPlan) -> None:
+        self._ctx = ctx
+        self._bench = plan.bench
+        self._reflector = part.reflector
+        self._segment = -1
+        self._lost_in_a_row = 0
+
+    async def visit(self, visit: Visit) -> None:
+        """Go to a point and measure it."""
+        step_id = f"{self._reflector.name}/{visit.command.index:04d}"
+        result = await self._ctx.step(step_id, self._title(visit), self._action(visit))
+        self._segment = max(self._segment, _integer(result["segment"]))
+        self._lost_in_a_row = 0 if result["measured"] else self._lost_in_a_row + 1
+        if self._lost_in_a_row > _MOST_POINTS_LOST:
+            raise BeamLostError(
+                f"no beam at {self._lost_in_a_row} points in a row on reflector {self._reflector.name}: check that "
+                "nothing stands in the beam, that the reflector has not been moved, and search for it again"
+            )
+
+    def _title(self, visit: Visit) -> str:
+        c = visit.command
+        return (
+            f"{self._reflector.name}: θ1 {c.theta1_deg:g}° ({'+' if c.direction1 > 0 else '−'}), "
+            f"θ2 {c.theta2_deg:g}° ({'+' if c.direction2 > 0 else '−'})"
+        )
+
+    def _action(self, visit: Visit) -> Callable[[], Awaitable[Row]]:
+        async def action() -> Row:
+            for target in visit.moves:
+                await self._ctx.move(target)
+            if not visit.tracked:
+                await self._begin_segment()
+            measured = await self._measure()
+            if not measured.beam_ok:
+                recovered = await self._recover(visit)
+                if recovered is None:
+                    return {"measured": False, "segment": self._segment}
+                measured = recovered
+            self._record(visit, measured)
+            return {"measured": True, "segment": self._segment, "displacement_mm": measured.displacement_mm}
+
+        return action
+
+    async def _measure(self) -> Measurement:
+        timing = self._bench.timing
+        return await self._ctx.measure(timing.settle_time_s, timing.dwell_time_s, timing.readings)
+
+    async def _begin_segment(self) -> None:
+        await self._ctx.zero()
+        self._segment += 1
+
+    async def _recover(self, visit: Visit) -> Measurement | None:
+        """Find the beam again near the aim, begin a new segment and measure; None when it is not there."""
+        target = visit.moves[-1]
+        await self._ctx.event(
+            "beam-lost", reflector=self._reflector.name, point=visit.command.index, segment=self._segment
+        )
+        if not (await self._ctx.beam()).beam_ok and not await self._found_near(target, visit.beam_mm):
+            await self._ctx.warn(
+                f"no beam at {self._title(visit)}: the point is left out; check what stands in the beam's way"
+            )
+            return None
+        await self._begin_segment()
+        measured = await self._measure()
+        return measured if measured.beam_ok else None
+
+    async def _found_near(self, target: Joints, beam_mm: float) -> bool:
+        optics = self._bench.optics
+        window = await find_return(
+            self._ctx,
+            target,
+            _RECOVERY_HALF_RANGE_DEG,
+            half_window_deg(optics.acceptance_mm, beam_mm),
+            self._bench.arm.j4_limits_deg,
+        )
+        return window is not None
+
+    def _record(self, visit: Visit, measured: Measurement) -> None:
+        command, target, reported = visit.command, visit.moves[-1], measured.reported
+        self._ctx.record(
+            "points",
+            {
+                "reflector": self._reflector.name,
+                "segment": self._segment,
+                "theta1_deg": command.theta1_deg,
+                "theta2_deg": command.theta2_deg,
+                "j3_mm": target[2],
+                "j4_deg": target[3],
+                "reported1_deg": reported[0],
+                "reported2_deg": reported[1],
+                "reported3_mm": reported[2],
+                "reported4_deg": reported[3],
+                "direction1": command.direction1,
+                "direction2": command.direction2,
+                "displacement_mm": measured.displacement_mm,
+                "spread_mm": measured.spread_mm,
+                "readings": measured.readings,
+                "signal": measured.signal,
+                "temperature_c": measured.air.temperature_c,
+                "pressure_hpa": measured.air.pressure_hpa,
+                "humidity_percent": measured.air.humidity_percent,
+                "time_utc": measured.time_utc,
+                "duration_s": measured.duration_s,
+            },
+        )
+
+
+def _integer(value: object) -> int:
+    if isinstance(value, int) and not isinstance(value, bool):
+        return value
+    if isinstance(value, float) and math.isfinite(value):
+        return int(value)
+    raise TypeError(f"a stored step result holds {value!r} where a segment number belongs")

@@ -1,0 +1,212 @@
+"""The automated open-loop measurement as a plan: every move, point, break and check before anything moves."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from procedures.approach import (
+    Command,
+    Waypoint,
+    bidirectional_sequence,
+    require_joint_limits,
+    with_take_up,
+)
+from procedures.bench import Bench, Reflector
+from procedures.devices import Joints
+from procedures.errors import PlanError
+from procedures.motion_time import move_time_s
+from procedures.tracking import Track, aimed_along, plan_track
+
+_FEWEST_SEEN = 0.5
+"""A reflector that fewer than this share of the commands see stands in the wrong place."""
+
+
+@dataclass(frozen=True)
+class Visit:
+    """The way to one point and its measurement.
+
+    Attributes:
+        command: the node that is measured.
+        moves: joint targets in order; the last one is the node itself.
+        tracked: the beam is kept over all these moves; otherwise the count is zeroed at the node.
+        duration_s: expected time of motion, settling and dwell.
+        miss_mm: largest miss on the way, NaN where the beam is not kept.
+        beam_mm: length of the beam at the node.
+    """
+
+    command: Command
+    moves: tuple[Joints, ...]
+    tracked: bool
+    duration_s: float
+    miss_mm: float
+    beam_mm: float
+
+
+@dataclass(frozen=True)
+class ReflectorPlan:
+    """The measurement of one reflector.
+
+    Attributes:
+        reflector: what is aimed at.
+        visits: points in measuring order.
+        blind: commands from which the reflector cannot be seen; they are left out.
+        planned_breaks: segments beyond the first.
+    """
+
+    reflector: Reflector
+    visits: tuple[Visit, ...]
+    blind: tuple[Command, ...]
+    planned_breaks: int
+
+
+@dataclass(frozen=True)
+class OpenLoopPlan:
+    """The whole measurement.
+
+    Attributes:
+        bench: what it was made from.
+        reflectors: one plan each, in measuring order.
+        warnings: what the operator should know before it starts.
+    """
+
+    bench: Bench
+    reflectors: tuple[ReflectorPlan, ...]
+    warnings: tuple[str, ...]
+
+    @property
+    def duration_s(self) -> float:
+        """Expected time of all visits, s."""
+        return sum(visit.duration_s for plan in self.reflectors for visit in plan.visits)
+
+    @property
+    def n_points(self) -> int:
+        """Number of distances."""
+        return sum(len(plan.visits) for plan in self.reflectors)
+
+    @property
+    def n_moves(self) -> int:
+        """Number of joint targets."""
+        return sum(len(visit.moves) for plan in self.reflectors for visit in plan.visits)
+
+
+def plan_open_loop(
+    bench: Bench, *, subdivide: bool = True, take_up: bool = True, reflectors: tuple[str, ...] = ()
+) -> OpenLoopPlan:
+    """Plan the paper's measurement for every reflector.
+
+    Args:
+        bench: nominal arm, reflectors as well as they are known, limits.
+        subdivide: split moves so that the beam is kept; False drives point to point, to show what breaks.
+        take_up: bring each joint to its node from its proper side; False shows what that shifts.
+        reflectors: names of the reflectors to measure; all of the cell when empty.
+
+    Raises:
+        PlanLimitError: a joint, take-up included, or J4 leaves its limits.
+        PlanError: a reflector is hidden from too many points, or unknown.
+    """
+    commands = bidirectional_sequence(bench.nodes1_deg, bench.nodes2_deg)
+    stops = (
+        with_take_up(commands, bench.take_up_deg)
+        if take_up
+        else tuple(Waypoint(c.theta1_deg, c.theta2_deg, c) for c in commands)
+    )
+    require_joint_limits(stops, bench)
+    plans = tuple(
+        _reflector_plan(stops, bench, reflector, subdivide) for reflector in _chosen(bench, reflectors)
+    )
+    return OpenLoopPlan(bench, plans, tuple(text for plan in plans for text in _warnings(plan)))
+
+
+def _chosen(bench: Bench, names: tuple[str, ...]) -> tuple[Reflector, ...]:
+    known = {reflector.name: reflector for reflector in bench.reflectors}
+    for name in names:
+        if name not in known:
+            raise PlanError(f"reflector {name} is not in the cell file; known: {', '.join(known)}")
+    return tuple(known[name] for name in names) if names else bench.reflectors
+
+
+def _reflector_plan(
+    stops: tuple[Waypoint, ...], bench: Bench, reflector: Reflector, subdivide: bool
+) -> ReflectorPlan:
+    track = plan_track(stops, bench, reflector, subdivide)
+    visits, blind = _visits(stops, track, bench, reflector)
+    _require_sight(visits, reflector, len(visits) + len(blind), bench)
+    breaks = sum(not visit.tracked for visit in visits) - 1
+    return ReflectorPlan(reflector, visits, blind, breaks)
+
+
+def _visits(
+    stops: tuple[Waypoint, ...], track: Track, bench: Bench, reflector: Reflector
+) -> tuple[tuple[Visit, ...], tuple[Command, ...]]:
+    visits: list[Visit] = []
+    blind: list[Command] = []
+    first = 0
+    for i, stop in enumerate(stops):
+        if stop.command is None:
+            continue
+        if not track.stop_seen[i]:
+            blind.append(stop.command)
+            continue
+        legs = range(first, i + 1)
+        tracked = bool(visits) and bool(track.leg_seen[first : i + 1].all())
+        parts = [int(track.sub_steps[k]) if tracked else 1 for k in legs]
+        moves = [
+            target
+            for k, count in zip(legs, parts, strict=True)
+            for target in _targets(stops, track, k, count, bench, reflector)
+        ]
+        start = visits[-1].moves[-1] if visits else moves[0]
+        miss = float(np.max(track.miss_mm[first : i + 1])) if tracked else float("nan")
+        duration = _duration_s(start, moves, bench)
+        visits.append(Visit(stop.command, tuple(moves), tracked, duration, miss, float(track.beam_mm[i])))
+        first = i + 1
+    return tuple(visits), tuple(blind)
+
+
+def _targets(
+    stops: tuple[Waypoint, ...], track: Track, i: int, parts: int, bench: Bench, reflector: Reflector
+) -> list[Joints]:
+    """Return the joint targets of the leg that ends at stop i, driven in equal parts."""
+    end = np.array([stops[i].theta1_deg, stops[i].theta2_deg])
+    start = np.array([stops[i - 1].theta1_deg, stops[i - 1].theta2_deg]) if parts > 1 else end
+    theta = end - np.arange(parts - 1, -1, -1)[:, None] / parts * (end - start)
+    j4 = np.rad2deg(aimed_along(np.deg2rad(theta), float(track.j4_rad[i]), bench, reflector))
+    return [
+        (float(one), float(two), bench.arm.j3_mm, float(four))
+        for (one, two), four in zip(theta, j4, strict=True)
+    ]
+
+
+def _duration_s(start: Joints, moves: list[Joints], bench: Bench) -> float:
+    poses = np.array([start, *moves])[:, [0, 1, 3]]
+    motion = float(move_time_s(bench.arm, np.diff(poses, axis=0)).sum())
+    return motion + bench.timing.settle_time_s + bench.timing.dwell_time_s
+
+
+def _require_sight(visits: tuple[Visit, ...], reflector: Reflector, n_commands: int, bench: Bench) -> None:
+    if len(visits) >= _FEWEST_SEEN * n_commands:
+        return
+    optics = bench.optics
+    raise PlanError(
+        f"reflector {reflector.name} at ({reflector.x_mm:g}, {reflector.y_mm:g}) mm can be seen from only "
+        f"{len(visits)} of {n_commands} commands: the base column ({optics.column_radius_mm:g} mm and "
+        f"{optics.column_margin_mm:g} mm margin), the reflector's field (±{optics.field_half_angle_deg:g}° about "
+        f"{reflector.facing_deg:g}°) or the beam's range ({optics.beam_min_mm:g}…{optics.beam_max_mm:g} mm) hides "
+        "it; put the reflector elsewhere, turn it, or correct its place in the cell file"
+    )
+
+
+def _warnings(plan: ReflectorPlan) -> list[str]:
+    texts = []
+    if plan.blind:
+        first = plan.blind[0]
+        texts.append(
+            f"reflector {plan.reflector.name}: {len(plan.blind)} commands are blind and left out, the first at "
+            f"θ1 = {first.theta1_deg:g}°, θ2 = {first.theta2_deg:g}°"
+        )
+    if plan.planned_breaks:
+        texts.append(
+            f"reflector {plan.reflector.name}: the beam cannot be kept {plan.planned_breaks} time(s); each begins "
+            "a new segment with a dead path of its own"
+        )
+    return texts

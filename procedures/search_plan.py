@@ -1,0 +1,150 @@
+"""From where to look for each reflector."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from calibration.kinematics import forward, wrap_rad
+from calibration.pointing import beam_direction, visible
+from procedures.bench import Bench, Reflector
+from procedures.errors import PlanError
+from procedures.tracking import aimed_j4
+
+Floats = NDArray[np.float64]
+
+_SEPARATION_MARGIN_DEG = 2.0
+"""Two reflectors seen from a pose have to be further apart than the scan and this."""
+
+
+@dataclass(frozen=True)
+class SearchPose:
+    """A pose from which a reflector is looked for.
+
+    Attributes:
+        reflector: what is looked for, at its rough place.
+        theta1_deg: J1.
+        theta2_deg: J2.
+        j4_deg: rough aim, inside the limits.
+        beam_mm: rough length of the beam.
+    """
+
+    reflector: Reflector
+    theta1_deg: float
+    theta2_deg: float
+    j4_deg: float
+    beam_mm: float
+
+
+@dataclass(frozen=True)
+class SearchPlan:
+    """The whole search.
+
+    Attributes:
+        bench: what it was made from.
+        reflectors: what is looked for.
+        poses: in order.
+        half_range_deg: how far J4 turns to either side at the first pose.
+        later_half_range_deg: the same once a reflector has been seen and θ40 is known roughly.
+        command_positions_mm: for each reflector, where the arm stands at the commands that see it, shape (n, 2).
+    """
+
+    bench: Bench
+    reflectors: tuple[Reflector, ...]
+    poses: tuple[SearchPose, ...]
+    half_range_deg: float
+    later_half_range_deg: float
+    command_positions_mm: tuple[Floats, ...]
+
+
+def plan_search(
+    bench: Bench, poses: int = 8, half_range_deg: float = 6.0, rough_place_mm: float = 20.0
+) -> SearchPlan:
+    """Choose poses spread over the workspace for every reflector.
+
+    Args:
+        bench: nominal arm, rough reflectors, limits.
+        poses: poses for each reflector, at least 4.
+        half_range_deg: how far off the beam's zero direction and the rough places together may be, deg.
+        rough_place_mm: how far off a rough place may be, mm; sets the range of the later scans.
+
+    Raises:
+        PlanError: a reflector can be seen from too few nodes, or two reflectors stand in one direction.
+    """
+    if poses < 4:
+        raise PlanError(f"a search needs at least 4 poses a reflector, not {poses}")
+    nodes = np.deg2rad([[one, two] for one in bench.nodes1_deg for two in bench.nodes2_deg])
+    chosen: list[SearchPose] = []
+    positions = []
+    for reflector in bench.reflectors:
+        seen = _seen(nodes, bench, reflector)
+        positions.append(_positions(seen, bench))
+        usable = seen[_apart(seen, bench, reflector, half_range_deg)]
+        if len(usable) < poses:
+            raise PlanError(
+                f"reflector {reflector.name} at ({reflector.x_mm:g}, {reflector.y_mm:g}) mm can be told from the "
+                f"others at only {len(usable)} nodes, {poses} are needed: check its place in the cell file, the "
+                "column and its field, or ask for fewer poses or a smaller half_range_deg"
+            )
+        chosen += [
+            _pose(pose, bench, reflector) for pose in usable[_spread(_positions(usable, bench), poses)]
+        ]
+    nearest = min(pose.beam_mm for pose in chosen)
+    later = min(half_range_deg, float(np.rad2deg(2.0 * rough_place_mm / nearest)))
+    return SearchPlan(bench, bench.reflectors, tuple(chosen), half_range_deg, later, tuple(positions))
+
+
+def _positions(theta_rad: Floats, bench: Bench) -> Floats:
+    return forward(theta_rad[:, 0], theta_rad[:, 1], bench.arm.link1_mm, bench.arm.link2_mm)
+
+
+def _seen(nodes: Floats, bench: Bench, reflector: Reflector) -> Floats:
+    optics = bench.optics
+    flags = visible(
+        _positions(nodes, bench),
+        reflector.xy_mm,
+        float(np.deg2rad(reflector.facing_deg)),
+        optics.column_radius_mm + optics.column_margin_mm,
+        float(np.deg2rad(optics.field_half_angle_deg)),
+        (optics.beam_min_mm, optics.beam_max_mm),
+    )
+    return nodes[flags]
+
+
+def _apart(theta_rad: Floats, bench: Bench, reflector: Reflector, half_range_deg: float) -> NDArray[np.bool_]:
+    """Return from which poses no other reflector stands inside the scan."""
+    positions = _positions(theta_rad, bench)
+    own = beam_direction(positions, reflector.xy_mm)
+    apart = np.ones(len(theta_rad), dtype=np.bool_)
+    for other in bench.reflectors:
+        if other != reflector:
+            off = np.abs(wrap_rad(beam_direction(positions, other.xy_mm) - own))
+            apart &= np.rad2deg(off) > half_range_deg + _SEPARATION_MARGIN_DEG
+    return apart
+
+
+def _spread(positions_mm: Floats, count: int) -> list[int]:
+    """Return rows that lie far from one another: each next one is the farthest from those chosen."""
+    chosen = [int(np.argmax(np.hypot(*(positions_mm - positions_mm.mean(axis=0)).T)))]
+    while len(chosen) < count:
+        gaps = np.hypot(*np.moveaxis(positions_mm[:, None, :] - positions_mm[chosen], -1, 0)).min(axis=1)
+        chosen.append(int(np.argmax(gaps)))
+    return chosen
+
+
+def _pose(theta_rad: Floats, bench: Bench, reflector: Reflector) -> SearchPose:
+    j4_deg = float(np.rad2deg(wrap_rad(aimed_j4(theta_rad, bench, reflector))))
+    beam = reflector.xy_mm - _positions(theta_rad[None, :], bench)[0]
+    theta1_deg, theta2_deg = (float(angle) for angle in np.rad2deg(theta_rad))
+    return SearchPose(reflector, theta1_deg, theta2_deg, _inside(j4_deg, bench), float(np.hypot(*beam)))
+
+
+def _inside(j4_deg: float, bench: Bench) -> float:
+    low, high = bench.arm.j4_limits_deg
+    for turn in (0.0, 360.0, -360.0):
+        if low <= j4_deg + turn <= high:
+            return j4_deg + turn
+    raise PlanError(
+        f"J4 = {j4_deg:.1f}° plus any whole turn is outside its limits {low:g}°…{high:g}°: widen "
+        "[robot.limits_deg] j4 or move the reflector"
+    )
