@@ -1,0 +1,1 @@
+"""Length counters that speak lines of text, described by a profile."""

@@ -1,0 +1,284 @@
+"""A length counter that is asked by lines of text."""
+
+import re
+from functools import partial
+from typing import ClassVar, Literal, Self
+
+from pydantic import BaseModel, ConfigDict, Field
+
+from drivers.clock import Clock
+from drivers.counter import codec
+from drivers.counter.profile import CounterProfile, load_profile
+from drivers.endpoint import open_transport
+from drivers.errors import DeviceError, LinkError, ProtocolError, RefusedError, WrongDeviceError
+from drivers.link import RequestLink
+from drivers.readings import CounterReading, CounterStatus, Identity
+from drivers.record import Sink
+from drivers.transport import Transport
+
+
+class CounterSettings(BaseModel):
+    """What a cell file may set of a line counter. Times are real seconds.
+
+    Attributes:
+        profile: name of a built-in profile or path of a TOML file.
+        connect_timeout_s: for connecting.
+        quiet_s: silence after which a link counts as drained.
+    """
+
+    model_config = ConfigDict(strict=True, extra="forbid", frozen=True)
+
+    profile: str = "default"
+    connect_timeout_s: float = Field(default=5.0, gt=0)
+    quiet_s: float = Field(default=0.02, gt=0)
+
+
+class LineCounter:
+    """Interferometer driver.
+
+    A beam that was lost makes every later count worthless until the next zero, so the loss is latched here too,
+    whatever the instrument says afterwards.
+
+    Args:
+        transport: the connection.
+        clock: time of the readings.
+        profile: what the instrument speaks.
+        quiet_s: silence after which the link counts as drained, real s.
+    """
+
+    Settings: ClassVar[type[CounterSettings]] = CounterSettings
+
+    def __init__(
+        self, transport: Transport, clock: Clock, profile: CounterProfile, *, quiet_s: float = 0.02
+    ) -> None:
+        self._clock = clock
+        self._profile = profile
+        self._link = RequestLink(transport, name=profile.title, greet=self._greet, quiet_s=quiet_s)
+        self._model: str | None = None
+        self._beam_lost = False
+        self._overspeed = False
+        self._zero_id = 0
+        self._offset_mm = 0.0
+        self._last_count = 0
+
+    @classmethod
+    def at(
+        cls,
+        endpoint: str,
+        clock: Clock,
+        sink: Sink | None = None,
+        *,
+        profile: str = "default",
+        connect_timeout_s: float = 5.0,
+        quiet_s: float = 0.02,
+    ) -> Self:
+        """Return a driver for an endpoint as the cell file writes it; nothing is opened yet.
+
+        Args:
+            endpoint: of the counter.
+            clock: time of the readings.
+            sink: is shown all bytes.
+            profile: name of a built-in profile or path of a TOML file.
+            connect_timeout_s: for connecting, real s.
+            quiet_s: silence after which the link counts as drained, real s.
+
+        Raises:
+            LinkError: the endpoint is wrong.
+            ProfileError: the profile is not found or wrong.
+        """
+        transport = open_transport(endpoint, connect_timeout_s=connect_timeout_s, sink=sink)
+        return cls(transport, clock, load_profile(profile), quiet_s=quiet_s)
+
+    @property
+    def notes(self) -> tuple[str, ...]:
+        """What an operator should know about this counter; empty when all is as it should be."""
+        return () if self._profile.confirmed else (self._claim,)
+
+    @property
+    def compensated(self) -> Literal["none", "instrument"]:
+        """Whether the instrument corrects its lengths for the air by itself."""
+        return self._profile.compensated
+
+    async def connect(self) -> Identity:
+        """Open the link and check who answers.
+
+        Raises:
+            WrongDeviceError: something answers that does not fit the profile.
+            LinkError: unreachable or silent.
+        """
+        self._model = None
+        await self._link.open()
+        model = ": ".join(filter(None, (self._claim, self._model)))
+        return Identity(model=model, firmware="", serial="", simulated="EMULATOR" in model.upper())
+
+    async def close(self) -> None:
+        """Disconnect; may be called any number of times."""
+        await self._link.close()
+
+    async def zero(self) -> int:
+        """Zero the count, clear the latched faults; return the new zero's number.
+
+        Raises:
+            RefusedError: the instrument refuses.
+            LinkError: lost or silent.
+            ProtocolError: garbage came.
+        """
+        zero = self._profile.zero
+        if zero.mode == "software" or not zero.command:
+            self._offset_mm += (await self.read()).displacement_mm
+        elif not zero.reply:
+            await self._pause()
+            await self._link.send(self._encode(zero.command), self._profile.line.timeout_s)
+        else:
+            text = await self._ask(zero.command, retry=False)
+            if not re.search(zero.reply, text):
+                raise self._unfit(zero.command, text, ProtocolError(f"no match for {zero.reply!r}"))
+        if zero.mode == "device":
+            self._offset_mm, self._last_count = 0.0, 0
+        self._beam_lost = self._overspeed = False
+        self._zero_id += 1
+        return self._zero_id
+
+    async def read(self) -> CounterReading:
+        """Return one reading.
+
+        Raises:
+            RefusedError: the instrument answers with an error.
+            LinkError: lost or silent.
+            ProtocolError: garbage came, or another unit than the profile's.
+        """
+        query, scale = self._profile.query, self._profile.scale
+        text = await self._ask(query.command)
+        time_s = self._clock.monotonic_s()
+        number = self._number(query.command, query.reply, text)
+        if scale.wrap_bits:
+            self._last_count = codec.unwrap(round(number), self._last_count, scale.wrap_bits)
+            number = float(self._last_count)
+        return CounterReading(codec.length_mm(number, scale) - self._offset_mm, text, time_s)
+
+    async def status(self) -> CounterStatus:
+        """Return the state of the beam. Without a signal command the signal is 1 with and 0 without a beam.
+
+        Raises:
+            RefusedError: the instrument answers with an error.
+            LinkError: lost or silent.
+            ProtocolError: garbage came.
+        """
+        status = self._profile.status
+        text = await self._ask(status.command)
+        try:
+            bits = codec.parse_bits(status, text)
+        except ProtocolError as exc:
+            raise self._unfit(status.command, text, exc) from None
+        absent = bits.get("beam_absent", bits["beam_lost"])
+        self._beam_lost |= bits["beam_lost"] or absent
+        self._overspeed |= bits.get("overspeed", False)
+        return CounterStatus(
+            beam_ok=not absent,
+            beam_lost=self._beam_lost,
+            overspeed=self._overspeed,
+            laser_ready=bits.get("laser_ready", True),
+            signal=await self._signal(default=0.0 if absent else 1.0),
+        )
+
+    async def _signal(self, default: float) -> float:
+        signal = self._profile.signal
+        if not signal:
+            return default
+        text = await self._ask(signal.command)
+        level = self._number(signal.command, signal.reply, text) / signal.full_scale
+        return min(max(level, 0.0), 1.0)
+
+    @property
+    def _claim(self) -> str:
+        return "; ".join(filter(None, (self._profile.title, self._profile.remark)))
+
+    def _encode(self, command: str) -> bytes:
+        return (command + self._profile.line.terminator).encode("ascii")
+
+    def _decoder(self, command: str) -> codec.LineDecoder:
+        return codec.LineDecoder(self._profile, command if self._profile.line.echo else "")
+
+    async def _pause(self) -> None:
+        if self._profile.line.gap_s:
+            await self._clock.sleep(self._profile.line.gap_s)
+
+    async def _ask(self, command: str, *, retry: bool = True) -> str:
+        await self._pause()
+        timeout_s = self._profile.line.timeout_s
+        text = await self._link.request(
+            self._encode(command), partial(self._decoder, command), timeout_s, retry=retry
+        )
+        self._check_error(command, text)
+        return text
+
+    def _check_error(self, command: str, text: str) -> None:
+        """Raise what an error line says. A line that fits the question is an answer: status E1 is no error 1."""
+        if self._fits(command, text) or not self._is_error(text):
+            return
+        digits = re.search(r"\d+", text)
+        raise RefusedError(
+            f"{self._link.where} refused {command!r} with {text[:64]!r}: look the error up in the instrument's "
+            f"manual and compare the commands of the profile ({self._profile.title}) with it",
+            int(digits[0]) if digits else 0,
+        )
+
+    def _is_error(self, text: str) -> bool:
+        return any(re.search(pattern, text) for pattern in self._profile.errors.patterns)
+
+    def _fits(self, command: str, text: str) -> bool:
+        profile = self._profile
+        asked = (profile.query, profile.zero, profile.status, profile.signal, profile.identify)
+        return any(a and a.command == command and a.reply and re.search(a.reply, text) for a in asked)
+
+    def _number(self, command: str, reply: str, text: str) -> float:
+        try:
+            value, unit = codec.parse_value(reply, text)
+            codec.check_unit(unit, self._profile.scale)
+        except ProtocolError as exc:
+            raise self._unfit(command, text, exc) from None
+        return value
+
+    def _unfit(self, command: str, text: str, cause: ProtocolError) -> ProtocolError:
+        self._link.distrust(f"{command!r} had an answer that does not fit")
+        return ProtocolError(
+            f"{self._link.where}: {command!r} was answered by {text[:64]!r}: {cause}: check the profile "
+            f"({self._profile.title}) and that nothing else answers on this port"
+        )
+
+    async def _greet(self) -> None:
+        """Ask who is there and for a value, which a stranger does not know."""
+        profile = self._profile
+        model = ""
+        try:
+            if profile.identify:
+                text = await self._greet_ask(profile.identify.command)
+                match = re.search(profile.identify.reply, text)
+                model = match["model"] if match else ""
+            text = await self._greet_ask(profile.query.command)
+            # A counter that has told its name may have no value to show, as without a beam.
+            if not model or not self._is_error(text):
+                self._number(profile.query.command, profile.query.reply, text)
+        except (LinkError, ProtocolError) as exc:
+            raise self._stranger(exc) from None
+        if self._model not in {None, model}:
+            raise WrongDeviceError(
+                f"{self._link.where}: after the link was opened again {model!r} answers instead of "
+                f"{self._model!r}: check the network"
+            )
+        self._model = model
+
+    async def _greet_ask(self, command: str) -> str:
+        await self._pause()
+        return await self._link.exchange(
+            self._encode(command), self._decoder(command), self._profile.line.timeout_s
+        )
+
+    def _stranger(self, cause: DeviceError) -> DeviceError:
+        came = self._link.greeting or self._link.last_bytes
+        if not came or self._model is not None:
+            return cause
+        return WrongDeviceError(
+            f"{self._link.where}: what answers here does not fit the profile, first bytes {came!r}: check host "
+            f"and port in the cell file and the profile's commands; {cause}"
+        )

@@ -1,0 +1,323 @@
+"""Requests and answers over a byte stream: one at a time, and never an answer to another question."""
+
+import asyncio
+from collections.abc import Awaitable, Callable, Coroutine
+from typing import Any, Protocol, TypeVar
+
+from drivers.errors import DeviceError, LinkError, LinkTimeoutError, ProtocolError
+from drivers.transport import Transport
+
+T = TypeVar("T")
+T_co = TypeVar("T_co", covariant=True)
+
+_SHOWN_BYTES = 80
+_DRAIN_TIMEOUT_S = 2.0
+
+
+class Decoder(Protocol[T_co]):
+    """Takes the bytes of one answer; made anew for each request."""
+
+    @property
+    def rest(self) -> bytes:
+        """Bytes that came behind the answer."""
+        ...
+
+    @property
+    def may_end(self) -> bool:
+        """Whether what has come so far is an answer if nothing follows at once."""
+        ...
+
+    def feed(self, data: bytes) -> T_co | None:
+        """Take a chunk; return the answer when it is known to be complete.
+
+        Raises:
+            ProtocolError: no answer begins like this.
+        """
+        ...
+
+    def end(self) -> T_co:
+        """Return the answer that ends with the silence behind it; only called when `may_end`.
+
+        Raises:
+            ProtocolError: the bytes are no answer.
+        """
+        ...
+
+
+class RequestLink:
+    """One request in flight on one transport.
+
+    An answer that does not come leaves the link out of step: it may still come, and would then be taken for
+    the answer to the next question. So after a time-out, a cancellation, garbage or bytes that nobody asked
+    for, the link is healed before anything else is sent: closed, opened again, drained until it is quiet and
+    checked by `greet`, which asks who is there.
+
+    Args:
+        transport: where the bytes go.
+        name: what is behind it, for texts.
+        greet: runs after each opening, with the link held; asks by `exchange` who is there.
+        quiet_s: silence that ends an answer without terminator and a drain, real s.
+        harmless: bytes that may stand between two answers, such as a late terminator.
+    """
+
+    def __init__(
+        self,
+        transport: Transport,
+        *,
+        name: str,
+        greet: Callable[[], Awaitable[None]],
+        quiet_s: float = 0.02,
+        harmless: bytes = b"\r\n",
+    ) -> None:
+        self._transport = transport
+        self._name = name
+        self._greet = greet
+        self._quiet_s = quiet_s
+        self._harmless = harmless
+        self._lock = asyncio.Lock()
+        self._is_open = False
+        self._doubt = ""
+        self._received = b""
+        self.discarded_bytes = 0
+        self.heal_count = 0
+        self.greeting = b""
+
+    @property
+    def where(self) -> str:
+        """Device and endpoint, for texts."""
+        return f"{self._name} at {self._transport.endpoint}"
+
+    @property
+    def doubt(self) -> str:
+        """Why the link is out of step; empty when it is in step."""
+        return self._doubt
+
+    @property
+    def last_bytes(self) -> bytes:
+        """The last bytes that came in the latest exchange, bounded."""
+        return self._received
+
+    async def open(self) -> None:
+        """Connect and greet.
+
+        Raises:
+            DeviceError: unreachable, or whatever the greeting finds; the link is closed then.
+        """
+        async with self._lock:
+            self._is_open = True
+            try:
+                await self._connect()
+            except (DeviceError, asyncio.CancelledError):
+                await self._shut()
+                raise
+
+    async def close(self) -> None:
+        """Disconnect at once, whatever is in flight; may be called any number of times."""
+        await self._shut()
+
+    async def request(
+        self,
+        data: bytes,
+        decoder: Callable[[], Decoder[T]],
+        timeout_s: float,
+        *,
+        retry: bool = False,
+        heal: bool = True,
+    ) -> T:
+        """Send a request and return its answer.
+
+        Args:
+            data: the request as sent.
+            decoder: makes the decoder of the answer.
+            timeout_s: for sending and answer, real s; waiting for the turn is not counted.
+            retry: ask once more after healing when the answer does not come or is garbage. For questions
+                only: a command must not be given twice.
+            heal: False refuses to send when the link is out of step, for a request that builds on what was
+                said on this very connection.
+
+        Raises:
+            LinkTimeoutError: no answer; the link is out of step until the next request heals it.
+            LinkError: not open, lost or not to be healed.
+            ProtocolError: garbage came.
+        """
+        async with self._lock:
+            await self._get_in_step(heal=heal)
+            try:
+                return await self.exchange(data, decoder(), timeout_s)
+            except (LinkError, ProtocolError):
+                if not retry:
+                    raise
+            await self._get_in_step(heal=True)
+            return await self.exchange(data, decoder(), timeout_s)
+
+    async def ensure(self) -> None:
+        """Heal the link if it is out of step.
+
+        Raises:
+            DeviceError: it cannot be healed now.
+        """
+        async with self._lock:
+            await self._get_in_step(heal=True)
+
+    async def send(self, data: bytes, timeout_s: float) -> None:
+        """Send a command that has no answer.
+
+        Args:
+            data: the command as sent.
+            timeout_s: for sending, real s.
+
+        Raises:
+            LinkTimeoutError: the bytes are not taken.
+            LinkError: not open or lost.
+        """
+        async with self._lock:
+            await self._get_in_step(heal=True)
+            await self._bounded(self._transport.write(data), data, timeout_s)
+
+    async def shout(self, data: bytes) -> None:
+        """Write past the request in flight. Its answer and this one cannot be told apart afterwards.
+
+        Raises:
+            LinkError: the link is closed.
+        """
+        self._doubt = f"{data!r} was put in past a request in flight"
+        await self._transport.write(data)
+
+    def distrust(self, why: str) -> None:
+        """Have the link healed before the next request, since an answer made no sense."""
+        self._doubt = why
+
+    async def exchange(self, data: bytes, decoder: Decoder[T], timeout_s: float) -> T:
+        """Send and receive while the link is held; for `greet` only, others use `request`.
+
+        Raises:
+            LinkTimeoutError: no answer in time.
+            LinkError: the link is lost.
+            ProtocolError: garbage came.
+        """
+        outstanding = f"the answer to {data!r} is outstanding"
+        self._doubt = outstanding
+        self._received = b""
+        reply = await self._bounded(self._ask(data, decoder), data, timeout_s)
+        # `shout` puts another text here meanwhile; then the doubt stays.
+        if self._doubt is outstanding:
+            self._doubt = self._surplus(decoder.rest)
+        return reply
+
+    async def _ask(self, data: bytes, decoder: Decoder[T]) -> T:
+        await self._transport.write(data)
+        reply: T | None = None
+        while reply is None:
+            try:
+                async with asyncio.timeout(self._quiet_s if decoder.may_end else None):
+                    chunk = await self._transport.read()
+            except TimeoutError:
+                return decoder.end()
+            self._received = (self._received + chunk)[-_SHOWN_BYTES:]
+            reply = self._feed(decoder, chunk)
+        return reply
+
+    def _feed(self, decoder: Decoder[T], chunk: bytes) -> T | None:
+        try:
+            return decoder.feed(chunk)
+        except ProtocolError as exc:
+            raise ProtocolError(f"{self.where}: {exc}; last bytes {self._received!r}") from None
+
+    async def _bounded(self, work: Awaitable[T], data: bytes, timeout_s: float) -> T:
+        try:
+            async with asyncio.timeout(timeout_s):
+                return await work
+        except TimeoutError:
+            came = f"last bytes {self._received!r}" if self._received else "no byte came"
+            raise LinkTimeoutError(
+                f"{self.where}: no answer to {data!r} within {timeout_s:g} s, {came}: check that the device "
+                "is not busy or switched off; the link is opened again before the next request"
+            ) from None
+
+    async def _get_in_step(self, *, heal: bool) -> None:
+        if not self._is_open:
+            raise LinkError(f"{self.where}: not connected: connect first")
+        if not self._doubt:
+            await self._look_for_unsolicited()
+        if not self._doubt:
+            return
+        if not heal:
+            raise LinkError(f"{self.where}: the link is out of step ({self._doubt}): nothing was sent")
+        self.heal_count += 1
+        await self._connect()
+
+    async def _connect(self) -> None:
+        self._doubt = "the greeting is not finished"
+        await self._transport.close()
+        await self._transport.open()
+        self.greeting = await self._drain()
+        try:
+            await self._greet()
+        except BaseException:
+            # A greeting that ends half-way leaves no session, although its last exchange may have been whole.
+            self._doubt = "the greeting failed"
+            raise
+
+    async def _drain(self) -> bytes:
+        """Read until nothing comes for the quiet time; return the first bytes."""
+        first = b""
+        try:
+            async with asyncio.timeout(_DRAIN_TIMEOUT_S) as whole:
+                while True:
+                    async with asyncio.timeout(self._quiet_s):
+                        chunk = await self._transport.read()
+                    first = (first + chunk)[:_SHOWN_BYTES]
+                    self.discarded_bytes += len(chunk)
+        except TimeoutError:
+            if whole.expired():
+                raise LinkError(
+                    f"{self.where}: bytes keep coming without a request, first {first!r}: check that the "
+                    "endpoint belongs to this device and that no other program talks to it"
+                ) from None
+        return first
+
+    async def _look_for_unsolicited(self) -> None:
+        """Doubt the link if bytes lie there that nobody asked for, or if the other side is gone."""
+        # Two turns of the loop: one finds the socket readable, one moves its bytes to where read looks.
+        await asyncio.sleep(0)
+        await asyncio.sleep(0)
+        while not self._doubt:
+            try:
+                async with asyncio.timeout(0):
+                    chunk = await self._transport.read()
+            except TimeoutError:
+                return
+            except LinkError as exc:
+                self._doubt = str(exc)
+            else:
+                self._doubt = self._surplus(chunk)
+
+    def _surplus(self, data: bytes) -> str:
+        """Return the doubt about bytes outside of an answer, and count them."""
+        surplus = data.strip(self._harmless)
+        self.discarded_bytes += len(surplus)
+        return f"bytes came that nobody asked for: {surplus[:_SHOWN_BYTES]!r}" if surplus else ""
+
+    async def _shut(self) -> None:
+        self._is_open = False
+        self._doubt = "closed"
+        await self._transport.close()
+
+
+async def uninterrupted(work: Coroutine[Any, Any, T]) -> T:
+    """Finish a piece of work even if the caller is cancelled meanwhile; the cancellation follows then.
+
+    The work has to be bounded in time by itself.
+    """
+    task = asyncio.ensure_future(work)
+    cancelled = False
+    while not task.done():
+        try:
+            # Unlike awaiting the task, this neither hands a cancellation on nor raises the task's errors.
+            await asyncio.wait({task})
+        except asyncio.CancelledError:
+            cancelled = True
+    result = task.result()
+    if cancelled:
+        raise asyncio.CancelledError
+    return result

@@ -1,0 +1,1 @@
+"""Mitsubishi MELFA controllers over the R-protocol."""

@@ -1,0 +1,79 @@
+"""Parts of a joint motion: its command, the comparison of reported joints with it, waiting for standstill."""
+
+import asyncio
+
+from drivers.clock import Clock
+from drivers.errors import LinkTimeoutError
+from drivers.melfa.session import Session
+from drivers.melfa.settings import MelfaSettings
+from drivers.readings import Joints
+
+VARIABLE = "JCATSEYE"
+"""Joint variable that carries the target in the controller."""
+
+JOINT_NAMES = ("J1", "J2", "J3", "J4")
+_JOINT_UNITS = ("deg", "deg", "mm", "deg")
+
+
+def assignment(target: Joints) -> str:
+    """Return the statement that sets the variable: four decimals, never a negative zero (sheet 4.2)."""
+    values = ",".join(f"{round(value, 4) + 0.0:.4f}" for value in target)
+    return f"{VARIABLE}=({values})"
+
+
+def off_target(reached: Joints, target: Joints, settings: MelfaSettings) -> str:
+    """Return the joints that are reported off the target, in words; empty when all are there."""
+    limits = {"deg": settings.tolerance_deg, "mm": settings.tolerance_mm}
+    return ", ".join(
+        f"{name} is at {at:.2f} {unit} instead of {to:.4f} {unit}"
+        for name, unit, at, to in zip(JOINT_NAMES, _JOINT_UNITS, reached, target, strict=True)
+        if abs(at - to) > limits[unit]
+    )
+
+
+async def standstill(
+    session: Session,
+    clock: Clock,
+    settings: MelfaSettings,
+    *,
+    timeout_s: float,
+    still_polls: int,
+    target: Joints | None = None,
+) -> Joints:
+    """Poll until nothing runs and the joints stay the same, or stand at the target.
+
+    The run bit alone is not enough: no source says whether it covers statements that are executed directly.
+
+    Args:
+        session: where to ask.
+        clock: time of the pause between two polls.
+        settings: of the driver.
+        timeout_s: for all polls together, real s.
+        still_polls: equal positions in a row that count as standstill.
+        target: of the motion, if one was started.
+
+    Returns:
+        The joints at standstill.
+
+    Raises:
+        LinkTimeoutError: still moving.
+        DeviceError: the controller does not answer as it should.
+    """
+    last: Joints | None = None
+    equal = 0
+    try:
+        async with asyncio.timeout(timeout_s):
+            while equal < still_polls:
+                running = (await session.state()).running
+                joints = await session.joints()
+                if target and not running and not off_target(joints, target, settings):
+                    return joints
+                equal = equal + 1 if joints == last and not running else 1
+                last = joints
+                await clock.sleep(settings.poll_s)
+    except TimeoutError:
+        raise LinkTimeoutError(
+            f"{session.where}: the robot does not stand still after {timeout_s:g} s, last joints {last}: press "
+            "the emergency stop if it should not be moving"
+        ) from None
+    return joints

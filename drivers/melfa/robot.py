@@ -1,0 +1,383 @@
+"""A MELFA SCARA over the R-protocol of its controller.
+
+Two connections are held. The first one has the operation right and waits for the end of each motion; the second
+one is there for STOP, which must not queue behind that wait. STOP needs no operation right (sheet 1.7).
+"""
+
+import asyncio
+import contextlib
+import math
+from functools import partial
+from typing import Any, ClassVar, Self
+
+from drivers.clock import Clock
+from drivers.endpoint import open_transport
+from drivers.errors import AlarmError, DeviceError, LinkError, NotArrivedError, ProtocolError, RefusedError
+from drivers.link import uninterrupted
+from drivers.melfa import codec
+from drivers.melfa.motion import JOINT_NAMES, VARIABLE, assignment, off_target, standstill
+from drivers.melfa.session import Session
+from drivers.melfa.settings import MelfaSettings
+from drivers.readings import Identity, Joints, RobotStatus
+from drivers.record import Sink
+from drivers.transport import Transport
+
+_DUPLICATE_DEFINITION = 4350
+_CLOSE_TIMEOUT_S = 3.0
+_STILL_POLLS = 3
+_UNSTARTED_POLLS = 25
+_LOOK_WHY = "look for a collision, a stop by another source or an alarm before moving again"
+
+
+class MelfaR3:
+    """Robot driver.
+
+    Args:
+        transport: connection that holds the operation right.
+        stop_transport: connection for STOP; it may lead to another port of the same controller.
+        clock: time of the polls.
+        settings: see there.
+    """
+
+    Settings: ClassVar[type[MelfaSettings]] = MelfaSettings
+
+    def __init__(
+        self,
+        transport: Transport,
+        stop_transport: Transport,
+        clock: Clock,
+        settings: MelfaSettings | None = None,
+    ) -> None:
+        self._settings = settings or MelfaSettings()
+        self._clock = clock
+        self._main = Session(transport, self._settings, name="robot", set_up=self._take_over)
+        self._aside = Session(stop_transport, self._settings, name="robot (stop connection)")
+        self._has_aside = False
+        self._declared = False
+        self._override = ""
+        self._right_note = ""
+        self._aside_note = ""
+
+    @classmethod
+    def at(
+        cls,
+        endpoint: str,
+        clock: Clock,
+        sink: Sink | None = None,
+        *,
+        stop_endpoint: str | None = None,
+        stop_sink: Sink | None = None,
+        **settings: Any,
+    ) -> Self:
+        """Return a driver for endpoints as the cell file writes them; nothing is opened yet.
+
+        Args:
+            endpoint: of the controller.
+            clock: time of the polls.
+            sink: is shown all bytes of the first connection.
+            stop_endpoint: of the stop connection, for controllers that serve one client a port.
+            stop_sink: is shown all bytes of the stop connection; `sink` by default.
+            settings: fields of `MelfaSettings`.
+
+        Raises:
+            LinkError: an endpoint is wrong.
+            pydantic.ValidationError: a setting is unknown or wrong.
+        """
+        checked = MelfaSettings(**settings)
+        timeout_s = checked.connect_timeout_s
+        return cls(
+            open_transport(endpoint, connect_timeout_s=timeout_s, sink=sink),
+            open_transport(stop_endpoint or endpoint, connect_timeout_s=timeout_s, sink=stop_sink or sink),
+            clock,
+            checked,
+        )
+
+    @property
+    def notes(self) -> tuple[str, ...]:
+        """What an operator should know about this connection; empty when all is as it should be."""
+        return tuple(filter(None, (self._right_note, self._aside_note)))
+
+    async def connect(self) -> Identity:
+        """Open both connections, recognise the controller, take the operation right.
+
+        Raises:
+            WrongDeviceError: something else answers, or another robot.
+            LinkError: unreachable or silent.
+        """
+        opened = await self._main.open()
+        try:
+            await self._open_aside()
+        except BaseException:
+            await uninterrupted(self.close())
+            raise
+        return Identity(
+            model=f"{opened.model} ({opened.controller})",
+            firmware=opened.firmware,
+            serial=opened.serial,
+            simulated="EMULATOR" in opened.copyright.upper(),
+        )
+
+    async def close(self) -> None:
+        """Give the right back and disconnect; may be called any number of times."""
+        self._has_aside = False
+        for session, commands in ((self._aside, ()), (self._main, ("CNTLOFF",))):
+            # A request in flight holds the link until its own time-out; closing does not wait for it.
+            with contextlib.suppress(TimeoutError):
+                async with asyncio.timeout(_CLOSE_TIMEOUT_S):
+                    await session.close(*commands)
+            await session.link.close()
+
+    async def status(self) -> RobotStatus:
+        """Return the controller's state.
+
+        Raises:
+            LinkError: lost or silent.
+            ProtocolError: garbage came.
+        """
+        return await self._main.status()
+
+    async def servo(self, *, on: bool) -> None:
+        """Switch the drives and return when STATE says that they are so.
+
+        Raises:
+            AlarmError: an alarm is active.
+            RefusedError: refused, or the servo does not follow in time.
+            LinkError: lost or silent.
+        """
+        if on:
+            await self._main.command("SRVON")
+        else:
+            # Allowed in every state: also an alarm must not keep the drives on.
+            await self._main.ask("SRVOFF", codec.bare)
+        timeout_s = self._settings.servo_timeout_s
+        status = await self._main.status()
+        try:
+            async with asyncio.timeout(timeout_s):
+                while status.servo_on != on:
+                    if on and status.alarm_number:
+                        raise AlarmError(f"{self._main.where}: {status.alarm_text}", status.alarm_number)
+                    await self._clock.sleep(self._settings.poll_s)
+                    status = await self._main.status()
+        except TimeoutError:
+            stop = "open" if status.emergency_stop else "closed"
+            raise RefusedError(
+                f"{self._main.where}: the servo is not {'on' if on else 'off'} after {timeout_s:g} s, "
+                f"emergency stop circuit {stop}, key at {'TEACH' if status.teach_mode else 'AUTO'}: check key "
+                "switch, emergency stop, door switch and that the pendant is disabled",
+                0,
+            ) from None
+
+    async def set_override(self, percent: float) -> float:
+        """Set the speed override, rounded down to a whole percent; return what is read back.
+
+        Args:
+            percent: 1...100.
+
+        Raises:
+            ValueError: outside of 1...100.
+            AlarmError: an alarm is active.
+            RefusedError: refused.
+            LinkError: lost or silent.
+        """
+        if not 1 <= percent <= 100:
+            raise ValueError(f"override_percent must be from 1 to 100, got {percent}")
+        command = f"OVRD={int(percent)}"
+        answer = await self._main.ask(command, codec.free_text)
+        if answer.alarm:
+            await self._main.raise_alarm(command)
+        self._override = command
+        read_back = await self._main.ask("OVRD", codec.free_text, retry=True)
+        return codec.parse_number(read_back.payload, "the override")
+
+    async def joints(self) -> Joints:
+        """Return the reported joints (J1 deg, J2 deg, J3 mm, J4 deg), in steps of 0.01.
+
+        The sheet does not know whether a controller reports command or feedback (1.11).
+
+        Raises:
+            LinkError: lost or silent.
+            ProtocolError: garbage came.
+        """
+        return await self._main.joints()
+
+    async def joint_limits(self) -> tuple[tuple[float, float], ...]:
+        """Return the controller's own limits of J1...J4 from the parameter MEJAR, deg or mm.
+
+        Raises:
+            LinkError: lost or silent.
+            ProtocolError: garbage came.
+        """
+        answer = await self._main.ask("PNRMEJAR", codec.free_text, retry=True)
+        values = codec.parse_parameter(answer.payload, "MEJAR")
+        if len(values) < 2 * len(JOINT_NAMES):
+            raise ProtocolError(
+                f"{self._main.where}: MEJAR has {len(values)} values, 8 are needed for 4 joints"
+            )
+        return tuple((values[2 * i], values[2 * i + 1]) for i in range(len(JOINT_NAMES)))
+
+    async def reset_alarm(self) -> None:
+        """Reset the active alarm.
+
+        Raises:
+            AlarmError: it is still there.
+            LinkError: lost or silent.
+        """
+        await self._main.ask("RSTALRM", codec.bare)
+        await self._main.raise_alarm("RSTALRM")
+
+    async def move_joints(self, target: Joints) -> None:
+        """Interpolate all joints to the target; return when the robot stands there.
+
+        The motion is commanded once. When its answer is lost, the controller is asked where the robot is. A
+        cancellation stops the robot before it goes on.
+
+        Args:
+            target: J1 deg, J2 deg, J3 mm, J4 deg.
+
+        Raises:
+            AlarmError: an alarm came up.
+            RefusedError: refused, nothing moves.
+            NotArrivedError: the robot stands somewhere else.
+            LinkError: lost or silent; the robot has been stopped if it was moving.
+            ProtocolError: garbage came.
+            ValueError: a joint is not a finite number.
+        """
+        if not all(map(math.isfinite, target)):
+            raise ValueError(f"joints of a motion must be finite numbers, got {target}")
+        try:
+            await self._main.link.ensure()
+            await self._declare()
+            # The motion takes its target from this very connection, so no healing from here on.
+            await self._main.command(f"EXEC{assignment(target)}", heal=False)
+            await self._go(target)
+        except asyncio.CancelledError:
+            await self.stop()
+            raise
+
+    async def stop(self) -> None:
+        """Stop now, past any command under way; return when the robot stands.
+
+        A cancellation does not interrupt it. May be called at any time and any number of times.
+
+        Raises:
+            LinkError: STOP could not be sent or the standstill is not confirmed: use the emergency stop.
+        """
+        await uninterrupted(self._stop())
+
+    async def _take_over(self) -> None:
+        """Take the operation right; a new connection knows neither variable nor override of the old one."""
+        self._declared = False
+        try:
+            await self._main.greet_ask("CNTLON", codec.bare)
+        except RefusedError as exc:
+            # The state can be read without the right, which is what helps an operator now.
+            self._right_note = f"the operation right is refused, the robot cannot be moved: {exc}"
+            return
+        self._right_note = ""
+        if self._override:
+            await self._main.greet_ask(self._override, codec.free_text)
+
+    async def _open_aside(self) -> None:
+        try:
+            await self._aside.open()
+        except LinkError as exc:
+            self._aside_note = (
+                "no second connection for STOP: motions are polled and STOP goes between two polls; give "
+                f"stop_endpoint another port of the controller ({exc})"
+            )
+        else:
+            self._aside_note = ""
+            self._has_aside = True
+
+    async def _declare(self) -> None:
+        """Declare the joint variable once a connection; a definition that is there already is used."""
+        if self._declared:
+            return
+        try:
+            await self._main.command(f"EXECDEF JNT {VARIABLE}", heal=False)
+        except RefusedError as exc:
+            if exc.number != _DUPLICATE_DEFINITION:
+                raise
+            if isinstance(exc, AlarmError):
+                await self.reset_alarm()
+        self._declared = True
+
+    async def _go(self, target: Joints) -> None:
+        timeout_s = self._settings.move_timeout_s
+        try:
+            if self._settings.motion == "exec2" and self._has_aside:
+                await self._main.command(f"EXEC2=MOV {VARIABLE}", timeout_s=timeout_s, heal=False)
+                reached = await self._main.joints()
+            else:
+                await self._main.command(f"EXECMOV {VARIABLE}", heal=False)
+                reached = await standstill(
+                    self._main,
+                    self._clock,
+                    self._settings,
+                    timeout_s=timeout_s,
+                    still_polls=_UNSTARTED_POLLS,
+                    target=target,
+                )
+        except (LinkError, ProtocolError) as lost:
+            await self._find_out(target, lost)
+            return
+        if off := off_target(reached, target, self._settings):
+            await self._main.raise_alarm("MOV")
+            raise NotArrivedError(f"{self._main.where}: the motion is over, but {off}: {_LOOK_WHY}")
+
+    async def _find_out(self, target: Joints, lost: DeviceError) -> None:
+        """Ask where the robot is after the answer to a motion was lost; go on only if it stands at the target."""
+        session = self._side
+        try:
+            status, joints = await session.status(), await session.joints()
+        except DeviceError as exc:
+            await self.stop()
+            raise LinkError(
+                f"{session.where}: the answer to the motion is lost ({lost}) and the controller does not tell "
+                f"where the robot is ({exc}): the robot was told to stop; {_LOOK_WHY}"
+            ) from lost
+        off = off_target(joints, target, self._settings)
+        if not status.running and not off:
+            return
+        await self.stop()
+        if status.alarm_number:
+            raise AlarmError(f"{session.where}: {status.alarm_text}", status.alarm_number) from lost
+        was = "was still moving" if status.running else f"stands elsewhere ({off})"
+        raise NotArrivedError(
+            f"{session.where}: the answer to the motion is lost ({lost}); the robot {was} and was told to stop: "
+            f"raise move_timeout_s or the override if the motion is only slow; {_LOOK_WHY}"
+        ) from lost
+
+    @property
+    def _side(self) -> Session:
+        """The session that no motion blocks."""
+        return self._aside if self._has_aside else self._main
+
+    async def _stop(self) -> None:
+        session = self._side
+        try:
+            await session.ask("STOP", codec.bare, heal=False)
+        except DeviceError as exc:
+            await self._stop_any_way(exc)
+        await standstill(
+            session,
+            self._clock,
+            self._settings,
+            timeout_s=self._settings.stop_timeout_s,
+            still_polls=_STILL_POLLS,
+        )
+
+    async def _stop_any_way(self, cause: DeviceError) -> None:
+        """Send STOP past whatever the first connection waits for, then again on a connection that is healed."""
+        failures = [cause]
+        # Healing takes as long as the network pleases; these bytes go at once.
+        for attempt in (partial(self._main.shout, "STOP"), partial(self._side.ask, "STOP", codec.bare)):
+            try:
+                await attempt()
+            except DeviceError as exc:
+                failures.append(exc)
+        if len(failures) > 2:
+            raise LinkError(
+                f"{self._main.where}: STOP could not be sent on any connection: PRESS THE EMERGENCY STOP if the "
+                f"robot moves ({'; '.join(map(str, failures))})"
+            ) from cause

@@ -1,0 +1,258 @@
+"""One connection to a MELFA controller: opened, recognised, asked; rejections become errors."""
+
+import contextlib
+from collections.abc import Awaitable, Callable
+from functools import partial
+from typing import TypeVar
+
+from drivers.errors import AlarmError, DeviceError, LinkError, ProtocolError, RefusedError, WrongDeviceError
+from drivers.link import RequestLink
+from drivers.melfa import codec
+from drivers.melfa.alarms import describe
+from drivers.melfa.codec import Answer, Layout, Opened, State
+from drivers.melfa.settings import MelfaSettings
+from drivers.readings import Joints, RobotStatus
+from drivers.transport import Transport
+
+T = TypeVar("T")
+
+_JOINTS_OF_A_SCARA = 0x0F
+
+
+async def _nothing() -> None:
+    """Ask for nothing more than the identity."""
+
+
+class Session:
+    """An R-protocol session.
+
+    Args:
+        transport: the connection.
+        settings: of the driver.
+        name: what is behind it, for texts.
+        set_up: runs after each opening, the first one and those that heal; may use `greet_ask` only.
+    """
+
+    def __init__(
+        self,
+        transport: Transport,
+        settings: MelfaSettings,
+        *,
+        name: str,
+        set_up: Callable[[], Awaitable[None]] = _nothing,
+    ) -> None:
+        self._settings = settings
+        self._set_up = set_up
+        self._terminated = False
+        self._opened: Opened | None = None
+        self.link = RequestLink(transport, name=name, greet=self._greet, quiet_s=settings.quiet_s)
+
+    @property
+    def where(self) -> str:
+        """Device and endpoint, for texts."""
+        return self.link.where
+
+    async def open(self) -> Opened:
+        """Connect and recognise the controller.
+
+        Raises:
+            WrongDeviceError: something else answers, or another robot.
+            LinkError: unreachable or silent.
+        """
+        await self.link.open()
+        if not self._opened:
+            raise ProtocolError(f"{self.where}: OPEN was not answered")
+        return self._opened
+
+    async def close(self, *commands: str) -> None:
+        """Say goodbye as far as the link allows, then disconnect. Bounded in time."""
+        for command in (*commands, "CLOSE"):
+            # The connection is given up: what the controller has to say about it helps nobody any more.
+            with contextlib.suppress(DeviceError):
+                await self.ask(command, codec.bare, heal=False)
+        await self.link.close()
+
+    async def ask(
+        self,
+        command: str,
+        layout: Layout,
+        *,
+        timeout_s: float | None = None,
+        retry: bool = False,
+        heal: bool = True,
+    ) -> Answer:
+        """Send a request; return the accepted answer.
+
+        Args:
+            command: the command word with its argument.
+            layout: of the answer.
+            timeout_s: real s; the setting `answer_timeout_s` by default.
+            retry: ask twice if need be; for questions only.
+            heal: False refuses to send on a link that is out of step.
+
+        Raises:
+            AlarmError: rejected, and an alarm is active.
+            RefusedError: rejected.
+            LinkError: lost or silent.
+            ProtocolError: garbage came.
+        """
+        answer = await self.link.request(
+            self._encode(command),
+            partial(codec.AnswerDecoder, layout, terminated=self._terminated),
+            timeout_s or self._settings.answer_timeout_s,
+            retry=retry,
+            heal=heal,
+        )
+        self._terminated |= answer.terminated
+        if not answer.accepted:
+            raise await self._rejection(command, answer)
+        return answer
+
+    async def command(self, command: str, *, timeout_s: float | None = None, heal: bool = True) -> None:
+        """Give a command that has no payload in its answer and must not be taken in an alarm.
+
+        Raises:
+            AlarmError: an alarm is active.
+            RefusedError: rejected.
+            LinkError: lost or silent.
+            ProtocolError: garbage came.
+        """
+        answer = await self.ask(command, codec.bare, timeout_s=timeout_s, heal=heal)
+        if answer.payload:
+            raise self._wrong(command, f"{answer.payload[:64]!r} came behind QoK")
+        if answer.alarm:
+            await self.raise_alarm(command)
+
+    async def greet_ask(self, command: str, layout: Layout) -> Answer:
+        """Ask while the link is being opened.
+
+        Raises:
+            RefusedError: rejected.
+            LinkError: lost or silent.
+            ProtocolError: garbage came.
+        """
+        decoder = codec.AnswerDecoder(layout, terminated=self._terminated)
+        answer = await self.link.exchange(self._encode(command), decoder, self._settings.answer_timeout_s)
+        self._terminated |= answer.terminated
+        if not answer.accepted:
+            raise self._refused(command, answer.number)
+        return answer
+
+    async def state(self) -> State:
+        """Ask STATE."""
+        answer = await self.ask("STATE", codec.state_text, retry=True)
+        return self._parsed("STATE", codec.parse_state, answer)
+
+    async def status(self) -> RobotStatus:
+        """Ask STATE, and ERROR too when an alarm is flagged."""
+        answer = await self.ask("STATE", codec.state_text, retry=True)
+        state = self._parsed("STATE", codec.parse_state, answer)
+        number, level = await self.alarm() if answer.alarm or state.error else (0, 0)
+        number = number or state.error
+        return RobotStatus(
+            servo_on=state.servo_on,
+            running=state.running,
+            operation_enabled=state.operation_enabled,
+            teach_mode=state.teach_mode,
+            emergency_stop=state.emergency_stop,
+            override_percent=state.override_percent,
+            alarm_number=number,
+            alarm_text=describe(number, level) if number else "",
+        )
+
+    async def joints(self) -> Joints:
+        """Ask JPOSF: J1 deg, J2 deg, J3 mm, J4 deg."""
+        answer = await self.ask("JPOSF", codec.positions_text, retry=True)
+        axes = self._parsed("JPOSF", codec.parse_positions, answer)
+        try:
+            return axes["J1"], axes["J2"], axes["J3"], axes["J4"]
+        except KeyError as exc:
+            raise self._wrong("JPOSF", f"axis {exc} is missing in {answer.payload[:64]!r}") from None
+
+    async def alarm(self) -> tuple[int, int]:
+        """Ask ERROR: alarm number and level, both 0 when there is none."""
+        answer = await self.ask("ERROR", codec.error_text, retry=True)
+        return self._parsed("ERROR", codec.parse_error, answer)
+
+    async def raise_alarm(self, command: str) -> None:
+        """Raise the active alarm, if there is one.
+
+        Raises:
+            AlarmError: with number, meaning and remedy.
+        """
+        number, level = await self.alarm()
+        if number:
+            raise AlarmError(f"{self.where}: {describe(number, level)} (found at {command})", number)
+
+    def _encode(self, command: str) -> bytes:
+        settings = self._settings
+        return codec.encode(
+            command, robot=settings.robot_number, slot=settings.slot, terminator=settings.terminator
+        )
+
+    async def shout(self, command: str) -> None:
+        """Write a command past the request in flight."""
+        await self.link.shout(self._encode(command))
+
+    async def _rejection(self, command: str, answer: Answer) -> RefusedError:
+        """Return the error of a rejection: the active alarm if there is one, else the rejection itself."""
+        refused = self._refused(command, answer.number)
+        if command == "ERROR":
+            return refused
+        number, level = await self.alarm()
+        if not number or number == answer.number:
+            return AlarmError(str(refused), answer.number) if number else refused
+        return AlarmError(f"{refused}; active is {describe(number, level)}", number)
+
+    def _refused(self, command: str, number: int) -> RefusedError:
+        return RefusedError(f"{self.where} refused {command}: {describe(number)}", number)
+
+    def _parsed(self, command: str, parse: Callable[[str], T], answer: Answer) -> T:
+        try:
+            return parse(answer.payload)
+        except ProtocolError as exc:
+            raise self._wrong(command, str(exc)) from None
+
+    def _wrong(self, command: str, what: str) -> ProtocolError:
+        """Return the error of an answer that cannot belong to the request, and distrust the link."""
+        self.link.distrust(f"{command} had an answer of another layout")
+        return ProtocolError(
+            f"{self.where}: {command}: {what}; last bytes {self.link.last_bytes!r}: "
+            "check that nothing else talks to this port and that the firmware speaks the R-protocol"
+        )
+
+    async def _greet(self) -> None:
+        try:
+            answer = await self.greet_ask(f"OPEN={self._settings.client_name}", codec.open_text)
+            opened = codec.parse_open(answer.payload)
+        except (LinkError, ProtocolError) as exc:
+            raise self._stranger(exc) from None
+        self._check_model(opened)
+        await self._set_up()
+        self._opened = opened
+
+    def _stranger(self, cause: DeviceError) -> DeviceError:
+        """Return the error of an OPEN that failed: a stranger if bytes came, else the cause."""
+        came = self.link.greeting or self.link.last_bytes
+        if not came or self._opened:
+            return cause
+        return WrongDeviceError(
+            f"{self.where}: no MELFA controller answers here, its first bytes are {came!r}: check host and "
+            "port in the cell file (10001 is the factory setting) and that the port's parameter CPRCE is 0 "
+            f"(R-protocol); {cause}"
+        )
+
+    def _check_model(self, opened: Opened) -> None:
+        expected = self._settings.expected_model
+        if not opened.model.startswith(expected) or opened.joints & _JOINTS_OF_A_SCARA != _JOINTS_OF_A_SCARA:
+            raise WrongDeviceError(
+                f"{self.where}: the controller drives a {opened.model!r} with joints {opened.joints:02X}, "
+                f"expected is a {expected!r} with joints 0F at least: check the endpoint, or set "
+                "expected_model in the cell file if this is the robot to be measured"
+            )
+        if self._opened and (opened.model, opened.serial) != (self._opened.model, self._opened.serial):
+            raise WrongDeviceError(
+                f"{self.where}: after the link was opened again a {opened.model!r}, serial "
+                f"{opened.serial!r}, answers instead of the {self._opened.model!r}, serial "
+                f"{self._opened.serial!r}: check the network"
+            )

@@ -1,0 +1,62 @@
+"""A transport that shows every byte that passes."""
+
+from collections.abc import Callable
+from typing import Literal
+
+from drivers.transport import Transport
+
+Direction = Literal["tx", "rx"]
+"""Seen from the program: tx is sent, rx is received."""
+
+Sink = Callable[[Direction, bytes], None]
+"""Takes the direction and the bytes; must neither block nor raise."""
+
+
+class RecordingTransport:
+    """Wraps a transport and hands what passes to a sink.
+
+    Args:
+        inner: the transport that does the work.
+        sink: is called with direction and bytes: sent ones before they are sent, since a transcript
+            must hold what a failed write may have put on the wire.
+    """
+
+    def __init__(self, inner: Transport, sink: Sink) -> None:
+        self._inner = inner
+        self._sink = sink
+
+    @property
+    def endpoint(self) -> str:
+        """Where it leads."""
+        return self._inner.endpoint
+
+    async def open(self) -> None:
+        """Connect.
+
+        Raises:
+            LinkError: unreachable.
+        """
+        await self._inner.open()
+
+    async def close(self) -> None:
+        """Disconnect; may be called any number of times."""
+        await self._inner.close()
+
+    async def write(self, data: bytes) -> None:
+        """Send all bytes.
+
+        Raises:
+            LinkError: the link is closed.
+        """
+        self._sink("tx", data)
+        await self._inner.write(data)
+
+    async def read(self) -> bytes:
+        """Return the next chunk, at least one byte.
+
+        Raises:
+            LinkError: the other side has closed the link.
+        """
+        data = await self._inner.read()
+        self._sink("rx", data)
+        return data
