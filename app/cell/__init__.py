@@ -1,0 +1,1 @@
+"""The cell file: what stands on the bench, strictly checked."""

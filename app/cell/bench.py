@@ -1,0 +1,56 @@
+"""The cell file as procedures and emulators need it."""
+
+import math
+from dataclasses import replace
+
+from app.cell.model import Cell
+from procedures.bench import Arm, Bench, Optics, Reflector, Timing
+
+
+def bench_of(cell: Cell) -> Bench:
+    """Return the bench that a cell file describes."""
+    return Bench(
+        name=cell.name,
+        arm=_arm(cell),
+        optics=Optics(**cell.optics.model_dump()),
+        timing=Timing(
+            cell.measurement.settle_time_s, cell.measurement.dwell_time_s, cell.measurement.readings
+        ),
+        reflectors=tuple(
+            Reflector(r.name, r.x_mm, r.y_mm, facing_deg(r.x_mm, r.y_mm, r.facing_deg))
+            for r in cell.reflector
+        ),
+        nodes1_deg=tuple(cell.measurement.theta1_deg),
+        nodes2_deg=tuple(cell.measurement.theta2_deg),
+        take_up_deg=cell.measurement.take_up_deg,
+    )
+
+
+def facing_deg(x_mm: float, y_mm: float, given_deg: float | None) -> float:
+    """Return the direction of a reflector's axis, deg: as given, else towards the J1 axis."""
+    return math.degrees(math.atan2(y_mm, x_mm)) + 180.0 if given_deg is None else given_deg
+
+
+def with_override(bench: Bench, override_percent: float) -> Bench:
+    """Return the bench driven with another speed override, %."""
+    return replace(bench, arm=replace(bench.arm, override_percent=override_percent))
+
+
+def _arm(cell: Cell) -> Arm:
+    robot, limits = cell.robot, cell.robot.limits_deg
+    return Arm(
+        link1_mm=robot.link1_mm,
+        link2_mm=robot.link2_mm,
+        j1_limits_deg=(limits.j1[0], limits.j1[1]),
+        j2_limits_deg=(limits.j2[0], limits.j2[1]),
+        j4_limits_deg=(limits.j4[0], limits.j4[1]),
+        j3_mm=robot.j3_mm,
+        speed_deg_s=_triple(robot.speed_deg_s),
+        acceleration_deg_s2=_triple(robot.acceleration_deg_s2),
+        override_percent=robot.override_cap_percent,
+    )
+
+
+def _triple(values: list[float]) -> tuple[float, float, float]:
+    first, second, third = values
+    return first, second, third

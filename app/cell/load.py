@@ -1,0 +1,147 @@
+"""Reading a cell file: errors name file, line, key and the nearest valid key."""
+
+import difflib
+import hashlib
+import re
+import tomllib
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, get_args
+
+from pydantic import BaseModel, ValidationError
+from pydantic_core import ErrorDetails
+
+from app.cell.model import Cell
+from app.errors import ConfigError
+
+Place = tuple[int | str, ...]
+
+
+@dataclass(frozen=True)
+class LoadedCell:
+    """A cell file that has passed every check.
+
+    Attributes:
+        cell: its values.
+        path: where it was read.
+        sha256: of its bytes.
+        origins: dotted key to "file" or "default", for every value.
+    """
+
+    cell: Cell
+    path: Path
+    sha256: str
+    origins: dict[str, str]
+
+
+def load_cell(path: Path) -> LoadedCell:
+    """Read and check a cell file.
+
+    Raises:
+        ConfigError: the file is missing, is no TOML, or a key or value is wrong; every fault is listed.
+    """
+    raw = _read(path)
+    try:
+        text = raw.decode("utf-8")
+        data = tomllib.loads(text)
+    except (UnicodeDecodeError, tomllib.TOMLDecodeError) as error:
+        raise ConfigError(f"{path}: not a TOML file: {error}") from error
+    try:
+        cell = Cell.model_validate(data)
+    except ValidationError as error:
+        faults = "\n".join(f"  {_sentence(path, text, fault)}" for fault in error.errors())
+        raise ConfigError(f"the cell file cannot be used:\n{faults}") from error
+    return LoadedCell(cell, path, hashlib.sha256(raw).hexdigest(), _origins(cell, data, ""))
+
+
+def _read(path: Path) -> bytes:
+    try:
+        return path.read_bytes()
+    except FileNotFoundError as error:
+        raise ConfigError(f"{path}: there is no such file; write one with: catseye init {path}") from error
+    except OSError as error:
+        raise ConfigError(f"{path}: cannot be read: {error.strerror}") from error
+
+
+def _sentence(path: Path, text: str, fault: ErrorDetails) -> str:
+    place = fault["loc"]
+    where = f"{path}:{_line_of(text, place)}: {_dotted(place) or 'file'}"
+    match fault["type"]:
+        case "extra_forbidden":
+            return f"{where}: unknown key{_nearest(place)}"
+        case "missing":
+            return f"{where}: this key is missing"
+        case "value_error":
+            return f"{where}: {fault['msg'].removeprefix('Value error, ')}"
+        case _:
+            return f"{where}: {fault['msg']}, not {fault['input']!r}"
+
+
+def _dotted(place: Place) -> str:
+    return re.sub(r"\.(\d+)", lambda m: f"[{int(m.group(1)) + 1}]", ".".join(str(part) for part in place))
+
+
+def _nearest(place: Place) -> str:
+    section = _section_at(place[:-1])
+    if section is None:
+        return ""
+    known = list(section.model_fields)
+    close = difflib.get_close_matches(str(place[-1]), known, n=1, cutoff=0.5)
+    if close:
+        return f"; did you mean {close[0]}?"
+    return f"; known here: {', '.join(known)}"
+
+
+def _section_at(place: Place) -> type[BaseModel] | None:
+    section: type[BaseModel] = Cell
+    for part in place:
+        if isinstance(part, int):
+            continue
+        field = section.model_fields.get(part)
+        inner = None if field is None else _model_in(field.annotation)
+        if inner is None:
+            return None
+        section = inner
+    return section
+
+
+def _model_in(annotation: Any) -> type[BaseModel] | None:
+    if isinstance(annotation, type) and issubclass(annotation, BaseModel):
+        return annotation
+    return next((model for inner in get_args(annotation) if (model := _model_in(inner)) is not None), None)
+
+
+def _line_of(text: str, place: Place) -> int:
+    """Return the line that a key stands on, or that of its table, or 1."""
+    tables = [str(part) for part in place if not isinstance(part, int)]
+    count = next((part for part in place if isinstance(part, int)), 0)
+    best, depth, seen = 1, 0, -1
+    here: list[str] = []
+    for number, line in enumerate(text.splitlines(), 1):
+        header = re.match(r"\s*\[\[?\s*([\w.\-]+)\s*\]\]?", line)
+        if header:
+            here = header.group(1).split(".")
+            seen += line.lstrip().startswith("[[") and here == tables[: len(here)]
+            if here == tables[: len(here)] and len(here) > depth and (seen < 0 or seen == count):
+                best, depth = number, len(here)
+            continue
+        key = re.match(r'\s*"?([\w\-]+)"?\s*=', line)
+        whole = [*here, key.group(1)] if key else []
+        if key and whole == tables[: len(whole)] and (seen < 0 or not here or seen == count):
+            return number
+    return best
+
+
+def _origins(section: BaseModel, given: Any, prefix: str) -> dict[str, str]:
+    found: dict[str, str] = {}
+    for name in type(section).model_fields:
+        value, inside = getattr(section, name), isinstance(given, dict) and name in given
+        key = f"{prefix}{name}"
+        if isinstance(value, BaseModel):
+            found |= _origins(value, given[name] if inside else None, f"{key}.")
+        elif isinstance(value, list) and value and isinstance(value[0], BaseModel):
+            for i, item in enumerate(value):
+                found |= _origins(item, given[name][i] if inside else None, f"{key}[{i + 1}].")
+        else:
+            found[key] = "file" if inside else "default"
+    return found

@@ -1,0 +1,162 @@
+"""Shape of the cell file, version 1. The unit is part of every key; unknown keys are refused."""
+
+from itertools import pairwise
+from typing import Annotated, Literal, Self
+
+from pydantic import BaseModel, ConfigDict, Field, StringConstraints, field_validator, model_validator
+
+from drivers.endpoint import parse_endpoint
+
+Positive = Annotated[float, Field(gt=0.0, allow_inf_nan=False)]
+NotNegative = Annotated[float, Field(ge=0.0, allow_inf_nan=False)]
+Finite = Annotated[float, Field(allow_inf_nan=False)]
+Name = Annotated[str, StringConstraints(pattern=r"^[A-Za-z0-9_.+-]{1,40}$")]
+Triple = Annotated[list[Positive], Field(min_length=3, max_length=3)]
+Range = Annotated[list[Finite], Field(min_length=2, max_length=2)]
+
+
+class Section(BaseModel):
+    """A table of the cell file."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid", strict=True)
+
+
+def _checked_endpoint(text: str) -> str:
+    # Port 0 asks an emulator for a free port; as a place to connect to it means nothing.
+    parse_endpoint(text[:-2] + ":1" if text.startswith("tcp://") and text.endswith(":0") else text)
+    return text
+
+
+class Limits(Section):
+    """[robot.limits_deg]: where the joints may go, cables included."""
+
+    j1: Range = [-170.0, 170.0]
+    j2: Range = [-145.0, 145.0]
+    j4: Range = [-360.0, 360.0]
+
+    @field_validator("j1", "j2", "j4")
+    @classmethod
+    def _ordered(cls, value: list[float]) -> list[float]:
+        if not value[0] < value[1]:
+            raise ValueError(f"the lower limit {value[0]:g} has to be below the upper limit {value[1]:g}")
+        return value
+
+
+class Robot(Section):
+    """[robot]: controller and nominal arm."""
+
+    driver: str = "melfa-r3"
+    endpoint: str
+    expected_model: str = "RH-3FRH5515"
+    link1_mm: Positive
+    link2_mm: Positive
+    j3_mm: Finite = 0.0
+    override_cap_percent: Annotated[float, Field(gt=0.0, le=100.0, allow_inf_nan=False)] = 20.0
+    # The sheet gives the speeds of J1, J2, J4 from memory of a catalogue: they serve the time estimate only.
+    speed_deg_s: Triple = [420.0, 720.0, 3000.0]
+    acceleration_deg_s2: Triple = [2000.0, 4000.0, 15000.0]
+    limits_deg: Limits = Limits()
+
+    _endpoint = field_validator("endpoint")(_checked_endpoint)
+
+
+class Interferometer(Section):
+    """[interferometer]: the length counter."""
+
+    driver: str = "line-counter"
+    profile: str = "default"
+    endpoint: str
+
+    _endpoint = field_validator("endpoint")(_checked_endpoint)
+
+
+class Environment(Section):
+    """[environment]: the air sensor."""
+
+    driver: str = "modbus-air"
+    endpoint: str
+    map: str = "vaisala"
+    pressure_register: Annotated[int, Field(ge=0, le=65535)] | None = None
+
+    _endpoint = field_validator("endpoint")(_checked_endpoint)
+
+
+class Optics(Section):
+    """[optics]: the beam and what stands in its way."""
+
+    acceptance_mm: Positive = 1.0
+    max_miss_mm: Positive = 0.3
+    field_half_angle_deg: Annotated[float, Field(gt=0.0, le=90.0, allow_inf_nan=False)] = 80.0
+    column_radius_mm: NotNegative = 110.0
+    column_margin_mm: NotNegative = 5.0
+    beam_min_mm: Positive = 50.0
+    beam_max_mm: Positive = 5000.0
+    theta40_deg: Finite = 0.0
+
+    @model_validator(mode="after")
+    def _consistent(self) -> Self:
+        if self.max_miss_mm >= self.acceptance_mm:
+            raise ValueError(
+                f"max_miss_mm = {self.max_miss_mm:g} has to be below acceptance_mm = {self.acceptance_mm:g}: "
+                "the aim itself is not perfect"
+            )
+        if self.beam_min_mm >= self.beam_max_mm:
+            raise ValueError("beam_min_mm has to be below beam_max_mm")
+        return self
+
+
+class Reflector(Section):
+    """[[reflector]]: a cat's eye at its rough place."""
+
+    name: Name
+    x_mm: Finite
+    y_mm: Finite
+    facing_deg: Finite | None = None
+
+
+class Measurement(Section):
+    """[measurement]: nodes and timing."""
+
+    theta1_deg: Annotated[list[Finite], Field(min_length=2)]
+    theta2_deg: Annotated[list[Finite], Field(min_length=2)]
+    settle_time_s: NotNegative = 0.5
+    dwell_time_s: NotNegative = 0.5
+    readings: Annotated[int, Field(ge=1, le=10000)] = 10
+    take_up_deg: Positive = 1.0
+
+    @field_validator("theta1_deg", "theta2_deg")
+    @classmethod
+    def _increasing(cls, value: list[float]) -> list[float]:
+        for low, high in pairwise(value):
+            if not low < high:
+                raise ValueError(f"nodes have to increase strictly; {high:g} follows {low:g}")
+        return value
+
+
+class Uncertainty(Section):
+    """[uncertainty]: what a distance is good for."""
+
+    # Table 2 of the SCARA paper: 10 µm laser length and repeatability, 12 µm radial error motions, 0.31 µm aim.
+    distance_um: Positive = 15.6
+
+
+class Cell(Section):
+    """A whole cell file."""
+
+    format: Literal["catseye-cell/1"]
+    name: Name
+    robot: Robot
+    interferometer: Interferometer
+    environment: Environment
+    optics: Optics = Optics()
+    reflector: Annotated[list[Reflector], Field(min_length=1)]
+    measurement: Measurement
+    uncertainty: Uncertainty = Uncertainty()
+
+    @model_validator(mode="after")
+    def _unique_reflectors(self) -> Self:
+        names = [reflector.name for reflector in self.reflector]
+        for name in names:
+            if names.count(name) > 1:
+                raise ValueError(f"two reflectors are called {name}; give each a name of its own")
+        return self

@@ -1,0 +1,75 @@
+"""The cell file that `catseye init` writes: the paper's robot, reflectors and commands."""
+
+TEMPLATE = """\
+# catseye cell file: what stands on the bench. Every key carries its unit; unknown keys are refused.
+# Check it with:   catseye config validate FILE
+# See it resolved: catseye config show FILE
+format = "catseye-cell/1"
+name = "lab-1"                          # you type this name to arm real hardware: catseye run ... --arm lab-1
+
+[robot]
+driver = "melfa-r3"
+# The loopback address is for the emulators: catseye emulate FILE. A real controller's factory address is
+# 192.168.0.20, its first TCP port 10001:
+#   endpoint = "tcp://192.168.0.20:10001"
+endpoint = "tcp://127.0.0.1:10001"
+expected_model = "RH-3FRH5515"          # the controller has to call itself so, or the links below are wrong
+link1_mm = 325.0                        # nominal, from the catalogue
+link2_mm = 225.0
+j3_mm = 0.0                             # height at which everything is measured: the beam at the reflectors' height
+override_cap_percent = 20               # the program never drives faster
+
+[robot.limits_deg]                      # make these narrower than the controller's own, cables included
+j1 = [-170.0, 170.0]
+j2 = [-145.0, 145.0]
+j4 = [-360.0, 360.0]
+
+[interferometer]
+driver = "line-counter"
+# "default" is the dialect of the emulator. For a DISTAX L-IM-300A use "distax", whose protocol is not published:
+# copy the profile, complete it with the manual and give its path here.
+profile = "default"
+endpoint = "tcp://127.0.0.1:10002"
+
+[environment]
+driver = "modbus-air"
+endpoint = "tcp://127.0.0.1:10502"
+map = "vaisala"
+# The sheets do not know the register of a PTU300's pressure. 44 (0x2C) is that of the emulator and of a DPT145:
+# confirm it with your sensor's manual.
+pressure_register = 44
+
+[optics]
+acceptance_mm = 1.0                     # the cat's eye returns the beam up to this miss of its centre
+max_miss_mm = 0.3                       # the plan splits its moves so that the beam stays this close
+field_half_angle_deg = 80.0
+column_radius_mm = 110.0                # the robot's base hides the reflector behind it
+column_margin_mm = 5.0
+theta40_deg = 0.0                       # beam direction at J4 = 0, roughly; the search finds it
+
+[[reflector]]                           # rough places; the search finds them
+name = "P1"
+x_mm = 650.0
+y_mm = -400.0
+
+[[reflector]]
+name = "P2"
+x_mm = 680.0
+y_mm = 0.0
+
+[[reflector]]
+name = "P3"
+x_mm = 640.0
+y_mm = 380.0
+
+[measurement]                           # nodes of the maps, visited upwards then downwards: 22 x 16 = 352 commands
+theta1_deg = [-140.0, -120.0, -100.0, -80.0, -60.0, -40.0, -20.0, 0.0, 20.0, 40.0, 60.0]
+theta2_deg = [0.0, 20.0, 40.0, 60.0, 80.0, 100.0, 120.0, 140.0]
+settle_time_s = 0.5
+dwell_time_s = 0.5
+readings = 10                           # spread over the dwell time
+take_up_deg = 1.0                       # overshoot at every reversal; larger than any backlash
+
+[uncertainty]
+distance_um = 15.6                      # standard uncertainty of a distance (Table 2 of the SCARA paper)
+"""
