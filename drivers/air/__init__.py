@@ -1,0 +1,1 @@
+"""Air sensors over Modbus TCP."""

@@ -1,0 +1,171 @@
+"""The only module that touches pymodbus: registers over Modbus TCP."""
+
+import asyncio
+import logging
+
+from pymodbus.client import AsyncModbusTcpClient
+from pymodbus.exceptions import ModbusException
+from pymodbus.pdu import ModbusPDU
+from pymodbus.pdu.mei_message import ReadDeviceInformationResponse
+
+from drivers.errors import LinkError, LinkTimeoutError, ProtocolError, RefusedError, WrongDeviceError
+from drivers.record import Sink
+
+# The library reports through its logger what is raised here anyway; a program without log handlers would print it.
+logging.getLogger("pymodbus").addHandler(logging.NullHandler())
+
+_EXCEPTIONS = {
+    1: "illegal function: set function to 3 or 4 as the sensor's manual says",
+    2: "illegal data address: check map, the addresses and address_base",
+    3: "illegal data value: check kind and the addresses",
+    4: "device failure: see the sensor's manual",
+    6: "device busy: give it longer pauses",
+    11: "gateway target does not answer: check device_id and the wiring behind the gateway",
+}
+_SHOWN_BYTES = 80
+
+
+class RegisterClient:
+    """Reads registers. Every answer carries the number of its request, so a late one is never mistaken.
+
+    Args:
+        host: name or address of the sensor.
+        port: its port.
+        device_id: unit identifier.
+        timeout_s: for connecting and for an answer, real s.
+        sink: is shown all bytes.
+    """
+
+    def __init__(
+        self, host: str, port: int, *, device_id: int = 1, timeout_s: float = 3.0, sink: Sink | None = None
+    ) -> None:
+        self._host = host
+        self._port = port
+        self._device_id = device_id
+        self._timeout_s = timeout_s
+        self._sink = sink
+        self._client: AsyncModbusTcpClient | None = None
+        self._received = b""
+
+    @property
+    def endpoint(self) -> str:
+        """Where it leads: tcp://host:port."""
+        return f"tcp://{self._host}:{self._port}"
+
+    async def open(self) -> None:
+        """Connect; an open link is kept.
+
+        Raises:
+            LinkError: unreachable.
+        """
+        if self._client and self._client.connected:
+            return
+        await self.close()
+        client = AsyncModbusTcpClient(
+            self._host,
+            port=self._port,
+            timeout=self._timeout_s,
+            retries=0,
+            reconnect_delay=0,
+            trace_packet=self._trace,
+        )
+        if not await client.connect():
+            raise LinkError(
+                f"air sensor at {self.endpoint}: cannot connect within {self._timeout_s:g} s: check that it is "
+                "switched on, its address and port (502 is usual), and how many clients it serves at once"
+            )
+        self._client = client
+
+    async def close(self) -> None:
+        """Disconnect; may be called any number of times."""
+        if self._client:
+            self._client.close()
+            self._client = None
+            # The socket is closed in the loop's next turn.
+            await asyncio.sleep(0)
+
+    async def read(self, function: int, address: int, count: int) -> list[int]:
+        """Return registers, on a new connection if the old one was lost.
+
+        Args:
+            function: 3 for holding, 4 for input registers.
+            address: as sent.
+            count: how many.
+
+        Raises:
+            RefusedError: the sensor answers with an exception.
+            LinkError: lost or silent.
+            ProtocolError: another number of registers came.
+        """
+        what = f"{count} registers from 0x{address:04X} by function {function}"
+        client = await self._connected()
+        call = client.read_holding_registers if function == 3 else client.read_input_registers
+        try:
+            answer = await call(address, count=count, device_id=self._device_id)
+        except ModbusException as exc:
+            raise await self._lost(what, exc) from None
+        self._check(what, answer)
+        if len(answer.registers) != count:
+            raise ProtocolError(
+                f"air sensor at {self.endpoint}: {len(answer.registers)} registers came for {what}; "
+                f"last bytes {self._received!r}: check that this is a Modbus TCP device"
+            )
+        return list(answer.registers)
+
+    async def identify(self) -> dict[int, str]:
+        """Return the objects of function 43/14: 0 vendor, 1 product, 2 revision, 0x80 serial.
+
+        Raises:
+            RefusedError: the sensor does not know the function.
+            LinkError: lost or silent.
+        """
+        client = await self._connected()
+        try:
+            answer = await client.read_device_information(device_id=self._device_id)
+        except ModbusException as exc:
+            raise await self._lost("the identification", exc) from None
+        self._check("the identification", answer)
+        information = answer.information if isinstance(answer, ReadDeviceInformationResponse) else {}
+        return {
+            key: value.decode("latin-1") for key, value in information.items() if isinstance(value, bytes)
+        }
+
+    async def _connected(self) -> AsyncModbusTcpClient:
+        await self.open()
+        if not self._client:
+            raise LinkError(f"air sensor at {self.endpoint}: not connected: connect first")
+        return self._client
+
+    def _check(self, what: str, answer: ModbusPDU) -> None:
+        if answer.isError():
+            code = answer.exception_code
+            meaning = _EXCEPTIONS.get(code, "see the sensor's manual")
+            raise RefusedError(
+                f"air sensor at {self.endpoint} refused {what}: exception {code}, {meaning}", code
+            )
+
+    async def _lost(self, what: str, cause: ModbusException) -> LinkError | WrongDeviceError:
+        """Close the link, so that the next request opens it anew, and return the error."""
+        await self.close()
+        if self._received:
+            return WrongDeviceError(
+                f"air sensor at {self.endpoint}: no Modbus answer to {what}, but the bytes {self._received!r}: "
+                f"check host and port in the cell file; {cause}"
+            )
+        return LinkTimeoutError(
+            f"air sensor at {self.endpoint}: no answer to {what} within {self._timeout_s:g} s, no byte came: "
+            f"check device_id and that the sensor is not busy with other clients; {cause}"
+        )
+
+    def _trace(self, sending: bool, data: bytes) -> bytes:
+        """Show bytes to the sink. The library hands over what has piled up, not what has just come."""
+        if sending:
+            self._received = b""
+            new = data
+        else:
+            more = data.startswith(self._received) and len(data) > len(self._received)
+            new = data[len(self._received) :] if more else data
+            self._received = data[-_SHOWN_BYTES:] if len(data) > _SHOWN_BYTES else data
+        if self._sink:
+            self._sink("tx" if sending else "rx", new)
+        return data

@@ -1,0 +1,217 @@
+"""Where air sensors keep their values (sheet of the air sensors, sections 1a and 2). Pure."""
+
+import math
+import struct
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import Literal
+
+from pydantic import BaseModel, ConfigDict, Field
+
+from drivers.errors import ProfileError, ProtocolError
+
+Kind = Literal["float32", "int16", "uint16", "int32"]
+WordOrder = Literal["big", "little"]
+Name = Literal["temperature", "pressure", "humidity"]
+
+_FORMATS: dict[Kind, str] = {"float32": ">f", "int16": ">h", "uint16": ">H", "int32": ">i"}
+_MISSING_INT16 = 0x8000
+
+LIMITS: dict[Name, tuple[float, float, str]] = {
+    "temperature": (-40.0, 60.0, "°C"),
+    "pressure": (500.0, 1200.0, "hPa"),
+    "humidity": (0.0, 100.0, "%RH"),
+}
+"""What air around a robot can be: lowest, highest, unit."""
+
+
+@dataclass(frozen=True)
+class Quantity:
+    """One value.
+
+    Attributes:
+        address: register as the documents number it; `RegisterMap.address_base` is taken off on the wire.
+        kind: representation.
+        scale: factor from the number to °C, hPa or %RH.
+    """
+
+    address: int
+    kind: Kind = "float32"
+    scale: float = 1.0
+
+    @property
+    def registers(self) -> int:
+        """How many registers it takes."""
+        return struct.calcsize(_FORMATS[self.kind]) // 2
+
+
+@dataclass(frozen=True)
+class RegisterMap:
+    """The values of one kind of sensor; a quantity that it does not give is None.
+
+    Attributes:
+        title: what to call the sensor.
+        temperature: °C.
+        pressure: hPa.
+        humidity: %RH.
+        function: 3 reads holding, 4 input registers.
+        word_order: `little` when the less significant word comes first (CDAB).
+        address_base: number that the documents give to the first register.
+    """
+
+    title: str
+    temperature: Quantity | None = None
+    pressure: Quantity | None = None
+    humidity: Quantity | None = None
+    function: Literal[3, 4] = 3
+    word_order: WordOrder = "big"
+    address_base: Literal[0, 1] = 0
+
+    def quantities(self) -> dict[Name, Quantity]:
+        """Return the quantities that the sensor gives."""
+        named: dict[Name, Quantity | None] = {
+            "temperature": self.temperature,
+            "pressure": self.pressure,
+            "humidity": self.humidity,
+        }
+        return {name: quantity for name, quantity in named.items() if quantity}
+
+    def wire_address(self, quantity: Quantity) -> int:
+        """Return the address as it is sent."""
+        return quantity.address - self.address_base
+
+    def label(self, name: Name) -> str:
+        """Return a quantity with its register, for texts."""
+        quantity = self.quantities()[name]
+        wire = self.wire_address(quantity)
+        return f"{name} ({quantity.kind} at register 0x{quantity.address:04X}, 0x{wire:04X} on the wire)"
+
+
+VAISALA = RegisterMap(
+    "Vaisala sensor",
+    temperature=Quantity(0x0002),
+    humidity=Quantity(0x0000),
+    word_order="little",
+)
+COMET_WEB = RegisterMap(
+    "Comet Web Sensor",
+    temperature=Quantity(0x0031, "int16", 0.1),
+    humidity=Quantity(0x0032, "int16", 0.1),
+    pressure=Quantity(0x0034, "int16", 0.1),
+)
+GENERIC = RegisterMap("Modbus air sensor")
+
+VAISALA_PRESSURE_NOTE = (
+    "no pressure is read: the public documents do not give the pressure register of the PTU300. Set "
+    "pressure_address to the address in its manual (0x002C, register 45 of the DPT145, is a guess from the family)"
+)
+
+
+class AirSettings(BaseModel):
+    """What a cell file may set of a Modbus air sensor.
+
+    Attributes:
+        map: register map to start from; `generic` knows none.
+        device_id: unit identifier; most TCP sensors ignore it.
+        temperature_address: register, as the documents number it; replaces the map's, as all that follow.
+        pressure_address: see above.
+        humidity_address: see above.
+        temperature_scale: factor to °C.
+        pressure_scale: factor to hPa.
+        humidity_scale: factor to %RH.
+        kind: representation of every value.
+        function: 3 or 4.
+        word_order: big or little.
+        address_base: number that the documents give to the first register.
+        timeout_s: for connecting and for an answer, real s.
+    """
+
+    model_config = ConfigDict(strict=True, extra="forbid", frozen=True)
+
+    map: Literal["vaisala", "comet_web", "generic"] = "vaisala"
+    device_id: int = Field(default=1, ge=0, le=255)
+    temperature_address: int | None = Field(default=None, ge=0, le=0xFFFF)
+    pressure_address: int | None = Field(default=None, ge=0, le=0xFFFF)
+    humidity_address: int | None = Field(default=None, ge=0, le=0xFFFF)
+    temperature_scale: float | None = None
+    pressure_scale: float | None = None
+    humidity_scale: float | None = None
+    kind: Kind | None = None
+    function: Literal[3, 4] | None = None
+    word_order: WordOrder | None = None
+    address_base: Literal[0, 1] | None = None
+    timeout_s: float = Field(default=3.0, gt=0)
+
+
+_MAPS = {"vaisala": VAISALA, "comet_web": COMET_WEB, "generic": GENERIC}
+
+
+def resolve(settings: AirSettings) -> RegisterMap:
+    """Return the map that the settings describe.
+
+    Raises:
+        ProfileError: no quantity has an address, or one lies before the first register.
+    """
+    base = _MAPS[settings.map]
+    result = replace(
+        base,
+        temperature=_quantity(
+            base.temperature, settings.temperature_address, settings.temperature_scale, settings.kind
+        ),
+        pressure=_quantity(base.pressure, settings.pressure_address, settings.pressure_scale, settings.kind),
+        humidity=_quantity(base.humidity, settings.humidity_address, settings.humidity_scale, settings.kind),
+        function=settings.function or base.function,
+        word_order=settings.word_order or base.word_order,
+        address_base=base.address_base if settings.address_base is None else settings.address_base,
+    )
+    quantities = result.quantities()
+    if not quantities:
+        raise ProfileError(
+            f"environment map {settings.map!r}: no quantity has a register: set temperature_address, "
+            "pressure_address or humidity_address"
+        )
+    if wrong := [name for name, quantity in quantities.items() if result.wire_address(quantity) < 0]:
+        raise ProfileError(f"environment: {wrong[0]}_address = 0 lies before address_base = 1: use 1 or more")
+    return result
+
+
+def _quantity(
+    base: Quantity | None, address: int | None, scale: float | None, kind: Kind | None
+) -> Quantity | None:
+    if base is None and address is None:
+        return None
+    start = base or Quantity(0)
+    return Quantity(
+        start.address if address is None else address,
+        kind or start.kind,
+        start.scale if scale is None else scale,
+    )
+
+
+def decode(words: Sequence[int], quantity: Quantity, word_order: WordOrder) -> float | None:
+    """Return the value in registers; None when the sensor says that it has none (NaN, 0x8000).
+
+    Args:
+        words: as many registers as the quantity takes.
+        quantity: what they hold.
+        word_order: of the sensor.
+    """
+    if quantity.kind == "int16" and words[0] == _MISSING_INT16:
+        return None
+    ordered = words if word_order == "big" else words[::-1]
+    (number,) = struct.unpack(_FORMATS[quantity.kind], b"".join(w.to_bytes(2, "big") for w in ordered))
+    return None if math.isnan(number) else float(number) * quantity.scale
+
+
+def check_plausible(name: Name, value: float | None, register_map: RegisterMap) -> None:
+    """Refuse a value that no air around a robot has.
+
+    Raises:
+        ProtocolError: out of the limits; the text names the register and what to check.
+    """
+    low, high, unit = LIMITS[name]
+    if value is not None and not low <= value <= high:
+        raise ProtocolError(
+            f"{register_map.label(name)} reads {value:.6g} {unit}, outside of {low:g}...{high:g} {unit}: check "
+            f"word_order (now {register_map.word_order!r}), address_base, {name}_address, {name}_scale and kind"
+        )
