@@ -9,6 +9,7 @@ from typing import ClassVar
 from app.exitcode import ExitCode
 from calibration.errors import CalibrationError, MapRangeError, OutOfReachError
 from drivers.errors import AlarmError, DeviceError, ProfileError
+from procedures.errors import PlanError, PlanLimitError, ProcedureError
 
 
 class CatseyeError(Exception):
@@ -84,6 +85,9 @@ _FOREIGN: tuple[tuple[type[BaseException], ExitCode], ...] = (
     (OutOfReachError, ExitCode.USAGE),
     (MapRangeError, ExitCode.USAGE),
     (CalibrationError, ExitCode.REJECTED),
+    (PlanLimitError, ExitCode.SAFETY),
+    (PlanError, ExitCode.USAGE),
+    (ProcedureError, ExitCode.REJECTED),
     (AlarmError, ExitCode.SAFETY),
     (ProfileError, ExitCode.USAGE),
     (DeviceError, ExitCode.DEVICE),

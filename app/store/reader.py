@@ -139,7 +139,8 @@ class RunReader:
     def _data(self, table: Table) -> Iterator[dict[str, Json]]:
         for row in self._query(f"SELECT * FROM {table} ORDER BY rowid"):
             values = dict(row)
-            yield {**values, **json.loads(values.pop("extra"))}
+            extra: dict[str, Json] = json.loads(values.pop("extra"))
+            yield {**values, **extra}
 
     def _query(self, sql: str) -> list[sqlite3.Row]:
         with closing(open_reader(self._database)) as connection:

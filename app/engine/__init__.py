@@ -1,0 +1,1 @@
+"""The engine: states, stop ladder, context of a procedure, run host."""

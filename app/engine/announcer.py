@@ -1,0 +1,53 @@
+"""Telling front ends what happens: the events of a headless run."""
+
+from collections.abc import Callable
+from typing import Literal
+
+from drivers.clock import Clock
+from procedures.context import Json
+
+Publish = Callable[[dict[str, Json]], None]
+"""Takes one event; must not block. An OSError means that the front end is gone."""
+
+Kind = Literal[
+    "run-started",
+    "state",
+    "step-started",
+    "step-done",
+    "point",
+    "prompt",
+    "answer",
+    "warning",
+    "error",
+    "progress",
+    "run-ended",
+]  # fmt: skip - one line of the file format a line
+
+
+class Announcer:
+    """Publishes the events of one run.
+
+    Args:
+        run: the run's name.
+        clock: of the run.
+        publish: the front end.
+        on_lost: called once when the front end is gone; nothing is published after that.
+    """
+
+    def __init__(self, run: str, clock: Clock, publish: Publish, on_lost: Callable[[], None]) -> None:
+        self._run = run
+        self._clock = clock
+        self._publish = publish
+        self._on_lost = on_lost
+        self._lost = False
+
+    def say(self, kind: Kind, /, **fields: Json) -> None:
+        """Publish an event with the time and the run's name."""
+        if self._lost:
+            return
+        event: dict[str, Json] = {"t": self._clock.now_utc().isoformat(), "event": kind, "run": self._run}
+        try:
+            self._publish({**event, **fields})
+        except OSError:
+            self._lost = True
+            self._on_lost()

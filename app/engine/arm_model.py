@@ -1,0 +1,89 @@
+"""The arm as the dry run sees it: how long a move takes, and where the beam goes."""
+
+import math
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+
+from procedures.devices import Joints
+
+Beam = Callable[[Joints], float | None]
+"""Length of the beam at a pose, mm; None where it does not return."""
+
+SPEEDS_RH_3FRH: Joints = (400.0, 670.0, 1300.0, 1500.0)
+"""Highest joint speeds of the order of a small SCARA, deg/s, mm/s for J3."""
+
+ACCELERATIONS: Joints = (2000.0, 3000.0, 8000.0, 8000.0)
+"""Joint accelerations of the order of a small SCARA, deg/s², mm/s² for J3."""
+
+
+@dataclass(frozen=True)
+class MoveTiming:
+    """How long joint moves take: a trapezoid of speed for each joint, the slowest decides.
+
+    Attributes:
+        speeds: joint speeds at 100 % override, deg/s, mm/s for J3.
+        accelerations: deg/s², mm/s² for J3.
+        override_percent: scales the speeds.
+    """
+
+    speeds: Joints = SPEEDS_RH_3FRH
+    accelerations: Joints = ACCELERATIONS
+    override_percent: float = 100.0
+
+    def duration_s(self, start: Joints, target: Joints) -> float:
+        """Return the time of a move, s."""
+        return max(
+            _trapezoid_s(abs(b - a), speed * self.override_percent / 100.0, acceleration)
+            for a, b, speed, acceleration in zip(start, target, self.speeds, self.accelerations, strict=True)
+        )
+
+
+def reflector_beam(
+    link1_mm: float,
+    link2_mm: float,
+    reflectors_mm: Mapping[str, tuple[float, float]],
+    acceptance_mm: float,
+    theta40_deg: float = 0.0,
+) -> Beam:
+    """Return the beam of an ideal arm: it returns from the nearest reflector that it hits.
+
+    Args:
+        link1_mm: length of link 1.
+        link2_mm: length of link 2.
+        reflectors_mm: x and y by name.
+        acceptance_mm: largest distance between a reflector's centre and the beam.
+        theta40_deg: direction of the beam at J4 = 0 on a straight arm along +X.
+    """
+
+    def beam(joints: Joints) -> float | None:
+        theta1, both = math.radians(joints[0]), math.radians(joints[0] + joints[1])
+        x_mm = link1_mm * math.cos(theta1) + link2_mm * math.cos(both)
+        y_mm = link1_mm * math.sin(theta1) + link2_mm * math.sin(both)
+        direction = both + math.radians(joints[3] + theta40_deg)
+        lengths = []
+        for reflector_x_mm, reflector_y_mm in reflectors_mm.values():
+            dx, dy = reflector_x_mm - x_mm, reflector_y_mm - y_mm
+            along = dx * math.cos(direction) + dy * math.sin(direction)
+            miss = abs(dy * math.cos(direction) - dx * math.sin(direction))
+            if along > 0.0 and miss <= acceptance_mm:
+                lengths.append(math.hypot(dx, dy))
+        return min(lengths, default=None)
+
+    return beam
+
+
+def poses_between(start: Joints, target: Joints, step: float = 1.0) -> list[Joints]:
+    """Return poses on the way, the target included, no joint further apart than a step (deg or mm)."""
+    count = max(1, math.ceil(max(abs(b - a) for a, b in zip(start, target, strict=True)) / step))
+    return [_between(start, target, number / count) for number in range(1, count + 1)]
+
+
+def _between(start: Joints, target: Joints, share: float) -> Joints:
+    j1, j2, j3, j4 = (a + (b - a) * share for a, b in zip(start, target, strict=True))
+    return j1, j2, j3, j4
+
+
+def _trapezoid_s(distance: float, speed: float, acceleration: float) -> float:
+    if distance >= speed**2 / acceleration:
+        return distance / speed + speed / acceleration
+    return 2.0 * math.sqrt(distance / acceleration)

@@ -1,0 +1,264 @@
+"""What a procedure is given on the bench: every call passes the stop ladder, every move the gate."""
+
+from collections.abc import Awaitable, Callable
+from dataclasses import dataclass, field
+from typing import Literal
+
+from app.engine.announcer import Announcer
+from app.engine.control import RunControl
+from app.engine.devices import Devices
+from app.engine.gate import MotionGate
+from app.engine.measuring import AirCache, measure
+from app.engine.operator import Operator
+from app.engine.timekeeping import Progress, StepTime
+from app.engine.waiting import uncancelled
+from app.errors import ConfigError
+from app.store.rows import Table, encode
+from app.store.run_store import RunStore
+from drivers.clock import Clock
+from procedures.context import Json, Location, Measurement, Prompt, Row
+from procedures.devices import BeamStatus, Joints, Tracker
+
+
+@dataclass
+class _OpenStep:
+    step_id: str
+    title: str
+    attempt: int
+    started_utc: str
+    time: StepTime
+    rows: list[tuple[Table, Row]] = field(default_factory=list)
+
+
+class RunContext:
+    """Implements `procedures.context.Context` with real or emulated instruments.
+
+    Args:
+        devices: connected instruments.
+        store: of the run.
+        control: the stop ladder.
+        clock: of the run.
+        gate: passes motions.
+        operator: answers prompts.
+        announcer: tells front ends.
+        air_max_age_s: how old a sample of the air may be, s of the clock.
+
+    Attributes:
+        step_times: where the time of each step that ran went.
+    """
+
+    def __init__(
+        self,
+        devices: Devices,
+        store: RunStore,
+        control: RunControl,
+        clock: Clock,
+        gate: MotionGate,
+        operator: Operator,
+        announcer: Announcer,
+        air_max_age_s: float = 2.0,
+    ) -> None:
+        self.step_times: list[StepTime] = []
+        self._devices = devices
+        self._store = store
+        self._control = control
+        self._clock = clock
+        self._gate = gate
+        self._operator = operator
+        self._announcer = announcer
+        self._air = AirCache(devices, clock, air_max_age_s)
+        self._progress = Progress(clock)
+        self._step: _OpenStep | None = None
+        self._prompt_open = False
+
+    @property
+    def software_time_s(self) -> list[float]:
+        """Time that program and links added, one for each step that ran, s of the run's clock."""
+        return [time.software_s for time in self.step_times]
+
+    async def step(self, step_id: str, title: str, action: Callable[[], Awaitable[Row]]) -> Row:
+        """Run a step once; one that is done returns its stored result.
+
+        Raises:
+            RuntimeError: another step is under way.
+        """
+        if self._step is not None:
+            raise RuntimeError(f"step {step_id} begins inside step {self._step.step_id}; steps do not nest")
+        await self._control.checkpoint()
+        stored = self._store.stored_result(step_id)
+        if stored is not None:
+            self._announcer.say("step-done", step=step_id, title=title, stored=True)
+            return stored
+        self._step = self._begin(step_id, title)
+        try:
+            return await self._run(self._step, action)
+        finally:
+            self._step = None
+
+    def record(self, table: Literal["points", "search", "path"], row: Row) -> None:
+        """Keep a row until the step under way is done.
+
+        Raises:
+            RuntimeError: no step is under way.
+            ValueError: the row does not fit its table.
+        """
+        if self._step is None:
+            raise RuntimeError(
+                f"a row for {table} was recorded outside of a step; it could not become durable"
+            )
+        encode(table, row)
+        self._step.rows.append((table, dict(row)))
+
+    async def checkpoint(self) -> None:
+        """Let a hold or a stop take effect here."""
+        await self._control.checkpoint()
+
+    async def move(self, target: Joints) -> None:
+        """Move through the gate and wait for standstill.
+
+        Raises:
+            LimitError: the target is outside the limits.
+            SafetyError: the controller may not move.
+        """
+        await self._control.motion(lambda: self._gate.require(target), lambda: self._move(target))
+
+    async def joints(self) -> Joints:
+        """Return the reported joints."""
+        await self._control.checkpoint()
+        return await self._control.command(self._devices.robot.joints())
+
+    async def measure(self, settle_time_s: float, dwell_time_s: float, readings: int) -> Measurement:
+        """Settle, then average readings over the dwell."""
+        await self._control.checkpoint()
+        return await self._control.command(self._measure(settle_time_s, dwell_time_s, readings))
+
+    async def beam(self) -> BeamStatus:
+        """Return the state of the beam now."""
+        await self._control.checkpoint()
+        return await self._control.command(self._devices.interferometer.status())
+
+    async def zero(self) -> None:
+        """Zero the count."""
+        await self._control.checkpoint()
+        number = await self._control.command(self._devices.interferometer.zero())
+        await self.event("zero", number=number)
+
+    async def locate(self, settle_time_s: float) -> Location:
+        """Return where the independent instrument sees the J4 axis after settling.
+
+        Raises:
+            ConfigError: the cell has none.
+        """
+        await self._control.checkpoint()
+        if self._devices.tracker is None:
+            raise ConfigError("this procedure needs a [tracker] and the cell file has none; add one")
+        return await self._control.command(self._locate(self._devices.tracker, settle_time_s))
+
+    async def ask(self, prompt: Prompt) -> str:
+        """Put a question to the operator; question and answer are stored.
+
+        Raises:
+            PromptUnansweredError: nobody answered and there is no safe answer.
+        """
+        await self._control.checkpoint()
+        if self._prompt_open:
+            raise RuntimeError(f"prompt {prompt.id} is asked while another one is open")
+        self._prompt_open = True
+        try:
+            return await self._ask(prompt)
+        finally:
+            self._prompt_open = False
+
+    async def event(self, kind: str, **data: Json) -> None:
+        """Store and publish something that happened; possible in every state."""
+        await self._store.event(kind, data)
+        self._announcer.say("state", state=self._control.state, kind=kind, data=data)
+
+    async def warn(self, text: str, **data: Json) -> None:
+        """Store and publish a warning; possible in every state."""
+        await self._store.event("warning", {"text": text, **data})
+        self._announcer.say("warning", text=text, data=data)
+
+    def progress(self, done: float, total: float, text: str = "") -> None:
+        """Publish how far the run is, with elapsed and remaining time."""
+        elapsed_s, remaining_s = self._progress.estimate(done, total)
+        self._announcer.say(
+            "progress", done=done, total=total, text=text, elapsed_s=elapsed_s, remaining_s=remaining_s
+        )
+
+    def _begin(self, step_id: str, title: str) -> _OpenStep:
+        attempt = self._store.next_attempt(step_id)
+        self._announcer.say("step-started", step=step_id, title=title, attempt=attempt)
+        time = StepTime(step_id, self._clock.monotonic_s())
+        return _OpenStep(step_id, title, attempt, self._clock.now_utc().isoformat(), time)
+
+    async def _run(self, step: _OpenStep, action: Callable[[], Awaitable[Row]]) -> Row:
+        try:
+            result = await action()
+        except BaseException as error:
+            await uncancelled(self._drop(step, error))
+            raise
+        await self._store.append_step(
+            step.step_id, step.attempt, step.title, result, step.rows, started_utc=step.started_utc
+        )
+        self._account(step)
+        for table, row in step.rows:
+            if table == "points":
+                self._announcer.say("point", step=step.step_id, point=dict(row))
+        self._announcer.say("step-done", step=step.step_id, title=step.title, stored=False)
+        return result
+
+    async def _drop(self, step: _OpenStep, error: BaseException) -> None:
+        # After a storage failure nothing can be stored; the error that is under way says so already.
+        if self._store.failure is None:
+            text = f"{type(error).__name__}: {error}".removesuffix(": ")
+            await self._store.drop_step(step.step_id, step.attempt, {"error": text, "rows": len(step.rows)})
+
+    def _account(self, step: _OpenStep) -> None:
+        step.time.total_s = self._clock.monotonic_s() - step.time.start_s
+        step.time.points = sum(table == "points" for table, _ in step.rows)
+        self.step_times.append(step.time)
+
+    async def _move(self, target: Joints) -> None:
+        start_s = self._clock.monotonic_s()
+        await self._devices.robot.move_joints(target)
+        if self._step is not None:
+            self._step.time.motion_s += self._clock.monotonic_s() - start_s
+
+    async def _measure(self, settle_time_s: float, dwell_time_s: float, readings: int) -> Measurement:
+        await self._sleep(settle_time_s)
+        return await measure(self._devices, self._air, self._clock, self._sleep, dwell_time_s, readings)
+
+    async def _locate(self, tracker: Tracker, settle_time_s: float) -> Location:
+        await self._sleep(settle_time_s)
+        found = await tracker.locate()
+        return Location(found.x_mm, found.y_mm, found.u_mm)
+
+    async def _sleep(self, duration_s: float) -> None:
+        start_s = self._clock.monotonic_s()
+        await self._clock.sleep(duration_s)
+        if self._step is not None:
+            self._step.time.idle_s += self._clock.monotonic_s() - start_s
+
+    async def _ask(self, prompt: Prompt) -> str:
+        asked_utc = self._clock.now_utc().isoformat()
+        self._announcer.say(
+            "prompt",
+            id=prompt.id,
+            kind=prompt.kind,
+            text=prompt.text,
+            choices=list(prompt.choices),
+            unit=prompt.unit,
+            timeout_s=prompt.timeout_s,
+        )
+        try:
+            answer = await self._control.command(self._operator.answer(prompt))
+        except BaseException:
+            if self._store.failure is None:
+                await uncancelled(
+                    self._store.prompt(prompt.id, prompt.kind, prompt.text, asked_utc, None, None)
+                )
+            raise
+        await self._store.prompt(prompt.id, prompt.kind, prompt.text, asked_utc, answer.text, answer.who)
+        self._announcer.say("answer", id=prompt.id, answer=answer.text, who=answer.who)
+        return answer.text

@@ -1,0 +1,236 @@
+"""The stop ladder: who may ask for what, and how a running command learns of it."""
+
+import asyncio
+import signal
+from collections.abc import Callable, Coroutine, Mapping
+from typing import Any, Final, TypeVar
+
+from app.engine.halt import HaltLimits, HaltReport, halt
+from app.engine.states import ENDED, Effect, Event, State, transition
+from app.engine.waiting import cancel, uncancelled
+from app.errors import CatseyeError, InterruptedRunError, SafetyError, TerminatedRunError
+from drivers.clock import Clock
+from procedures.devices import Robot
+
+T = TypeVar("T")
+
+INTERRUPT_LADDER: Final[Mapping[State, Event]] = {
+    State.EXECUTE: Event.HOLD,
+    State.STARTING: Event.STOP,
+    State.HOLDING: Event.STOP,
+    State.HELD: Event.STOP,
+    State.UNHOLDING: Event.STOP,
+    State.SUSPENDED: Event.STOP,
+    State.STOPPING: Event.ABORT,
+}
+"""What a Ctrl-C means in each state: the first holds, the second stops, the third aborts."""
+
+SIGNALS: Final = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP, signal.SIGUSR1)
+"""Signals that `RunControl.on_signal` understands."""
+
+_WAITING = frozenset({State.HOLDING, State.HELD, State.SUSPENDED})
+
+
+class RunControl:
+    """State of a run and the ways to change it; requests take effect at once, in the event loop.
+
+    Args:
+        clock: of the run.
+        on_change: is told each new state and its reason.
+        limits: how long a halt may take.
+
+    Attributes:
+        state: where the run stands.
+        ending: why the run ends early, raised by every further checkpoint; None while it goes on.
+        reports: how each halt ended.
+    """
+
+    def __init__(
+        self, clock: Clock, on_change: Callable[[State, str], None], limits: HaltLimits | None = None
+    ) -> None:
+        self.state = State.IDLE
+        self.ending: CatseyeError | None = None
+        self.reports: list[HaltReport] = []
+        self._clock = clock
+        self._on_change = on_change
+        self._limits = limits or HaltLimits()
+        self._robot: Robot | None = None
+        self._command: asyncio.Task[Any] | None = None
+        self._halts: set[asyncio.Task[None]] = set()
+        self._changed = asyncio.Event()
+        self._motion_permitted = False
+
+    def attach(self, robot: Robot) -> None:
+        """From now on a stop reaches this robot."""
+        self._robot = robot
+
+    def hold(self, reason: str) -> None:
+        """Hold at the next checkpoint; the move under way ends by itself."""
+        self._apply(Event.HOLD, reason)
+
+    def unhold(self, reason: str) -> None:
+        """Go on after a hold."""
+        self._apply(Event.UNHOLD, reason)
+
+    def suspend(self, reason: str) -> None:
+        """Begin no new motion until a condition is back."""
+        self._apply(Event.SUSPEND, reason)
+
+    def condition_back(self, reason: str) -> None:
+        """End a suspension."""
+        self._apply(Event.CONDITION_BACK, reason)
+
+    def stop(self, reason: str) -> None:
+        """Stop the robot now and end the run."""
+        self._end(Event.STOP, InterruptedRunError(reason))
+
+    def abort(self, error: CatseyeError) -> None:
+        """Stop the robot now and end the run without teardown."""
+        self._end(Event.ABORT, error)
+
+    def fault(self, error: CatseyeError) -> None:
+        """Stop the robot now since something failed."""
+        self._end(Event.FAULT, error)
+
+    def on_signal(self, number: int) -> None:
+        """Take a step of the ladder; SIGUSR1 ends a hold."""
+        name = signal.Signals(number).name
+        if number == signal.SIGUSR1:
+            self.unhold(name)
+        elif number == signal.SIGINT:
+            self._interrupt()
+        else:
+            self.abort(TerminatedRunError(f"the run was aborted by {name}; the robot was stopped"))
+
+    def starting(self) -> None:
+        """The devices are being connected."""
+        self._apply(Event.START, "devices are being connected")
+
+    def started(self) -> None:
+        """The devices are ready."""
+        self._apply(Event.STARTED, "devices are ready")
+
+    def done(self) -> None:
+        """The procedure has come to its end."""
+        self._apply(Event.DONE, "the procedure has come to its end")
+
+    def clear(self, reason: str) -> None:
+        """Leave ABORTED; only an operator decides that."""
+        self._apply(Event.CLEAR, reason)
+        self._apply(Event.CLEARED, reason)
+
+    async def checkpoint(self) -> None:
+        """Wait while the run is held or suspended.
+
+        Raises:
+            CatseyeError: the run ends: stopped, aborted or failed.
+        """
+        self._raise_ending()
+        while self.state in _WAITING:
+            if self.state == State.HOLDING:
+                self._apply(Event.HELD, "at a checkpoint")
+            self._changed.clear()
+            await self._changed.wait()
+            self._raise_ending()
+        if self.state == State.UNHOLDING:
+            self._apply(Event.RESUMED, "the operator goes on")
+
+    async def command(self, action: Coroutine[Any, Any, T]) -> T:
+        """Let devices do something that a stop drops, after it has stopped the robot.
+
+        Raises:
+            CatseyeError: the run ends.
+        """
+        task = asyncio.create_task(action)
+        self._command = task
+        try:
+            await asyncio.wait({task})
+        finally:
+            if not task.done():
+                self.abort(TerminatedRunError("the run was cancelled; the robot was stopped"))
+                await uncancelled(self.halted())
+                await cancel(task)
+            self._command = None
+        if self.ending is not None and not task.cancelled() and task.exception() is not None:
+            raise self.ending from task.exception()
+        self._raise_ending()
+        return task.result()
+
+    async def motion(
+        self, gate: Callable[[], Coroutine[Any, Any, None]], action: Callable[[], Coroutine[Any, Any, T]]
+    ) -> T:
+        """Run a command that moves the robot; it begins only while motion is permitted.
+
+        Args:
+            gate: looks whether the motion may begin; it looks again after each hold.
+            action: moves the robot.
+
+        Raises:
+            CatseyeError: the run ends, or the gate refuses.
+        """
+        while True:
+            await self.checkpoint()
+            await self.command(gate())
+            if self._motion_permitted:
+                return await self.command(action())
+            if self.state not in _WAITING:
+                raise SafetyError(f"no motion may begin in state {self.state}: the procedure is over")
+
+    async def halted(self) -> None:
+        """Wait until every halt under way has ended."""
+        while self._halts:
+            await asyncio.wait(set(self._halts))
+
+    def _interrupt(self) -> None:
+        event = INTERRUPT_LADDER.get(self.state)
+        if event == Event.HOLD:
+            self.hold("SIGINT: press Ctrl-C again to stop, send SIGUSR1 to go on")
+        elif event == Event.ABORT:
+            self.abort(InterruptedRunError("the operator aborted the run (third Ctrl-C)"))
+        else:
+            self.stop("the operator stopped the run (Ctrl-C)")
+
+    def _end(self, event: Event, error: CatseyeError) -> None:
+        changes = transition(self.state, event).state != self.state
+        if changes:
+            self.ending = error
+        self._apply(event, str(error))
+
+    def _apply(self, event: Event, reason: str) -> None:
+        result = transition(self.state, event)
+        self.state = result.state
+        for effect in result.effects:
+            self._do(effect, event, reason)
+        self._changed.set()
+
+    def _do(self, effect: Effect, event: Event, reason: str) -> None:
+        match effect:
+            case Effect.PERMIT_MOTION:
+                self._motion_permitted = True
+            case Effect.FORBID_MOTION:
+                self._motion_permitted = False
+            case Effect.STOP_ROBOT:
+                task = asyncio.create_task(self._halt())
+                self._halts.add(task)
+                task.add_done_callback(self._halts.discard)
+            case Effect.PUBLISH:
+                self._on_change(self.state, reason)
+            case Effect.REPORT_IGNORED:
+                self._on_change(self.state, f"{event} means nothing in state {self.state} ({reason})")
+
+    async def _halt(self) -> None:
+        if self._robot is not None:
+            self.reports.append(await halt(self._robot, self._clock, self._limits, self._drop_command))
+        else:
+            self._drop_command()
+        # An abort during a stop has a halt of its own: the last one to end says where the run stands.
+        if len(self._halts) == 1 and self.state not in ENDED:
+            self._apply(Event.ABORTED if self.state == State.ABORTING else Event.STOPPED, "the robot stands")
+
+    def _drop_command(self) -> None:
+        if self._command is not None:
+            self._command.cancel()
+
+    def _raise_ending(self) -> None:
+        if self.ending is not None:
+            raise self.ending

@@ -1,0 +1,65 @@
+"""How a run ended, in the words of the store and of the exit code."""
+
+from dataclasses import dataclass
+from typing import Literal
+
+from app.engine.control import RunControl
+from app.engine.states import State
+from app.errors import CatseyeError, LimitError, SafetyError, exit_code_of
+from app.exitcode import ExitCode
+from drivers.errors import AlarmError
+
+EndStatus = Literal["complete", "stopped", "aborted", "failed"]
+
+
+class DeviceFaultError(CatseyeError):
+    """A device or the program failed during a run; the cause tells which.
+
+    Args:
+        cause: what failed.
+    """
+
+    def __init__(self, cause: BaseException) -> None:
+        super().__init__(str(cause) or type(cause).__name__)
+        self.__cause__ = cause
+
+
+@dataclass(frozen=True)
+class Ending:
+    """How a run ended.
+
+    Attributes:
+        status: complete; stopped by the operator and resumable; aborted for safety or from outside; failed.
+        exit_code: of the process.
+        text: why; empty for a complete run.
+    """
+
+    status: EndStatus
+    exit_code: ExitCode
+    text: str = ""
+
+
+COMPLETE = Ending("complete", ExitCode.DONE)
+
+
+def react(control: RunControl, error: Exception) -> None:
+    """Bring the robot to rest after an error: what makes motion unsafe aborts, everything else stops."""
+    fault = error if isinstance(error, CatseyeError) else DeviceFaultError(error)
+    if isinstance(error, AlarmError) or (
+        isinstance(error, SafetyError) and not isinstance(error, LimitError)
+    ):
+        control.abort(fault)
+    else:
+        control.fault(fault)
+
+
+def ending_of(control: RunControl, error: BaseException) -> Ending:
+    """Return what an error makes of a run, once the robot is at rest."""
+    cause = error.__cause__ if isinstance(error, DeviceFaultError) and error.__cause__ else error
+    code, text = exit_code_of(cause), str(cause) or type(cause).__name__
+    troubles = [report.text for report in control.reports if not report.standstill]
+    if troubles:
+        return Ending("aborted", ExitCode.SAFETY, "; ".join([text, *troubles]))
+    if control.state == State.ABORTED:
+        return Ending("aborted", code, text)
+    return Ending("stopped" if code == ExitCode.INTERRUPTED else "failed", code, text)

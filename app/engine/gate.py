@@ -1,0 +1,112 @@
+"""The one gate that every motion passes: limits, controller state, speed override."""
+
+import math
+from dataclasses import dataclass
+
+from app.errors import LimitError, SafetyError
+from procedures.devices import ControllerStatus, Joints, Robot
+
+# Rounding of a controller that keeps the override as a whole number or as text.
+_OVERRIDE_TOLERANCE_PERCENT = 0.01
+
+
+@dataclass(frozen=True)
+class JointLimits:
+    """Ranges of the joints that the cell allows; None leaves the axis to the controller.
+
+    Attributes:
+        j1_deg: lowest and highest J1, deg.
+        j2_deg: lowest and highest J2, deg.
+        j3_mm: lowest and highest J3, mm.
+        j4_deg: lowest and highest J4, deg.
+    """
+
+    j1_deg: tuple[float, float]
+    j2_deg: tuple[float, float]
+    j4_deg: tuple[float, float]
+    j3_mm: tuple[float, float] | None = None
+
+    def require(self, target: Joints) -> None:
+        """Check a target.
+
+        Raises:
+            LimitError: a joint is outside its range or not a number; every such joint is named.
+        """
+        ranges = (
+            ("J1", "deg", self.j1_deg),
+            ("J2", "deg", self.j2_deg),
+            ("J3", "mm", self.j3_mm or (-math.inf, math.inf)),
+            ("J4", "deg", self.j4_deg),
+        )
+        wrong = [
+            f"{name} = {value:g} {unit} is outside {low:g} … {high:g} {unit}"
+            for value, (name, unit, (low, high)) in zip(target, ranges, strict=True)
+            if not (math.isfinite(value) and low <= value <= high)
+        ]
+        if wrong:
+            raise LimitError(
+                f"{'; '.join(wrong)}: the robot was not moved; change the plan or the cell's limits"
+            )
+
+
+class MotionGate:
+    """Decides about each motion from fresh facts.
+
+    Args:
+        robot: the controller.
+        limits: ranges of the cell.
+        override_cap_percent: highest speed override that the cell allows.
+    """
+
+    def __init__(self, robot: Robot, limits: JointLimits, override_cap_percent: float) -> None:
+        self._robot = robot
+        self._limits = limits
+        self._cap_percent = override_cap_percent
+
+    async def lower_override(self) -> float:
+        """Bring the override down to the cap, never up; return what the controller reads back.
+
+        Raises:
+            SafetyError: the controller does not take it.
+        """
+        percent = (await self._robot.status()).override_percent
+        if percent > self._cap_percent:
+            percent = await self._robot.set_override(self._cap_percent)
+        self._require_override(percent)
+        return percent
+
+    async def require(self, target: Joints) -> None:
+        """Check that a motion to a target may begin.
+
+        Raises:
+            LimitError: the target is outside the limits.
+            SafetyError: the controller's state or override forbids motion.
+        """
+        self._limits.require(target)
+        status = await self._robot.status()
+        require_ready(status)
+        self._require_override(status.override_percent)
+
+    def _require_override(self, percent: float) -> None:
+        # Written so that an override that reads NaN is refused too.
+        if not percent <= self._cap_percent + _OVERRIDE_TOLERANCE_PERCENT:
+            raise SafetyError(
+                f"the controller's override reads {percent:g} % and the cell allows {self._cap_percent:g} %: "
+                "no motion; lower it on the controller or check who else sets it"
+            )
+
+
+def require_ready(status: ControllerStatus) -> None:
+    """Check that a controller may move.
+
+    Raises:
+        SafetyError: emergency stop, alarm, teach mode or drives off.
+    """
+    if status.emergency_stop:
+        raise SafetyError("the emergency stop is open: release it at the robot, then reset the controller")
+    if status.alarm_number:
+        raise SafetyError(f"the controller is in alarm {status.alarm_number}: {status.alarm_text}")
+    if status.teach_mode:
+        raise SafetyError("the controller is in TEACH: turn its key to AUTO")
+    if not status.servo_on:
+        raise SafetyError("the drives are off: find out why before switching them on again")

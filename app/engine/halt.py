@@ -1,0 +1,127 @@
+"""Bringing the robot to a standstill, and not believing it until it is seen."""
+
+import asyncio
+from collections.abc import Callable
+from dataclasses import dataclass
+
+from app.engine.waiting import cancel, within
+from drivers.clock import Clock
+from drivers.errors import DeviceError
+from procedures.devices import Joints, Robot
+
+FAILURES = (DeviceError, OSError, TimeoutError)
+"""What a device may raise on the way to a standstill; none of it ends the way."""
+
+_SAME_PLACE = 0.01
+_FEWEST_POLLS = 5
+
+
+@dataclass(frozen=True)
+class HaltLimits:
+    """How long a halt may take, in seconds of the run's clock.
+
+    Attributes:
+        taken_s: until the controller has taken the stop; then the halt goes on without waiting.
+        standstill_s: until standstill is seen; then the drives are switched off.
+        poll_s: between two looks at the robot.
+        hang_s: until a device that does not answer at all is given up.
+    """
+
+    taken_s: float = 1.0
+    standstill_s: float = 3.0
+    poll_s: float = 0.05
+    hang_s: float = 20.0
+
+
+@dataclass(frozen=True)
+class HaltReport:
+    """How a halt ended.
+
+    Attributes:
+        standstill: two looks in a row saw the robot at rest.
+        servo_off: the drives were switched off since standstill was not seen.
+        text: what went wrong; empty for a plain stop.
+    """
+
+    standstill: bool
+    servo_off: bool
+    text: str
+
+
+async def halt(
+    robot: Robot, clock: Clock, limits: HaltLimits, cancel_command: Callable[[], None]
+) -> HaltReport:
+    """Stop the robot first, then drop the command under way, then look until it stands.
+
+    Args:
+        robot: the controller.
+        clock: of the run.
+        limits: how long each part may take.
+        cancel_command: drops what the program is doing with the devices.
+    """
+    stop = asyncio.create_task(robot.stop())
+    timer = asyncio.create_task(clock.sleep(limits.taken_s))
+    try:
+        await asyncio.wait({stop, timer}, return_when=asyncio.FIRST_COMPLETED)
+        cancel_command()
+        standstill = await _bounded(clock, limits, robot)
+        if standstill:
+            return HaltReport(True, False, _trouble(stop))
+        return await _switch_off(robot, clock, limits, _trouble(stop))
+    finally:
+        await cancel(stop, timer)
+
+
+async def _bounded(clock: Clock, limits: HaltLimits, robot: Robot) -> bool:
+    try:
+        return await within(clock, limits.hang_s, _stands_still(robot, clock, limits))
+    except FAILURES:
+        return False
+
+
+async def _stands_still(robot: Robot, clock: Clock, limits: HaltLimits) -> bool:
+    # At least a few looks are made: bench time may run so fast that the limit passes during one answer.
+    deadline_s = clock.monotonic_s() + limits.standstill_s
+    before: Joints | None = None
+    polls = 0
+    while polls < _FEWEST_POLLS or clock.monotonic_s() < deadline_s:
+        now = await _place_at_rest(robot)
+        if now is not None and before is not None and _same(before, now):
+            return True
+        before = now
+        polls += 1
+        await clock.sleep(limits.poll_s)
+    return False
+
+
+async def _place_at_rest(robot: Robot) -> Joints | None:
+    try:
+        if (await robot.status()).running:
+            # A motion command that was on its way when the stop overtook it is stopped here.
+            await robot.stop()
+            return None
+        return await robot.joints()
+    except FAILURES:
+        # A link that was cut off in the middle of a command heals with the next question.
+        return None
+
+
+def _same(first: Joints, second: Joints) -> bool:
+    return all(abs(a - b) <= _SAME_PLACE for a, b in zip(first, second, strict=True))
+
+
+async def _switch_off(robot: Robot, clock: Clock, limits: HaltLimits, trouble: str) -> HaltReport:
+    try:
+        await within(clock, limits.hang_s, robot.servo(on=False))
+    except FAILURES as error:
+        text = f"standstill is not confirmed and the drives do not switch off ({error})"
+        return HaltReport(False, False, f"{text}; press the emergency stop. {trouble}".strip())
+    text = f"standstill was not confirmed in {limits.standstill_s:g} s: the drives were switched off"
+    return HaltReport(False, True, f"{text}; look at the robot before going on. {trouble}".strip())
+
+
+def _trouble(stop: "asyncio.Task[None]") -> str:
+    if not stop.done():
+        return "The controller did not acknowledge the stop."
+    error = stop.exception() if not stop.cancelled() else None
+    return f"The stop was answered with: {error}" if error else ""

@@ -1,0 +1,294 @@
+"""Running one procedure from the first connection to the sealed record."""
+
+import asyncio
+import logging
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any, Protocol
+
+from app.engine.announcer import Announcer, Publish
+from app.engine.context import RunContext
+from app.engine.control import RunControl
+from app.engine.devices import (
+    DeviceBuilder,
+    Devices,
+    close_all,
+    connect_all,
+    identities_as_json,
+    require_permission,
+)
+from app.engine.ending import COMPLETE, Ending, EndStatus, ending_of, react
+from app.engine.gate import JointLimits, MotionGate, require_ready
+from app.engine.halt import FAILURES, HaltLimits
+from app.engine.operator import Answerer, Operator
+from app.engine.signals import SignalInstaller, loop_signals
+from app.engine.states import State
+from app.engine.timekeeping import StepTime
+from app.engine.waiting import uncancelled, within
+from app.errors import StorageError, TerminatedRunError
+from app.exitcode import ExitCode
+from app.store.lines import LogHandler
+from app.store.run_store import DEFAULT_RESERVE_BYTES, RunStore
+from drivers.clock import Clock
+from procedures.context import Context, Json
+
+_log = logging.getLogger(__name__)
+
+
+class Procedure(Protocol):
+    """What happens on the bench.
+
+    Attributes:
+        name: as on the command line and in the run's name.
+        title: one line for people.
+    """
+
+    @property
+    def name(self) -> str: ...  # noqa: D102 - said above
+    @property
+    def title(self) -> str: ...  # noqa: D102 - said above
+
+    # Each procedure has a plan type of its own, which only it and its planner know.
+    async def run(self, ctx: Context, plan: Any) -> None:
+        """Carry the plan out, step by step."""
+        ...
+
+    async def teardown(self, ctx: Context) -> None:
+        """Leave the bench as it should be; the robot cannot be moved after a stop."""
+        ...
+
+
+@dataclass(frozen=True)
+class RunRequest:
+    """What is to be run, and within which bounds.
+
+    Attributes:
+        procedure: what happens.
+        plan: what the procedure's own `plan()` returned.
+        root: directory of all runs.
+        cell: name of the cell.
+        limits: ranges of the joints.
+        override_cap_percent: highest speed override.
+        meta: resolved configuration with origins, operator, parameters; stored with the run.
+        arm: the cell's name as typed by the operator; None when nothing was typed.
+        answers: answers file, by prompt id.
+        answerer: a front end that answers prompts.
+        resume: directory of a run to go on with, instead of a new one.
+        air_max_age_s: how old a sample of the air may be, s of the clock.
+        reserve_bytes: free disk space needed.
+        halt_limits: how long a halt may take.
+        teardown_limit_s: how long the teardown, and the closing of the devices, may take, s of the clock.
+    """
+
+    procedure: Procedure
+    plan: object
+    root: Path
+    cell: str
+    limits: JointLimits
+    override_cap_percent: float
+    meta: Mapping[str, Json] = field(default_factory=dict)
+    arm: str | None = None
+    answers: Mapping[str, str] = field(default_factory=dict)
+    answerer: Answerer | None = None
+    resume: Path | None = None
+    air_max_age_s: float = 2.0
+    reserve_bytes: int = DEFAULT_RESERVE_BYTES
+    halt_limits: HaltLimits = field(default_factory=HaltLimits)
+    teardown_limit_s: float = 60.0
+
+
+@dataclass(frozen=True)
+class RunOutcome:
+    """How a run ended.
+
+    Attributes:
+        path: the run's directory.
+        status: complete, stopped, aborted or failed.
+        exit_code: of the process.
+        text: why it did not complete; empty otherwise.
+        step_times: where the time of each step that ran went.
+    """
+
+    path: Path
+    status: EndStatus
+    exit_code: ExitCode
+    text: str
+    step_times: list[StepTime]
+
+
+async def run_procedure(
+    request: RunRequest,
+    build_devices: DeviceBuilder,
+    clock: Clock,
+    publish: Publish,
+    install_signals: SignalInstaller = loop_signals,
+) -> RunOutcome:
+    """Run a procedure; every ending leaves the robot at rest, the devices closed and the record sealed.
+
+    Args:
+        request: what to run.
+        build_devices: makes the devices; their transports record into the run's transcript.
+        clock: of the run.
+        publish: takes the headless events.
+        install_signals: delivers signals to the stop ladder.
+
+    Raises:
+        StorageError: the run's directory cannot be created or opened; nothing was connected.
+        UsageError: the run to go on with is complete.
+        asyncio.CancelledError: the caller was cancelled; the robot was stopped and the record closed.
+    """
+    if request.resume is None:
+        name, meta = request.procedure.name, {"cell": request.cell, **request.meta}
+        store = await RunStore.create(request.root, name, meta, clock, reserve_bytes=request.reserve_bytes)
+    else:
+        store = await RunStore.reopen(request.resume, clock, reserve_bytes=request.reserve_bytes)
+    handler = LogHandler(store.log)
+    logging.getLogger().addHandler(handler)
+    try:
+        return await _Run(request, store, clock, publish).conduct(build_devices, install_signals)
+    finally:
+        logging.getLogger().removeHandler(handler)
+        await uncancelled(store.abandon())
+
+
+class _Run:
+    """One run under way."""
+
+    def __init__(self, request: RunRequest, store: RunStore, clock: Clock, publish: Publish) -> None:
+        self._request = request
+        self._store = store
+        self._clock = clock
+        self._control = RunControl(clock, self._state_changed, request.halt_limits)
+        self._announcer = Announcer(store.path.name, clock, publish, self._front_end_lost)
+        self._context: RunContext | None = None
+        store.on_failure = self._control.fault
+
+    async def conduct(self, build_devices: DeviceBuilder, install_signals: SignalInstaller) -> RunOutcome:
+        """Run to the end, whatever the end is."""
+        procedure = self._request.procedure
+        self._announcer.say("run-started", procedure=procedure.name, title=procedure.title)
+        with install_signals(self._control.on_signal):
+            devices = build_devices(self._store.wire.record)
+            try:
+                ending = await self._to_the_end(devices)
+            except asyncio.CancelledError:
+                error = TerminatedRunError("the run was cancelled; the robot was stopped")
+                await uncancelled(self._cancelled(devices, error))
+                raise
+            return await uncancelled(self._close(devices, ending))
+
+    async def _to_the_end(self, devices: Devices) -> Ending:
+        try:
+            context = await self._prepare(devices)
+            await self._request.procedure.run(context, self._request.plan)
+            # A stop that came after the last checkpoint still counts.
+            await self._control.checkpoint()
+            ending = await self._teardown(context, COMPLETE)
+            self._control.done()
+        except Exception as error:  # noqa: BLE001 - the last line of defence: whatever failed, the robot must stop
+            return await uncancelled(self._failed(error))
+        return ending
+
+    async def _prepare(self, devices: Devices) -> RunContext:
+        self._control.starting()
+        identities = await self._control.command(connect_all(devices))
+        simulated = require_permission(identities, self._request.cell, self._request.arm)
+        self._control.attach(devices.robot)
+        facts: dict[str, Json] = {"devices": identities_as_json(identities), "simulated": simulated}
+        await self._describe(facts, simulated)
+        gate = MotionGate(devices.robot, self._request.limits, self._request.override_cap_percent)
+        await self._control.command(self._ready(devices, gate))
+        operator = Operator(self._clock, self._request.answers, self._request.answerer, simulated=simulated)
+        self._context = RunContext(
+            devices,
+            self._store,
+            self._control,
+            self._clock,
+            gate,
+            operator,
+            self._announcer,
+            self._request.air_max_age_s,
+        )
+        self._control.started()
+        return self._context
+
+    async def _describe(self, facts: dict[str, Json], simulated: bool) -> None:
+        if self._request.resume is None:
+            await self._store.append_meta(facts)
+        await self._store.event("devices", facts)
+        if simulated:
+            text = "SIMULATED: every device is an emulator; these data say nothing about a real robot"
+            await self._store.event("warning", {"text": text})
+            self._announcer.say("warning", text=text, data={"simulated": True})
+
+    async def _ready(self, devices: Devices, gate: MotionGate) -> None:
+        percent = await gate.lower_override()
+        await devices.robot.servo(on=True)
+        require_ready(await devices.robot.status())
+        await self._store.event("ready", {"override_percent": percent})
+
+    async def _failed(self, error: Exception) -> Ending:
+        if self._control.ending is None:
+            react(self._control, error)
+        cause = self._control.ending or error
+        await self._control.halted()
+        ending = ending_of(self._control, cause)
+        self._report(ending, error)
+        if self._context is not None and self._control.state == State.STOPPED:
+            ending = await self._teardown(self._context, ending)
+        return ending
+
+    async def _cancelled(self, devices: Devices, error: TerminatedRunError) -> None:
+        self._control.abort(error)
+        await self._control.halted()
+        ending = ending_of(self._control, error)
+        self._report(ending, error)
+        await self._close(devices, ending)
+
+    async def _teardown(self, context: RunContext, ending: Ending) -> Ending:
+        try:
+            await within(
+                self._clock, self._request.teardown_limit_s, self._request.procedure.teardown(context)
+            )
+        except Exception as error:
+            if ending is COMPLETE:
+                raise
+            # It must not hide how the run itself ended.
+            self._report(ending_of(self._control, error), error)
+        return ending
+
+    async def _close(self, devices: Devices, ending: Ending) -> RunOutcome:
+        try:
+            troubles = await within(self._clock, self._request.teardown_limit_s, close_all(devices))
+        except FAILURES as error:
+            troubles = {"devices": str(error)}
+        try:
+            if troubles:
+                await self._store.event("close-failed", dict(troubles))
+            await self._store.finish(ending.status, ending.exit_code)
+        except StorageError as error:
+            ending = Ending("failed", error.exit_code, str(error))
+            self._report(ending, error)
+        self._announcer.say(
+            "run-ended",
+            status=ending.status,
+            exit_code=int(ending.exit_code),
+            text=ending.text,
+            path=str(self._store.path),
+        )
+        times = self._context.step_times if self._context else []
+        return RunOutcome(self._store.path, ending.status, ending.exit_code, ending.text, times)
+
+    def _report(self, ending: Ending, error: BaseException) -> None:
+        # The traceback is for the log of the run; people are told the text.
+        _log.error(ending.text, exc_info=error)
+        self._store.post("error", {"text": ending.text, "type": type(error).__name__})
+        self._announcer.say("error", text=ending.text, exit_code=int(ending.exit_code))
+
+    def _state_changed(self, state: State, reason: str) -> None:
+        self._store.post("state", {"state": state, "reason": reason})
+        self._announcer.say("state", state=state, reason=reason)
+
+    def _front_end_lost(self) -> None:
+        self._control.hold("the front end is gone; send SIGUSR1 to go on without it, SIGTERM to end")

@@ -1,0 +1,103 @@
+"""Measuring one distance at standstill."""
+
+import statistics
+from collections.abc import Awaitable, Callable
+
+from app.engine.devices import Devices
+from app.engine.waiting import together
+from drivers.clock import Clock
+from procedures.context import Measurement
+from procedures.devices import Air, BeamStatus, Joints, LengthReading
+
+
+class AirCache:
+    """The state of the air, sampled anew when the last sample is older than a limit.
+
+    Args:
+        devices: of the run.
+        clock: of the run.
+        max_age_s: how old a sample may be, s of the clock.
+    """
+
+    def __init__(self, devices: Devices, clock: Clock, max_age_s: float) -> None:
+        self._devices = devices
+        self._clock = clock
+        self._max_age_s = max_age_s
+        self._sample: Air | None = None
+        self._time_s = 0.0
+
+    async def get(self) -> Air:
+        """Return a sample that is young enough."""
+        if self._sample is None or self._clock.monotonic_s() - self._time_s > self._max_age_s:
+            self._sample = await self._devices.environment.sample()
+            self._time_s = self._clock.monotonic_s()
+        return self._sample
+
+
+def dwell_interval_s(dwell_time_s: float, readings: int) -> float:
+    """Return the time between two readings spread over a dwell, s; a single reading waits for nothing."""
+    return dwell_time_s / (readings - 1) if readings > 1 else 0.0
+
+
+async def measure(
+    devices: Devices,
+    air: AirCache,
+    clock: Clock,
+    sleep: Callable[[float], Awaitable[None]],
+    dwell_time_s: float,
+    readings: int,
+) -> Measurement:
+    """Average readings spread over a dwell; joints and air are read meanwhile, the beam afterwards.
+
+    The beam comes last since its latches tell whether it was there during all readings.
+
+    Args:
+        devices: of the run.
+        air: state of the air.
+        clock: of the run.
+        sleep: waits, and keeps account of it.
+        dwell_time_s: from the first to the last reading, s.
+        readings: how many, at least 1.
+    """
+    if readings < 1:
+        raise ValueError(f"readings = {readings}; a measurement needs at least 1")
+    time_utc = clock.now_utc().isoformat()
+    taken: list[LengthReading] = []
+    reported: list[Joints] = []
+    samples: list[Air] = []
+
+    async def read() -> None:
+        start_s = clock.monotonic_s()
+        for number in range(readings):
+            due_s = start_s + number * dwell_interval_s(dwell_time_s, readings)
+            if (wait_s := due_s - clock.monotonic_s()) > 0:
+                await sleep(wait_s)
+            taken.append(await devices.interferometer.read())
+
+    async def look() -> None:
+        reported.append(await devices.robot.joints())
+
+    async def sample() -> None:
+        samples.append(await air.get())
+
+    await together(read(), look(), sample())
+    beam = await devices.interferometer.status()
+    return _average(taken, beam, reported[0], samples[0], time_utc)
+
+
+def _average(
+    taken: list[LengthReading], beam: BeamStatus, reported: Joints, air: Air, time_utc: str
+) -> Measurement:
+    values = [reading.displacement_mm for reading in taken]
+    return Measurement(
+        displacement_mm=statistics.fmean(values),
+        spread_mm=statistics.stdev(values) if len(values) > 1 else 0.0,
+        readings=len(values),
+        signal=beam.signal,
+        # A counter that overran has lost counts just as one that lost its beam.
+        beam_ok=beam.beam_ok and not beam.beam_lost and not beam.overspeed,
+        reported=reported,
+        air=air,
+        time_utc=time_utc,
+        duration_s=taken[-1].time_s - taken[0].time_s,
+    )
