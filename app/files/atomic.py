@@ -1,0 +1,36 @@
+"""Writing a file whole or not at all."""
+
+import contextlib
+import os
+import tempfile
+from pathlib import Path
+
+from app.errors import StorageError
+
+
+def write_atomically(path: Path, data: str | bytes) -> None:
+    """Write a file through a temporary neighbour and a rename.
+
+    Raises:
+        StorageError: the folder is missing, full or not writable; nothing is left behind.
+    """
+    raw = data.encode("utf-8") if isinstance(data, str) else data
+    temporary: str | None = None
+    try:
+        handle, temporary = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name}.")
+        with os.fdopen(handle, "wb") as file:
+            file.write(raw)
+            file.flush()
+            os.fsync(file.fileno())
+        # mkstemp makes private files; a result is for everyone whom the umask allows.
+        umask = os.umask(0)
+        os.umask(umask)
+        Path(temporary).chmod(0o666 & ~umask)
+        Path(temporary).replace(path)
+    except OSError as error:
+        if temporary is not None:
+            with contextlib.suppress(FileNotFoundError):
+                Path(temporary).unlink()
+        raise StorageError(
+            f"{path}: cannot be written: {error.strerror}; check the folder, its rights and the free space"
+        ) from error

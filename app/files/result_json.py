@@ -1,0 +1,281 @@
+"""Result JSON, version 1: an identified arm with its uncertainties."""
+
+import json
+import math
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Annotated, Literal
+
+import numpy as np
+from pydantic import BaseModel, ConfigDict, Field, ValidationError
+
+from app.errors import UsageError
+from app.files.atomic import write_atomically
+from calibration.fit_statistics import FitStatistics
+from calibration.identification import Identification
+from calibration.layout import GAUGE
+
+Finite = Annotated[float, Field(allow_inf_nan=False)]
+
+
+class _Part(BaseModel):
+    # Keys beyond version 1 are kept out of the way, not refused: results travel between versions.
+    model_config = ConfigDict(frozen=True, extra="ignore")
+
+
+class Estimate(_Part):
+    """A value with its standard uncertainty (k = 1)."""
+
+    value: Finite
+    u: Finite
+
+
+class MapTable(_Part):
+    """A bidirectional map at its nodes."""
+
+    node_deg: list[Finite]
+    positive_mdeg: list[Finite]
+    negative_mdeg: list[Finite]
+    u_positive_mdeg: list[Finite]
+    u_negative_mdeg: list[Finite]
+
+
+class Place(_Part):
+    """Where a reflector stands."""
+
+    name: str
+    x_mm: Estimate
+    y_mm: Estimate
+
+
+class DeadPath(_Part):
+    """Beam length at a segment's zero."""
+
+    reflector: str
+    segment: int
+    length_mm: Estimate
+
+
+class LackOfFitPart(_Part):
+    """Test against repeated poses."""
+
+    systematic_um: float
+    pure_um: float
+    ratio: float
+    probability: float
+    significant: bool
+
+
+class Fit(_Part):
+    """Quality of the fit."""
+
+    n_points: int
+    n_parameters: int
+    dof: int
+    rms_um: float
+    sigma0_um: float
+    iterations: int
+    rejected: list[str]
+    null_directions: list[list[str]]
+    chi2_reduced: float | None = None
+    chi2_probability: float | None = None
+    variance_factor: float = 1.0
+    lack_of_fit: LackOfFitPart | None = None
+
+
+class Nominal(_Part):
+    """Links that command positions are calculated with."""
+
+    link1_mm: float
+    link2_mm: float
+
+
+class Covariance(_Part):
+    """Covariance of the arm's parameters, mm and rad."""
+
+    names: list[str]
+    matrix: list[list[float]]
+
+
+class Residuals(_Part):
+    """Residual (predicted minus measured) of each distance, as columns."""
+
+    reflector: list[str]
+    segment: list[int]
+    theta1_deg: list[float]
+    theta2_deg: list[float]
+    direction1: list[int]
+    direction2: list[int]
+    residual_um: list[float]
+
+
+class Provenance(_Part):
+    """Where it comes from."""
+
+    runs: list[str]
+    software: str
+    created: str
+
+
+class Result(_Part):
+    """A whole result file."""
+
+    format: Literal["catseye-result/1"] = "catseye-result/1"
+    model: Literal["conventional", "error-map"]
+    gauge: str
+    link1_mm: Estimate
+    link2_mm: Estimate
+    theta20_mdeg: Estimate | None = None
+    theta1_map: MapTable | None = None
+    theta2_map: MapTable | None = None
+    reflectors: list[Place]
+    dead_paths: list[DeadPath]
+    fit: Fit
+    nominal: Nominal
+    covariance: Covariance | None = None
+    residuals: Residuals | None = None
+    provenance: Provenance
+
+
+def result_of(
+    identified: Identification, nominal: tuple[float, float], runs: Sequence[str], software: str, created: str
+) -> Result:
+    """Return an identification as a result.
+
+    Args:
+        identified: what the solver returned.
+        nominal: nominal links, mm.
+        runs: names of the runs or of the points file.
+        software: name and version of the program.
+        created: ISO 8601 UTC time.
+    """
+    layout, u = identified.layout, identified.standard_uncertainty
+    values = identified.parameters
+    conventional = layout.model == "conventional"
+    return Result(
+        model=layout.model,
+        gauge="theta1 map = 0 (the command angles of J1 fix the frame)" if conventional else GAUGE,
+        link1_mm=Estimate(value=float(values[0]), u=float(u[0])),
+        link2_mm=Estimate(value=float(values[1]), u=float(u[1])),
+        theta20_mdeg=_mdeg(values[2], u[2]) if conventional else None,
+        theta1_map=None if conventional else _table(identified, layout.nodes1_rad, layout.map1),
+        theta2_map=None if conventional else _table(identified, layout.nodes2_rad, layout.map2),
+        reflectors=_places(identified),
+        dead_paths=_dead_paths(identified),
+        fit=_fit(identified.fit, identified.rejected),
+        nominal=Nominal(link1_mm=nominal[0], link2_mm=nominal[1]),
+        covariance=Covariance(
+            names=layout.names()[: layout.arm_size],
+            matrix=identified.covariance[: layout.arm_size, : layout.arm_size].tolist(),
+        ),
+        residuals=_residuals(identified),
+        provenance=Provenance(runs=list(runs), software=software, created=created),
+    )
+
+
+def result_text(result: Result) -> str:
+    """Return the text of a result file."""
+    return json.dumps(result.model_dump(exclude_none=True), ensure_ascii=False, indent=1) + "\n"
+
+
+def write_result(result: Result, path: Path) -> None:
+    """Write a result file, whole or not at all."""
+    write_atomically(path, result_text(result))
+
+
+def read_result(path: Path) -> Result:
+    """Read a result file.
+
+    Raises:
+        UsageError: the file is missing or no result; names what is wrong.
+    """
+    try:
+        return Result.model_validate_json(path.read_text(encoding="utf-8"))
+    except FileNotFoundError as error:
+        raise UsageError(f"{path}: there is no such file") from error
+    except (OSError, UnicodeDecodeError) as error:
+        raise UsageError(f"{path}: cannot be read: {error}") from error
+    except ValidationError as error:
+        faults = "; ".join(
+            f"{'.'.join(str(part) for part in fault['loc']) or 'file'}: {fault['msg']}"
+            for fault in error.errors()[:5]
+        )
+        raise UsageError(f"{path}: is no catseye-result/1 file: {faults}") from error
+
+
+def _mdeg(value_rad: float, u_rad: float) -> Estimate:
+    return Estimate(value=1e3 * math.degrees(value_rad), u=1e3 * math.degrees(u_rad))
+
+
+def _table(
+    identified: Identification, nodes_rad: np.ndarray[tuple[int, ...], np.dtype[np.float64]], part: slice
+) -> MapTable:
+    values = 1e3 * np.rad2deg(identified.parameters[part])
+    u = 1e3 * np.rad2deg(identified.standard_uncertainty[part])
+    half = nodes_rad.size
+    return MapTable(
+        node_deg=np.round(np.rad2deg(nodes_rad), 9).tolist(),
+        positive_mdeg=values[:half].tolist(),
+        negative_mdeg=values[half:].tolist(),
+        u_positive_mdeg=u[:half].tolist(),
+        u_negative_mdeg=u[half:].tolist(),
+    )
+
+
+def _places(identified: Identification) -> list[Place]:
+    layout = identified.layout
+    values = identified.parameters[layout.reflectors].reshape(-1, 2).tolist()
+    u = identified.standard_uncertainty[layout.reflectors].reshape(-1, 2).tolist()
+    return [
+        Place(name=name, x_mm=Estimate(value=xy[0], u=uxy[0]), y_mm=Estimate(value=xy[1], u=uxy[1]))
+        for name, xy, uxy in zip(layout.reflector_names, values, u, strict=True)
+    ]
+
+
+def _dead_paths(identified: Identification) -> list[DeadPath]:
+    layout = identified.layout
+    values = identified.parameters[layout.dead_path].tolist()
+    u = identified.standard_uncertainty[layout.dead_path].tolist()
+    return [
+        DeadPath(reflector=name, segment=segment, length_mm=Estimate(value=value, u=uncertainty))
+        for (name, segment), value, uncertainty in zip(layout.dead_paths, values, u, strict=True)
+    ]
+
+
+def _fit(fit: FitStatistics, rejected: list[str]) -> Fit:
+    lack = fit.lack_of_fit
+    return Fit(
+        n_points=fit.n_points,
+        n_parameters=fit.n_parameters,
+        dof=fit.dof,
+        rms_um=fit.rms_um,
+        sigma0_um=fit.sigma0_um,
+        iterations=fit.iterations,
+        rejected=rejected,
+        null_directions=[],
+        chi2_reduced=fit.chi2_reduced,
+        chi2_probability=fit.chi2_probability,
+        variance_factor=fit.variance_factor,
+        lack_of_fit=None
+        if lack is None
+        else LackOfFitPart(
+            systematic_um=lack.systematic_um,
+            pure_um=lack.pure_um,
+            ratio=lack.ratio,
+            probability=lack.probability,
+            significant=lack.significant,
+        ),
+    )
+
+
+def _residuals(identified: Identification) -> Residuals:
+    points, commands = identified.points, identified.points.commands
+    return Residuals(
+        reflector=[points.reflector_names[i] for i in points.reflector],
+        segment=[points.dead_paths[i][1] for i in points.dead_path],
+        theta1_deg=np.round(np.rad2deg(commands.theta1_rad), 9).tolist(),
+        theta2_deg=np.round(np.rad2deg(commands.theta2_rad), 9).tolist(),
+        direction1=commands.direction1.tolist(),
+        direction2=commands.direction2.tolist(),
+        residual_um=np.round(1e3 * identified.residuals_mm, 6).tolist(),
+    )
