@@ -1,0 +1,48 @@
+"""The air around the bench, with its slow drift."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from simulators.bench.counter import SlowDrift
+from simulators.config import AirState
+
+
+@dataclass(frozen=True)
+class AirSample:
+    """State of the air at one bench time.
+
+    Attributes:
+        temperature_c: temperature, °C.
+        pressure_hpa: pressure, hPa.
+        humidity_percent: relative humidity, %.
+    """
+
+    temperature_c: float
+    pressure_hpa: float
+    humidity_percent: float
+
+
+class Air:
+    """Air whose state follows from bench time alone.
+
+    Args:
+        state: mean state and drift.
+        seed: seed of the drift.
+    """
+
+    def __init__(self, state: AirState, seed: int) -> None:
+        rng = np.random.default_rng([seed, 8])
+        self._state = state
+        self._drifts = [
+            SlowDrift(rng, size) for size in (state.drift_k, state.drift_hpa, state.drift_percent)
+        ]
+
+    def at(self, time_s: float) -> AirSample:
+        """Return the air's state at a bench time."""
+        warmer_k, higher_hpa, wetter_percent = (drift.at(time_s) for drift in self._drifts)
+        return AirSample(
+            self._state.temperature_c + warmer_k,
+            self._state.pressure_hpa + higher_hpa,
+            min(100.0, max(0.0, self._state.humidity_percent + wetter_percent)),
+        )

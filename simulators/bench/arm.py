@@ -1,0 +1,271 @@
+"""The arm: motion, error maps, play, scatter of arrivals, radial error motions, warming and ringing.
+
+Every quantity is a closed function of bench time within one motion (and the rest that follows it), so results do
+not depend on the steps in which bench time advances. Play is closed too: each joint moves in one direction only
+within a motion, and clipping a monotone function once is the same as integrating the play operator.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from calibration.error_map import BidirectionalMap
+from simulators.bench.motion import STANDSTILL, Motion, plan_motion, plan_stop
+from simulators.bench.types import Floats, Plane
+from simulators.config import EmulationConfig, Joints
+from simulators.truth import TrueArm
+
+STEEL_PER_K = 11.7e-6
+"""Thermal expansion of the links, 1/K."""
+
+_TO_RAD = np.pi / 180.0
+_PLAY_JOINTS = (0, 1, 3)
+_STEP_DEG = 0.05
+_STEP_S = 0.005
+_CALM_MM = 1e-9
+
+
+@dataclass(frozen=True)
+class Poses:
+    """What the arm really does at several bench times, shape (n,) each.
+
+    Attributes:
+        time_s: bench times, s.
+        axis_mm: true position of the J4 axis, mm.
+        beam_rad: true world direction of the beam, rad.
+        height_mm: J3, mm.
+        white_mm: white noise of the length at these places, mm.
+    """
+
+    time_s: Floats
+    axis_mm: Plane
+    beam_rad: Floats
+    height_mm: Floats
+    white_mm: Floats
+
+
+@dataclass(frozen=True)
+class _Shape:
+    """The arm's shape without what goes on at rest too (warming, ringing), shape (n,) each."""
+
+    reach_mm: Plane
+    shift_mm: Plane
+    beam_rad: Floats
+    height_mm: Floats
+    white_mm: Floats
+
+
+class FlankTable:
+    """Deviation of one joint for every state of its play.
+
+    The deviation is mid + q half: q = 1 is the table of positive approach, q = -1 that of negative approach.
+    Angles are command angles in deg; outside its nodes the table is held constant.
+    """
+
+    def __init__(self, table: BidirectionalMap) -> None:
+        mid = (table.positive_rad + table.negative_rad) / 2.0
+        half = (table.positive_rad - table.negative_rad) / 2.0
+        self._nodes_deg = np.rad2deg(table.nodes_rad)
+        self._tables = mid + 1j * half
+
+    def deviation_rad(self, theta_deg: Floats, play: Floats) -> Floats:
+        """Return the deviations, rad, for command angles and states of the play (-1...1)."""
+        both = np.interp(theta_deg, self._nodes_deg, self._tables)
+        deviation: Floats = both.real + play * both.imag
+        return deviation
+
+    def width_deg(self, theta_deg: float) -> float:
+        """Return the distance between the two tables at a command angle, deg."""
+        half = np.interp(theta_deg, self._nodes_deg, self._tables.imag)
+        return float(np.rad2deg(2.0 * abs(half)))
+
+
+class RadialError:
+    """Radial error motion of one axis: a smooth closed curve over a turn, harmonics 1 to 5.
+
+    Args:
+        rng: where amplitudes and phases come from.
+        rms_um: rms of x and of y over a turn.
+    """
+
+    def __init__(self, rng: np.random.Generator, rms_um: float) -> None:
+        self._angles_deg = np.linspace(0.0, 360.0, 721)
+        turn = np.deg2rad(self._angles_deg)
+        axes = [self._harmonics(rng, turn, rms_um * 1e-3) for _ in range(2)]
+        self._curve_mm = axes[0] + 1j * axes[1]
+
+    @staticmethod
+    def _harmonics(rng: np.random.Generator, turn_rad: Floats, rms_mm: float) -> Floats:
+        weights = rng.uniform(0.5, 1.0, 5) / np.arange(1, 6)
+        weights *= rms_mm * np.sqrt(2.0) / np.linalg.norm(weights)
+        phases = rng.uniform(0.0, 2.0 * np.pi, 5)
+        orders = np.arange(1, 6)
+        waves: Floats = weights @ np.sin(orders[:, None] * turn_rad + phases[:, None])
+        return waves
+
+    def shift_mm(self, theta_deg: Floats) -> Plane:
+        """Return the shifts, mm, at command angles in deg."""
+        shift: Plane = np.interp(theta_deg % 360.0, self._angles_deg, self._curve_mm).astype(np.complex128)
+        return shift
+
+
+class Arm:
+    """State of the arm: the present motion, the play of each joint, what is left of earlier ringing.
+
+    Args:
+        truth: true geometry and maps.
+        config: dynamics, budget, seed and joints at bench time 0.
+    """
+
+    def __init__(self, truth: TrueArm, config: EmulationConfig) -> None:
+        self._truth = truth
+        self._budget = config.budget
+        self._dynamics = config.dynamics
+        half_j4 = np.array([config.dynamics.j4_backlash_mdeg * _TO_RAD / 2e3])
+        j4_map = BidirectionalMap(np.zeros(1), -half_j4, half_j4)
+        self._tables = [FlankTable(m) for m in (truth.theta1_map, truth.theta2_map, j4_map)]
+        rng = np.random.default_rng([config.seed, 3])
+        radial_um = (config.budget.radial_j1_um, config.budget.radial_j2_um, config.budget.radial_j4_um)
+        self._radial = [RadialError(rng, rms_um) for rms_um in radial_um]
+        self._arrivals = np.random.default_rng([config.seed, 4])
+        self.motion = Motion(config.start_joints, config.start_joints, 0.0, STANDSTILL)
+        self._play = np.array([-1.0, -1.0, -1.0])
+        self._travel_deg = np.ones(3)
+        self._scatter_from = self._scatter_to = self._draw_scatter()
+        self._ringing = np.zeros(2, dtype=np.complex128)
+        self._kick_mm = 0j
+        self._rest_shape = self._shape(np.ones(1))
+        # The amplitude decays and turns: exp(rate t).
+        self._ring_rate = -1.0 / self._budget.vibration_decay_s + 2j * np.pi * self._budget.vibration_hz
+
+    def move_to(
+        self, target: Joints, time_s: float, speed_fraction: float, acceleration_fraction: float
+    ) -> None:
+        """Start a motion at a bench time at which the arm stands still."""
+        start = self.motion.joints_at(time_s)
+        motion = plan_motion(start, target, time_s, self._dynamics, speed_fraction, acceleration_fraction)
+        self._begin(motion, time_s)
+
+    def stop(self, time_s: float) -> None:
+        """Decelerate from a bench time on; the path is not left."""
+        self._begin(plan_stop(self.motion, time_s, self._dynamics), time_s)
+
+    def play_at(self, time_s: float) -> Floats:
+        """Return the states of the play of J1, J2 and J4 (-1...1), shape (3,)."""
+        done = self._done(np.array([time_s]))
+        return np.array([self._play_of(k, done)[0] for k in range(3)])
+
+    def true_joints(self, time_s: float) -> Joints:
+        """Return the joints as they really are: command plus deviation, deg, deg, mm, deg."""
+        command = self.motion.joints_at(time_s)
+        done = self._done(np.array([time_s]))
+        j1, j2, j4 = (
+            command[joint]
+            + float(self._tables[k].deviation_rad(np.array([command[joint]]), self._play_of(k, done))[0])
+            / _TO_RAD
+            for k, joint in enumerate(_PLAY_JOINTS)
+        )
+        return (j1, j2, command[2], j4)
+
+    def sample_times(self) -> Floats:
+        """Return the bench times at which the beam has to be looked at, from the motion's start until it is calm."""
+        profile = self.motion.profile
+        spans = [abs(self.motion.end[j] - self.motion.start[j]) for j in _PLAY_JOINTS]
+        fastest_deg_s = max(spans) * profile.speed
+        step_s = min(_STEP_S, _STEP_DEG / fastest_deg_s) if fastest_deg_s else _STEP_S
+        moving = np.linspace(0.0, profile.duration_s, int(np.ceil(profile.duration_s / step_s)) + 1)
+        calm = np.arange(1, self._calm_steps() + 1) * _STEP_S + profile.duration_s
+        return self.motion.start_s + np.concatenate([moving, calm])
+
+    def poses(self, time_s: Floats) -> Poses:
+        """Return what the arm does at bench times not before the start of the present motion.
+
+        Args:
+            time_s: bench times, s, shape (n,).
+        """
+        shape = self._rest_shape if time_s[0] >= self.motion.end_s else None
+        if shape is None:
+            shape = self._shape(self._done(time_s))
+        axis = shape.reach_mm * self._growth(time_s) + shape.shift_mm + self._ringing_at(time_s)
+        spread = np.zeros(time_s.shape)
+        return Poses(time_s, axis, spread + shape.beam_rad, spread + shape.height_mm, spread + shape.white_mm)
+
+    def _shape(self, done: Floats) -> _Shape:
+        j1, j2, j3, j4 = (a + done * (b - a) for a, b in zip(self.motion.start, self.motion.end, strict=True))
+        turn1 = _TO_RAD * j1 + self._tables[0].deviation_rad(j1, self._play_of(0, done))
+        turn2 = turn1 + _TO_RAD * j2 + self._tables[1].deviation_rad(j2, self._play_of(1, done))
+        turn4 = turn2 + _TO_RAD * j4 + self._tables[2].deviation_rad(j4, self._play_of(2, done))
+        link1, link2 = np.exp(1j * turn1), np.exp(1j * turn2)
+        (xy0, white0), (xy1, white1) = self._scatter_from, self._scatter_to
+        shift = self._radial[0].shift_mm(j1) + link1 * self._radial[1].shift_mm(j2)
+        shift += link2 * self._radial[2].shift_mm(j4) + (xy0 + done * (xy1 - xy0))
+        reach = self._truth.link1_mm * link1 + self._truth.link2_mm * link2
+        return _Shape(reach, shift, turn4 + self._truth.theta40_rad, j3, white0 + done * (white1 - white0))
+
+    def _begin(self, motion: Motion, time_s: float) -> None:
+        now = np.array([time_s])
+        done = float(self._done(now)[0])
+        self._play = self.play_at(time_s)
+        left = self._phasors_at(now)[:, 0]
+        self._ringing = np.where(np.abs(left) > _CALM_MM, left, 0.0)
+        (xy0, w0), (xy1, w1) = self._scatter_from, self._scatter_to
+        self._scatter_from = (xy0 + done * (xy1 - xy0), w0 + done * (w1 - w0))
+        self._scatter_to = self._draw_scatter() if motion.profile.duration_s else self._scatter_from
+        self.motion = motion
+        for k, joint in enumerate(_PLAY_JOINTS):
+            width_deg = self._tables[k].width_deg(motion.start[joint])
+            self._travel_deg[k] = max(width_deg, self._dynamics.reversal_travel_deg)
+        self._kick_mm = self._kick()
+        # At rest one reading follows another: their common part is worked out once.
+        self._rest_shape = self._shape(np.ones(1))
+
+    def _done(self, time_s: Floats) -> Floats:
+        if self.motion.profile.duration_s == 0.0:
+            return np.ones_like(time_s)
+        return self.motion.profile.fraction(time_s - self.motion.start_s)
+
+    def _play_of(self, k: int, done: Floats) -> Floats:
+        joint = _PLAY_JOINTS[k]
+        travelled_deg = self.motion.end[joint] - self.motion.start[joint]
+        play = self._play[k] + done * (2.0 * travelled_deg / self._travel_deg[k])
+        clipped: Floats = np.clip(play, -1.0, 1.0, out=play)
+        return clipped
+
+    def _draw_scatter(self) -> tuple[complex, float]:
+        x, y, white = (float(value) for value in self._arrivals.standard_normal(3))
+        return complex(x, y) * self._budget.repeatability_um * 1e-3, white * self._budget.white_um * 1e-3
+
+    def _growth(self, time_s: Floats) -> Floats:
+        final = STEEL_PER_K * self._budget.thermal_k
+        warmed: Floats = np.expm1(-time_s / self._budget.thermal_time_s)
+        return 1.0 - final * warmed
+
+    def _kick(self) -> complex:
+        """Return the ringing that the end of the motion excites, mm along its chord."""
+        reach = self._shape(np.array([0.0, 1.0])).reach_mm
+        chord = complex(reach[1] - reach[0])
+        # Very small steps excite in proportion to their size.
+        return self._budget.vibration_um * 1e-3 * chord / max(1.0, abs(chord))
+
+    def _phasors_at(self, time_s: Floats) -> Plane:
+        """Return the complex amplitudes of the ringing in x and y, mm, shape (2, n)."""
+        old = np.exp(self._ring_rate * (time_s - self.motion.start_s))
+        after_s = time_s - self.motion.end_s
+        fresh = np.where(after_s > 0.0, np.exp(self._ring_rate * np.maximum(after_s, 0.0)), 0.0)
+        return np.stack(
+            [
+                self._ringing[0] * old + self._kick_mm.real * fresh,
+                self._ringing[1] * old + self._kick_mm.imag * fresh,
+            ]
+        )
+
+    def _ringing_at(self, time_s: Floats) -> Plane | float:
+        if not (self._ringing.any() or self._kick_mm):
+            return 0.0
+        x, y = self._phasors_at(time_s).imag
+        ringing: Plane = x + 1j * y
+        return ringing
+
+    def _calm_steps(self) -> int:
+        ringing = bool(self._kick_mm) or bool(self._ringing.any())
+        return int(np.ceil(5.0 * self._budget.vibration_decay_s / _STEP_S)) if ringing else 0

@@ -1,0 +1,249 @@
+"""The bench as one thing: arm, beam, counter and air on one bench time."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from simulators.bench.air import Air, AirSample
+from simulators.bench.arm import Arm
+from simulators.bench.counter import Counter, Reading
+from simulators.bench.optics import NOBODY, Optics, Sight
+from simulators.bench.types import Floats
+from simulators.config import EmulationConfig, Joints
+from simulators.errors import BenchError
+from simulators.truth import TrueArm
+
+_REST_STEP_S = 10.0
+"""While nothing moves only warming changes the beam; it is looked at this often."""
+
+Witness = Callable[[str], None]
+"""Is told what happens on the bench, at the moment it happens."""
+
+
+@dataclass(frozen=True)
+class Insight:
+    """What nobody on a real bench could know.
+
+    Attributes:
+        axis_mm: true position of the J4 axis (x, y), mm.
+        joints: what the joints really are, J1 deg, J2 deg, J3 mm, J4 deg.
+        beam_deg: true world direction of the beam, deg.
+        play: states of the play of J1, J2 and J4, -1...1.
+        reflector: name of the reflector that returns the beam, None without a return.
+        nearest: name of the reflector that is missed least.
+        miss_mm: distance of its centre from the beam's line, mm.
+        length_mm: true length of the beam to it, mm.
+    """
+
+    axis_mm: tuple[float, float]
+    joints: Joints
+    beam_deg: float
+    play: tuple[float, float, float]
+    reflector: str | None
+    nearest: str
+    miss_mm: float
+    length_mm: float
+
+
+class Bench:
+    """The physical truth. Commands act at the present bench time; `advance` lets time pass.
+
+    Results depend on the sequence of commands and their bench times, never on the steps of `advance`: the beam is
+    looked at on times fixed by each motion, and whenever somebody asks.
+
+    Args:
+        truth: the true arm.
+        config: everything else.
+        witness: is told of motions, stops and arrivals; by default nobody is.
+    """
+
+    def __init__(self, truth: TrueArm, config: EmulationConfig, witness: Witness | None = None) -> None:
+        if not truth.reflectors:
+            raise BenchError("a bench needs at least one reflector")
+        self.truth = truth
+        self.time_s = 0.0
+        self._arm = Arm(truth, config)
+        self._optics = Optics(truth, config)
+        self._air = Air(config.air, config.seed)
+        self._counter = Counter(config, self._look(np.zeros(1)))
+        self._witness = witness or (lambda _text: None)
+        self._times = self._arm.sample_times()
+        self._taken = self._times.size
+        self._arrived = True
+
+    @property
+    def joints(self) -> Joints:
+        """Joints as commanded at this moment, deg, deg, mm, deg."""
+        return self._arm.motion.joints_at(self.time_s)
+
+    @property
+    def destination(self) -> Joints:
+        """Joints at the end of the present motion."""
+        return self._arm.motion.end
+
+    @property
+    def moving(self) -> bool:
+        """A motion is under way."""
+        return self.time_s < self._arm.motion.end_s
+
+    @property
+    def standstill_s(self) -> float:
+        """Bench time at which the present or last motion ends, s."""
+        return self._arm.motion.end_s
+
+    def advance(self, step_s: float) -> None:
+        """Let bench time pass, s."""
+        self.advance_to(self.time_s + step_s)
+
+    def advance_to(self, time_s: float) -> None:
+        """Let bench time pass up to a moment; a moment in the past changes nothing."""
+        if time_s <= self.time_s:
+            return
+        due = self._due_times(time_s)
+        if due.size:
+            self._counter.follow(self._look(due))
+        if not self._arrived and time_s >= self.standstill_s:
+            self._arrived = True
+            self.time_s = self.standstill_s
+            self._witness(f"arrival at {_listed(self.destination)}")
+        self.time_s = time_s
+
+    def move_to(self, target: Joints, override_percent: float = 100.0, accel_percent: float = 100.0) -> None:
+        """Start a joint-interpolated motion.
+
+        Args:
+            target: joints to reach, deg, deg, mm, deg.
+            override_percent: speed, per cent of the largest.
+            accel_percent: acceleration, per cent of the largest.
+
+        Raises:
+            BenchError: the arm moves already.
+        """
+        if self.moving:
+            raise BenchError("the arm moves already")
+        self._observe()
+        self._arm.move_to(target, self.time_s, override_percent / 100.0, accel_percent / 100.0)
+        self._witness(f"motion to {_listed(target)} at {override_percent:g} %")
+        self._restart_looks()
+
+    def stop(self) -> None:
+        """Decelerate to standstill; without a motion nothing happens."""
+        if not self.moving:
+            return
+        self._observe()
+        self._arm.stop(self.time_s)
+        self._witness(f"stop towards {_listed(self.destination)}")
+        self._restart_looks()
+
+    def read(self) -> Reading:
+        """Return one reading of the counter at this moment."""
+        sight = self._observe()
+        return self._counter.read(self.time_s, self._optics.level(float(sight.miss_mm[0])))
+
+    def zero(self) -> bool:
+        """Zero the counter; False when it refuses because no beam returns."""
+        self._observe()
+        return self._counter.zero(self.time_s)
+
+    def velocity_mm_s(self) -> float:
+        """Return the displacement rate at this moment, mm/s; 0 without a beam."""
+        since_s = max(self._arm.motion.start_s, self.time_s - 1e-3)
+        before, now = (self._look(np.array([t])) for t in (since_s, self.time_s))
+        if now.index[0] == NOBODY or before.index[0] != now.index[0] or since_s == self.time_s:
+            return 0.0
+        return float(now.length_mm[0] - before.length_mm[0]) / (self.time_s - since_s)
+
+    def tool_speed_mm_s(self) -> float:
+        """Return the speed of the J4 axis at this moment, mm/s."""
+        since_s = max(self._arm.motion.start_s, self.time_s - 1e-3)
+        if not self.moving or since_s == self.time_s:
+            return 0.0
+        before, now = self._arm.poses(np.array([since_s, self.time_s])).axis_mm
+        return float(abs(now - before)) / (self.time_s - since_s)
+
+    def air(self) -> AirSample:
+        """Return the air's state at this moment."""
+        return self._air.at(self.time_s)
+
+    def insight(self) -> Insight:
+        """Return the truth of this moment; nothing on the bench notices."""
+        now = np.array([self.time_s])
+        poses = self._arm.poses(now)
+        sight = self._optics.look(poses)
+        axis = complex(poses.axis_mm[0])
+        j1, j2, j4 = (float(q) for q in self._arm.play_at(self.time_s))
+        nearest = self._nearest(sight)
+        return Insight(
+            axis_mm=(axis.real, axis.imag),
+            joints=self._arm.true_joints(self.time_s),
+            beam_deg=float(np.rad2deg(poses.beam_rad[0])),
+            play=(j1, j2, j4),
+            reflector=nearest if sight.index[0] != NOBODY else None,
+            nearest=nearest,
+            miss_mm=float(sight.miss_mm[0]),
+            length_mm=float(sight.length_mm[0]),
+        )
+
+    @property
+    def beam_lost(self) -> bool:
+        """The counter's latch."""
+        return self._counter.beam_lost
+
+    def block_beam(self, duration_s: float | None) -> None:
+        """Hold something into the beam, for a time in s or until it is taken away."""
+        until_s = np.inf if duration_s is None else self.time_s + duration_s
+        self._optics.block(self.time_s, until_s)
+        self._observe()
+
+    def unblock_beam(self) -> None:
+        """Take away what stands in the beam."""
+        self._observe()
+        self._optics.block(np.inf, np.inf)
+        self._observe()
+
+    def move_reflector(self, name: str, dx_mm: float, dy_mm: float) -> None:
+        """Shift a reflector; the counter counts what it sees of it.
+
+        Raises:
+            BenchError: there is no such reflector.
+        """
+        self._observe()
+        try:
+            self._optics.move_reflector(name, complex(dx_mm, dy_mm))
+        except KeyError:
+            known = ", ".join(self._optics.names)
+            raise BenchError(f"there is no reflector {name!r}; there are {known}") from None
+        self._counter.shift_target(self._look(np.array([self.time_s])))
+
+    def _look(self, time_s: Floats) -> Sight:
+        return self._optics.look(self._arm.poses(time_s))
+
+    def _observe(self) -> Sight:
+        sight = self._look(np.array([self.time_s]))
+        self._counter.follow(sight)
+        return sight
+
+    def _nearest(self, sight: Sight) -> str:
+        return self._optics.names[int(sight.nearest[0])]
+
+    def _restart_looks(self) -> None:
+        self._times = self._arm.sample_times()
+        self._taken = int(np.searchsorted(self._times, self.time_s, side="right"))
+        self._arrived = not self.moving
+
+    def _due_times(self, until_s: float) -> Floats:
+        """Return the times of looks after the present and up to a moment, in order."""
+        upto = int(np.searchsorted(self._times, until_s, side="right"))
+        due = self._times[self._taken : upto]
+        self._taken = max(self._taken, upto)
+        calm_s = float(self._times[-1])
+        first = int(np.floor(max(0.0, self.time_s - calm_s) / _REST_STEP_S)) + 1
+        last = int(np.floor(max(0.0, until_s - calm_s) / _REST_STEP_S))
+        if last < first:
+            return due
+        return np.concatenate([due, calm_s + _REST_STEP_S * np.arange(first, last + 1)])
+
+
+def _listed(joints: Joints) -> str:
+    return ", ".join(f"{value:.3f}" for value in joints)

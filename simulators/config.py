@@ -1,0 +1,184 @@
+"""Everything that describes one emulated bench. Plain data; the cell file is read elsewhere."""
+
+from dataclasses import dataclass, field
+from pathlib import Path
+
+Joints = tuple[float, float, float, float]
+"""J1 deg, J2 deg, J3 mm, J4 deg."""
+
+Range = tuple[float, float]
+"""Lowest and highest permitted value."""
+
+
+@dataclass(frozen=True)
+class ReflectorPlace:
+    """A cat's eye as the cell file knows it.
+
+    Attributes:
+        name: its name.
+        x_mm: rough place in the robot's frame, mm.
+        y_mm: rough place in the robot's frame, mm.
+        facing_deg: world direction of the axis of its field; None: towards the J1 axis.
+    """
+
+    name: str
+    x_mm: float
+    y_mm: float
+    facing_deg: float | None = None
+
+
+@dataclass(frozen=True)
+class ErrorBudget:
+    """What makes two measurements of one place differ. Zero switches a contribution off.
+
+    The figures are those of the SCARA paper's Table 2 where it has them (repeatability, radial error
+    motions, wavelength, correction, environment); the others are assumptions of this emulation.
+
+    Attributes:
+        repeatability_um: robot repeatability, standard deviation of x and of y at each arrival.
+        radial_j1_um: radial error motion of J1, rms of x and of y.
+        radial_j2_um: the same for J2, in the frame of link 1.
+        radial_j4_um: the same for J4, in the frame of link 2.
+        wavelength_um: accuracy of the wavelength, as an error at 0.7 m; acts as a scale.
+        correction_um: accuracy of the air's correction, as an error at 0.7 m; acts as a scale.
+        environment_um: rms of the slow drift of the reading with bench time.
+        counter_noise_um: standard deviation of one reading.
+        counter_resolution_um: step of the reading.
+        white_um: plain white noise of the length, one draw an arrival.
+        thermal_k: final warming of the links above their state at the start.
+        thermal_time_s: time constant of that warming.
+        vibration_um: amplitude of the arm's ringing after a motion of a millimetre or more.
+        vibration_hz: its frequency.
+        vibration_decay_s: its time constant.
+    """
+
+    repeatability_um: float = 10.0
+    radial_j1_um: float = 5.0
+    radial_j2_um: float = 5.0
+    radial_j4_um: float = 10.0
+    wavelength_um: float = 0.04
+    correction_um: float = 0.19
+    environment_um: float = 0.09
+    counter_noise_um: float = 0.1
+    counter_resolution_um: float = 0.01
+    white_um: float = 0.0
+    thermal_k: float = 0.2
+    thermal_time_s: float = 3600.0
+    vibration_um: float = 20.0
+    vibration_hz: float = 15.0
+    vibration_decay_s: float = 0.08
+
+    @classmethod
+    def none(cls) -> "ErrorBudget":
+        """Return a bench without any error but those of the arm's links, maps and play."""
+        return cls(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, thermal_k=0.0, vibration_um=0.0)
+
+
+@dataclass(frozen=True)
+class ArmDynamics:
+    """How fast the arm moves; none of these figures is confirmed by a catalogue.
+
+    Attributes:
+        max_speed: largest speed at 100 % override: deg/s, deg/s, mm/s, deg/s (melfa sheet, section 5.1,
+            marked unverified there).
+        max_acceleration: deg/s², deg/s², mm/s², deg/s²; an assumption; the override does not lower it.
+        reversal_travel_deg: smallest command travel over which a joint changes from one flank to the other.
+        j4_backlash_mdeg: width of J4's play; an assumption within its repeatability of 4 mdeg.
+        servo_delay_s: bench time from "servo on" until the drives hold.
+    """
+
+    max_speed: Joints = (420.0, 720.0, 1100.0, 3000.0)
+    max_acceleration: Joints = (2000.0, 4000.0, 8000.0, 15000.0)
+    reversal_travel_deg: float = 0.05
+    j4_backlash_mdeg: float = 3.0
+    servo_delay_s: float = 1.0
+
+
+@dataclass(frozen=True)
+class AirState:
+    """Mean state of the air and the amplitude of its slow drift.
+
+    Attributes:
+        temperature_c: mean temperature, °C.
+        pressure_hpa: mean pressure, hPa.
+        humidity_percent: mean relative humidity, %.
+        drift_k: amplitude of the temperature's drift, K.
+        drift_hpa: amplitude of the pressure's drift, hPa.
+        drift_percent: amplitude of the humidity's drift, %.
+    """
+
+    temperature_c: float = 20.0
+    pressure_hpa: float = 1013.25
+    humidity_percent: float = 50.0
+    drift_k: float = 0.1
+    drift_hpa: float = 0.5
+    drift_percent: float = 1.0
+
+
+@dataclass(frozen=True)
+class EmulationConfig:
+    """One emulated bench with its servers.
+
+    Attributes:
+        reflectors: cat's eyes at their rough places; the true ones differ by some millimetres.
+        link1_mm: nominal length of link 1, mm.
+        link2_mm: nominal length of link 2, mm.
+        j1_deg: limits of J1.
+        j2_deg: limits of J2.
+        j3_mm: limits of J3.
+        j4_deg: limits of J4.
+        start_joints: joints at bench time 0.
+        beam_height_j3_mm: J3 at which the beam lies in the plane of the reflectors; None: that of start_joints.
+        acceptance_mm: largest beam miss from which a reflector returns the beam.
+        field_half_angle_deg: half angle of the cat's eye's field.
+        column_radius_mm: radius of the base column around the J1 axis.
+        beam_offset_mm: lateral offset of the beam from the J4 axis, positive to the left of the beam; None: drawn.
+        speed_limit_mm_s: largest displacement rate that the counter follows.
+        robot: endpoint of the robot controller, `tcp://host:port`; port 0 takes a free one.
+        interferometer: endpoint of the length counter.
+        environment: endpoint of the air sensor.
+        control: endpoint of the control port.
+        speed: bench seconds in one real second.
+        seed: seed of everything random.
+        truth: file with the true arm; None draws one.
+        budget: what makes measurements scatter.
+        dynamics: how fast the arm moves.
+        air: state of the air.
+        axis_pattern: axes in position answers: 4 (native), 6 or 8 (what some clients demand).
+        answer_suffix: what the controller appends to an answer: nothing, CR or CR LF.
+        pressure_register: PDU address of the pressure (the sheet modbus_env, section 1a, does not know it for a
+            PTU300; 0x2C is that of a DPT145).
+    """
+
+    reflectors: tuple[ReflectorPlace, ...]
+    link1_mm: float = 325.0
+    link2_mm: float = 225.0
+    j1_deg: Range = (-170.0, 170.0)
+    j2_deg: Range = (-145.0, 145.0)
+    j3_mm: Range = (0.0, 150.0)
+    j4_deg: Range = (-360.0, 360.0)
+    start_joints: Joints = (0.0, 0.0, 0.0, 0.0)
+    beam_height_j3_mm: float | None = None
+    acceptance_mm: float = 1.0
+    field_half_angle_deg: float = 80.0
+    column_radius_mm: float = 110.0
+    beam_offset_mm: float | None = None
+    speed_limit_mm_s: float = 2000.0
+    robot: str = "tcp://127.0.0.1:0"
+    interferometer: str = "tcp://127.0.0.1:0"
+    environment: str = "tcp://127.0.0.1:0"
+    control: str = "tcp://127.0.0.1:0"
+    speed: float = 1.0
+    seed: int = 0
+    truth: Path | None = None
+    budget: ErrorBudget = field(default_factory=ErrorBudget)
+    dynamics: ArmDynamics = field(default_factory=ArmDynamics)
+    air: AirState = field(default_factory=AirState)
+    axis_pattern: int = 4
+    answer_suffix: str = ""
+    pressure_register: int = 0x2C
+
+    @property
+    def limits(self) -> tuple[Range, Range, Range, Range]:
+        """Limits of J1 deg, J2 deg, J3 mm, J4 deg."""
+        return (self.j1_deg, self.j2_deg, self.j3_mm, self.j4_deg)

@@ -1,0 +1,285 @@
+"""Control port: tells the truth and sets faults, outside the instruments' protocols. One JSON object a line.
+
+Requests have `op` and its arguments; answers are `{"ok": true, …}` or `{"ok": false, "error": "…"}`.
+
+`identify` · `truth` (the true arm in the result format) · `state` · `tracker` (the J4 axis as a laser tracker sees
+it) · `log` {device} · `speed` {value} · `fault` {name, …}, with the names
+
+`block_beam` {duration_s, null for ever} · `clear_faults` · `alarm` {number} · `emergency_stop` {on} · `servo_off` ·
+`move_reflector` {reflector, dx_mm, dy_mm} · `air` {nan, temperature_k, pressure_hpa, humidity_percent} ·
+`stall` {device, duration_s} · `drop` {device} · `mute` {device}. Durations are bench time.
+"""
+
+import json
+from dataclasses import asdict, dataclass
+from typing import Literal
+
+from pydantic import BaseModel, ConfigDict, Field, ValidationError
+
+from simulators.bench.bench import Bench
+from simulators.errors import EmulatorError
+from simulators.journal import Journal
+from simulators.melfa.controller import Controller
+from simulators.modbus.air_sensor import AirFault, AirSensor
+from simulators.serving import Answer, Port, Session
+from simulators.timekeeper import TimeKeeper
+from simulators.tracker import Tracker
+from simulators.truth import truth_document
+
+LONGEST_BYTES = 65_536
+
+Device = Literal["robot", "interferometer", "environment"]
+Said = dict[str, object]
+
+
+@dataclass(frozen=True)
+class Desk:
+    """What the control port can reach.
+
+    Attributes:
+        bench: the physical truth.
+        controller: the robot controller.
+        sensor: the air sensor.
+        tracker: the emulated laser tracker.
+        keeper: bench time.
+        journal: what happened.
+        ports: the instruments' ports by device.
+    """
+
+    bench: Bench
+    controller: Controller
+    sensor: AirSensor
+    tracker: Tracker
+    keeper: TimeKeeper
+    journal: Journal
+    ports: dict[str, Port]
+
+
+class _Request(BaseModel):
+    model_config = ConfigDict(strict=True, extra="forbid", allow_inf_nan=False)
+
+    def carry_out(self, desk: Desk) -> Said:
+        raise NotImplementedError
+
+
+class _Identify(_Request):
+    def carry_out(self, desk: Desk) -> Said:
+        return {"name": "catseye bench EMULATOR", "time_s": desk.bench.time_s, "speed": desk.keeper.speed}
+
+
+class _Truth(_Request):
+    def carry_out(self, desk: Desk) -> Said:
+        return {"truth": truth_document(desk.bench.truth)}
+
+
+class _State(_Request):
+    def carry_out(self, desk: Desk) -> Said:
+        bench = desk.bench
+        insight = bench.insight()
+        beam = {
+            "reflector": insight.reflector,
+            "returns": insight.reflector is not None,
+            "lost": bench.beam_lost,
+            "nearest": insight.nearest,
+            "miss_mm": insight.miss_mm,
+            "length_mm": insight.length_mm,
+            "direction_deg": insight.beam_deg,
+        }
+        return {
+            "time_s": bench.time_s,
+            "joints": bench.joints,
+            "true_joints": insight.joints,
+            "play": insight.play,
+            "xy_mm": insight.axis_mm,
+            "moving": bench.moving,
+            "servo": desk.controller.servo_on,
+            "alarm": desk.controller.alarm,
+            "beam": beam,
+        }
+
+
+class _Tracker(_Request):
+    def carry_out(self, desk: Desk) -> Said:
+        x_mm, y_mm = desk.tracker.measure(desk.bench.insight().axis_mm)
+        return {"x_mm": x_mm, "y_mm": y_mm, "u_mm": desk.tracker.u_mm}
+
+
+class _Log(_Request):
+    device: Device
+
+    def carry_out(self, desk: Desk) -> Said:
+        return {"entries": [asdict(entry) for entry in desk.journal.entries(self.device)]}
+
+
+class _Speed(_Request):
+    value: float = Field(gt=0.0)
+
+    def carry_out(self, desk: Desk) -> Said:
+        desk.keeper.speed = self.value
+        return {}
+
+
+class _BlockBeam(_Request):
+    duration_s: float | None = Field(default=None, gt=0.0)
+
+    def carry_out(self, desk: Desk) -> Said:
+        desk.bench.block_beam(self.duration_s)
+        return {}
+
+
+class _ClearFaults(_Request):
+    def carry_out(self, desk: Desk) -> Said:
+        desk.bench.unblock_beam()
+        desk.controller.emergency_stop = False
+        desk.controller.reset_alarm()
+        desk.sensor.fault = AirFault()
+        for port in desk.ports.values():
+            port.muted = False
+            port.stalled_until_s = 0.0
+        desk.keeper.changed()
+        return {}
+
+
+class _Alarm(_Request):
+    number: int = Field(ge=1, le=9999)
+
+    def carry_out(self, desk: Desk) -> Said:
+        desk.controller.raise_alarm(self.number)
+        return {}
+
+
+class _EmergencyStop(_Request):
+    on: bool = True
+
+    def carry_out(self, desk: Desk) -> Said:
+        desk.controller.set_emergency_stop(on=self.on)
+        return {}
+
+
+class _ServoOff(_Request):
+    def carry_out(self, desk: Desk) -> Said:
+        desk.controller.switch_servo_off()
+        return {}
+
+
+class _MoveReflector(_Request):
+    reflector: str
+    dx_mm: float = 0.0
+    dy_mm: float = 0.0
+
+    def carry_out(self, desk: Desk) -> Said:
+        desk.bench.move_reflector(self.reflector, self.dx_mm, self.dy_mm)
+        return {}
+
+
+class _Air(_Request):
+    nan: bool = False
+    temperature_k: float = 0.0
+    pressure_hpa: float = 0.0
+    humidity_percent: float = 0.0
+
+    def carry_out(self, desk: Desk) -> Said:
+        errors = (self.temperature_k, self.pressure_hpa, self.humidity_percent)
+        desk.sensor.fault = AirFault(self.nan, *errors)
+        return {}
+
+
+class _Stall(_Request):
+    device: Device
+    duration_s: float = Field(gt=0.0)
+
+    def carry_out(self, desk: Desk) -> Said:
+        desk.ports[self.device].stalled_until_s = desk.bench.time_s + self.duration_s
+        return {}
+
+
+class _Drop(_Request):
+    device: Device
+
+    def carry_out(self, desk: Desk) -> Said:
+        desk.ports[self.device].drop()
+        return {}
+
+
+class _Mute(_Request):
+    device: Device
+
+    def carry_out(self, desk: Desk) -> Said:
+        desk.ports[self.device].muted = True
+        return {}
+
+
+_OPERATIONS: dict[str, type[_Request]] = {
+    "identify": _Identify,
+    "truth": _Truth,
+    "state": _State,
+    "tracker": _Tracker,
+    "log": _Log,
+    "speed": _Speed,
+}
+_FAULTS: dict[str, type[_Request]] = {
+    "block_beam": _BlockBeam,
+    "clear_faults": _ClearFaults,
+    "alarm": _Alarm,
+    "emergency_stop": _EmergencyStop,
+    "servo_off": _ServoOff,
+    "move_reflector": _MoveReflector,
+    "air": _Air,
+    "stall": _Stall,
+    "drop": _Drop,
+    "mute": _Mute,
+}
+
+
+class ControlSession(Session):
+    """Conversation with one client of the control port.
+
+    Args:
+        desk: what it can reach.
+    """
+
+    def __init__(self, desk: Desk) -> None:
+        self._desk = desk
+        self._bytes = bytearray()
+
+    def feed(self, data: bytes) -> None:
+        """Take bytes, cut anywhere."""
+        self._bytes += data
+
+    def answer(self) -> Answer | None:
+        """Carry out the next line."""
+        line, newline, rest = self._bytes.partition(b"\n")
+        if not newline and len(self._bytes) <= LONGEST_BYTES:
+            return None
+        self._bytes = rest
+        said = self._said(bytes(line))
+        return json.dumps(said).encode() + b"\n"
+
+    def _said(self, line: bytes) -> Said:
+        try:
+            return {"ok": True, **_parse(line).carry_out(self._desk)}
+        except ValidationError as error:
+            first = error.errors()[0]
+            key = ".".join(str(part) for part in first["loc"])
+            return {"ok": False, "error": f"{key}: {first['msg']}"}
+        except EmulatorError as error:
+            return {"ok": False, "error": str(error)}
+
+
+def _parse(line: bytes) -> _Request:
+    try:
+        document = json.loads(line)
+    except (ValueError, RecursionError) as error:
+        raise EmulatorError("a request is one JSON object on one line") from error
+    if not isinstance(document, dict):
+        raise EmulatorError("a request is one JSON object on one line")
+    operation = document.pop("op", None)
+    if operation == "fault":
+        return _known(_FAULTS, "fault", document.pop("name", None)).model_validate(document)
+    return _known({**_OPERATIONS, "fault": _Request}, "op", operation).model_validate(document)
+
+
+def _known(table: dict[str, type[_Request]], what: str, name: object) -> type[_Request]:
+    if not isinstance(name, str) or name not in table:
+        raise EmulatorError(f"there is no {what} {name!r}; there are {', '.join(table)}")
+    return table[name]

@@ -1,0 +1,1 @@
+"""Emulator of a length counter that speaks the catseye default profile."""

@@ -1,0 +1,170 @@
+"""The robot controller: servo, alarms, stop, overrides and variables over the bench's arm."""
+
+from collections import deque
+from collections.abc import Callable
+from dataclasses import dataclass
+
+from simulators.bench.bench import Bench
+from simulators.config import EmulationConfig, Joints
+from simulators.melfa import alarms
+from simulators.melfa.alarms import Refusal
+from simulators.melfa.values import Position, joints_of, position_of, rounded
+
+Variable = Joints | Position | float
+"""Value of a variable of the language: J…, P… or M…."""
+
+
+@dataclass
+class Run:
+    """One motion that a client may wait for.
+
+    Attributes:
+        end_s: bench time of its standstill, s.
+        interrupted_by: error number that ended it early, 0 for none.
+    """
+
+    end_s: float
+    interrupted_by: int = 0
+
+
+@dataclass(frozen=True)
+class LogLine:
+    """One line of the error log: bench time, s, and error number."""
+
+    time_s: float
+    number: int
+
+
+class Controller:
+    """What all clients of one controller share.
+
+    Args:
+        bench: the arm.
+        config: limits, nominal links, delays.
+        changed: called when a motion ends at another moment than it would have.
+    """
+
+    def __init__(self, bench: Bench, config: EmulationConfig, changed: Callable[[], None]) -> None:
+        self.bench = bench
+        self.config = config
+        self.override_percent = 100.0
+        self.program_override_percent = 100.0
+        self.joint_override_percent = 100.0
+        self.linear_speed_mm_s = 10_000.0
+        self.accel_percent = 100.0
+        self.alarm = 0
+        self.emergency_stop = False
+        self.stop_latched = False
+        self.stopped = True
+        self.variables: dict[str, Variable] = {}
+        self.outputs: dict[int, int] = {}
+        self.log: deque[LogLine] = deque(maxlen=128)
+        self._changed = changed
+        self._servo_from_s: float | None = None
+        self._run = Run(0.0)
+
+    @property
+    def servo_on(self) -> bool:
+        """The drives hold the arm."""
+        return self._servo_from_s is not None and self.bench.time_s >= self._servo_from_s
+
+    def switch_servo_on(self) -> None:
+        """Start to power the drives; they hold after the configured delay."""
+        if self.emergency_stop:
+            raise Refusal(alarms.SERVO_ON_IMPOSSIBLE)
+        if self.alarm:
+            raise Refusal(alarms.ALARM_PRESENT)
+        if self._servo_from_s is None:
+            self._servo_from_s = self.bench.time_s + self.config.dynamics.servo_delay_s
+
+    def switch_servo_off(self, number: int = alarms.SERVO_IS_OFF) -> None:
+        """Stop the arm and take the power off; a waiting client is told the number."""
+        self._interrupt(number)
+        self._servo_from_s = None
+
+    def move(self, target: Joints | Position) -> Run:
+        """Start a joint-interpolated motion.
+
+        Raises:
+            Refusal: the controller or the arm is not in a state to move, or the target is not permitted.
+        """
+        self._require_ready()
+        joints = target if not isinstance(target, Position) else self._solve(target)
+        joints = rounded(joints)
+        limits = zip(joints, self.config.limits, strict=True)
+        if not all(low - 1e-9 <= value <= high + 1e-9 for value, (low, high) in limits):
+            raise Refusal(alarms.DESTINATION_OUT_OF_RANGE)
+        self.stopped = False
+        self.bench.move_to(joints, self.effective_percent, self.accel_percent)
+        self._run = Run(self.bench.standstill_s)
+        return self._run
+
+    @property
+    def effective_percent(self) -> float:
+        """Speed of joint motions: panel override times program overrides."""
+        return self.override_percent * self.program_override_percent * self.joint_override_percent / 1e4
+
+    def stop(self) -> None:
+        """Stop the motion; a client that waits for it gets an error."""
+        self.stopped = True
+        self._interrupt(alarms.STOP_IS_ON)
+
+    def raise_alarm(self, number: int) -> None:
+        """Let an alarm occur: the arm stops, one of high level switches the servo off too."""
+        self.log.append(LogLine(self.bench.time_s, number))
+        if alarms.level(number) == alarms.CAUTION:
+            return
+        self.alarm = number
+        if alarms.level(number) == alarms.HIGH:
+            self.switch_servo_off(number)
+        else:
+            self._interrupt(number)
+
+    def set_emergency_stop(self, *, on: bool) -> None:
+        """Open or close the emergency stop circuit; its alarm stays until it is reset."""
+        self.emergency_stop = on
+        if on:
+            self.raise_alarm(alarms.EMERGENCY_STOP)
+
+    def reset_alarm(self) -> None:
+        """Clear the alarm.
+
+        Raises:
+            Refusal: its cause, the open emergency stop circuit, is still there.
+        """
+        if self.emergency_stop:
+            raise Refusal(alarms.EMERGENCY_STOP)
+        self.alarm = 0
+
+    def position(self) -> Position:
+        """Return the nominal position of the commanded joints."""
+        return self.position_of(self.bench.joints)
+
+    def position_of(self, joints: Joints) -> Position:
+        """Return the nominal position of joints."""
+        return position_of(joints, self.config)
+
+    def tool_speed_mm_s(self) -> float:
+        """Return the speed of the tool's end at this moment, mm/s."""
+        return self.bench.tool_speed_mm_s()
+
+    def _solve(self, position: Position) -> Joints:
+        return joints_of(position, self.bench.joints, self.config)
+
+    def _require_ready(self) -> None:
+        if self.alarm:
+            raise Refusal(alarms.ALARM_PRESENT)
+        if not self.servo_on:
+            raise Refusal(alarms.SERVO_IS_OFF)
+        if self.stop_latched:
+            raise Refusal(alarms.STOP_IS_ON)
+        if self.bench.moving:
+            raise Refusal(alarms.WHILE_RUNNING)
+
+    def _interrupt(self, number: int) -> None:
+        if not self.bench.moving:
+            return
+        self.bench.stop()
+        self._run.end_s = self.bench.standstill_s
+        self._run.interrupted_by = self._run.interrupted_by or number
+        self._changed()

@@ -1,0 +1,87 @@
+"""One client of the robot controller: requests in, answers with their prefixes out (sheet, sections 1.2 and 1.6)."""
+
+from collections import deque
+from collections.abc import Callable
+
+from simulators.melfa import alarms
+from simulators.melfa.alarms import Refusal
+from simulators.melfa.commands import Client, cannot_go_on, carry_out
+from simulators.melfa.controller import Controller, Run
+from simulators.melfa.framing import TOO_LONG, RequestBuffer
+from simulators.serving import Answer, Pending, Session
+
+_SILENCE_S = 0.005
+
+
+class MelfaSession(Session):
+    """Conversation with one client.
+
+    Args:
+        controller: the controller that all clients share.
+        suffix: what is appended to each answer.
+        note: is told each request.
+    """
+
+    def __init__(self, controller: Controller, suffix: str, note: Callable[[str], None]) -> None:
+        self._controller = controller
+        self._suffix = suffix
+        self._note = note
+        self._buffer = RequestBuffer()
+        self._requests: deque[bytes | None] = deque()
+        self._client = Client()
+
+    def feed(self, data: bytes) -> None:
+        """Take bytes; a request without terminator is complete at once if nothing could follow it."""
+        self._buffer.feed(data)
+        rest = self._buffer.rest
+        if rest and cannot_go_on(rest.decode("latin-1")):
+            self._buffer.end_request()
+        self._requests.extend(self._buffer.take())
+
+    def silence_s(self) -> float | None:
+        """A pause ends a request that came without terminator."""
+        return _SILENCE_S if self._buffer.waiting else None
+
+    def idle(self) -> None:
+        """Take what has come as a request."""
+        self._buffer.end_request()
+        self._requests.extend(self._buffer.take())
+
+    def answer(self) -> Answer | None:
+        """Carry out the next request."""
+        if not self._requests:
+            return None
+        request = self._requests.popleft()
+        try:
+            if request is TOO_LONG:
+                raise Refusal(alarms.TOO_LONG)
+            text = request.decode("latin-1")
+            self._note(text)
+            done = carry_out(self._controller, self._client, text)
+        except Refusal as refusal:
+            return self._refused(refusal)
+        if isinstance(done, Run):
+            return self._when_finished(done)
+        return self._accepted(done)
+
+    def close(self) -> None:
+        """Release the operation right; a motion under way goes on."""
+        self._client.operation_right = False
+
+    def _when_finished(self, run: Run) -> Pending:
+        bench = self._controller.bench
+
+        def due() -> float | None:
+            return run.end_s if bench.time_s < run.end_s else None
+
+        def reply() -> bytes:
+            return self._refused(Refusal(run.interrupted_by)) if run.interrupted_by else self._accepted("")
+
+        return Pending(due, reply)
+
+    def _accepted(self, text: str) -> bytes:
+        prefix = "Qok" if self._controller.alarm else "QoK"
+        return f"{prefix}{text}{self._suffix}".encode("latin-1")
+
+    def _refused(self, refusal: Refusal) -> bytes:
+        return f"QeR{refusal.number:04d}{refusal.detail:05d}{self._suffix}".encode("latin-1")

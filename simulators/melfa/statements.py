@@ -1,0 +1,223 @@
+"""Statements of direct execution (`EXEC…`, `EXEC2=…`) and variables (sheet, sections 1.9, 1.14 and 4.2).
+
+A straight motion (MVS) is carried out joint-interpolated at the joints' speed: its end is right, its path is not.
+TOOL, BASE, FINE, CNT, OADL and TORQ are accepted and have no effect.
+"""
+
+import re
+from collections.abc import Callable
+from dataclasses import replace
+
+from simulators.config import Joints
+from simulators.melfa import alarms
+from simulators.melfa.alarms import Refusal
+from simulators.melfa.controller import Controller, Run, Variable
+from simulators.melfa.values import Position, flags_text, joint_constant, number, position_constant
+
+_NAME = re.compile(r"[JPM][A-Z0-9_]{0,15}")
+_ASSIGNMENT = re.compile(r"([JPM][A-Z0-9_]{0,15})\s*=\s*(.+)")
+_DEFINITION = re.compile(r"(JNT|POS|INTE|LONG|FLOAT|DOUBLE)\s+([A-Z][A-Z0-9_]{0,15})")
+_CONSTANT = re.compile(r"([JP]?)\(([^()]*)\)\s*(?:\(([^()]*)\))?")
+_SUM = re.compile(r"(P[A-Z0-9_]*)\s*\+\s*(\([^()]*\)\s*(?:\([^()]*\))?)")
+_WORD = re.compile(r"([A-Z]+)\b\s*(.*)")
+_LARGEST_STORE = 500
+
+
+def execute(controller: Controller, statement: str) -> Run | None:
+    """Carry out one statement; keywords and names may be in either case.
+
+    Returns:
+        The motion that it started, None when it is done.
+
+    Raises:
+        Refusal: the statement is not understood or cannot be carried out.
+    """
+    text = statement.strip().upper()
+    if (found := _ASSIGNMENT.fullmatch(text)) is not None:
+        assign(controller, found[1], found[2])
+        return None
+    word = _WORD.fullmatch(text)
+    if word is None or word[1] not in _STATEMENTS:
+        raise Refusal(alarms.SYNTAX)
+    return _STATEMENTS[word[1]](controller, word[2].strip())
+
+
+def assign(controller: Controller, name: str, value: str) -> None:
+    """Give a variable a value; the first letter of its name tells its type."""
+    if _NAME.fullmatch(name) is None:
+        raise Refusal(alarms.SYNTAX)
+    new = _number(controller, value) if name[0] == "M" else _operand(controller, value)
+    if (name[0] == "P") != isinstance(new, Position):
+        raise Refusal(alarms.SYNTAX)
+    _store(controller, name, new)
+
+
+def read(controller: Controller, name: str) -> Variable:
+    """Return the value of a variable or status variable.
+
+    Raises:
+        Refusal: there is none of that name.
+    """
+    status = _STATUS.get(name)
+    if status is not None:
+        return status(controller)
+    if name not in controller.variables:
+        raise Refusal(alarms.UNDEFINED)
+    return controller.variables[name]
+
+
+def value_text(value: Variable) -> str:
+    """Return a value as a variable read shows it, signed, with two decimals for joints and positions."""
+    if isinstance(value, Position):
+        places = (value.x_mm, value.y_mm, value.z_mm, 0.0, 0.0, value.c_deg)
+        return f"({','.join(f'{place:+.2f}' for place in places)})({flags_text(value)})"
+    if isinstance(value, tuple):
+        return f"({','.join(f'{joint:+.2f}' for joint in value)})"
+    return f"{value:+g}"
+
+
+def _store(controller: Controller, name: str, value: Variable) -> None:
+    if name not in controller.variables and len(controller.variables) >= _LARGEST_STORE:
+        raise Refusal(alarms.OUT_OF_RANGE)
+    controller.variables[name] = value
+
+
+def _number(controller: Controller, text: str) -> float:
+    if _NAME.fullmatch(text) is None:
+        return number(text)
+    value = read(controller, text)
+    if not isinstance(value, int | float):
+        raise Refusal(alarms.SYNTAX)
+    return float(value)
+
+
+def _operand(controller: Controller, text: str) -> Joints | Position:
+    if _NAME.fullmatch(text) is not None:
+        value = read(controller, text)
+        if isinstance(value, int | float):
+            raise Refusal(alarms.SYNTAX)
+        return value
+    if (added := _SUM.fullmatch(text)) is not None:
+        base, shift = _operand(controller, added[1]), _constant(controller, f"P{added[2]}")
+        if isinstance(base, Position) and isinstance(shift, Position):
+            return _added(base, shift)
+    return _constant(controller, text)
+
+
+def _added(base: Position, shift: Position) -> Position:
+    return replace(
+        base,
+        x_mm=base.x_mm + shift.x_mm,
+        y_mm=base.y_mm + shift.y_mm,
+        z_mm=base.z_mm + shift.z_mm,
+        c_deg=base.c_deg + shift.c_deg,
+    )
+
+
+def _constant(controller: Controller, text: str) -> Joints | Position:
+    found = _CONSTANT.fullmatch(text)
+    if found is None:
+        raise Refusal(alarms.SYNTAX)
+    kind, values, flags = found[1], found[2], found[3]
+    # Four values without flags are joints of this arm; a position of it has six places.
+    joints = kind == "J" or (not kind and flags is None and values.count(",") < 4)
+    if joints:
+        return joint_constant(values)
+    return position_constant(values, flags, controller.position().flag1)
+
+
+def _move(controller: Controller, target: str) -> Run:
+    return controller.move(_operand(controller, target))
+
+
+def _straight(controller: Controller, target: str) -> Run:
+    position = _operand(controller, target)
+    if not isinstance(position, Position):
+        raise Refusal(alarms.SYNTAX)
+    return controller.move(position)
+
+
+def _define(controller: Controller, text: str) -> None:
+    found = _DEFINITION.fullmatch(text)
+    if found is None:
+        raise Refusal(alarms.SYNTAX)
+    kind, name = found[1], found[2]
+    if name in controller.variables:
+        raise Refusal(alarms.DUPLICATE)
+    values: dict[str, Variable] = {"JNT": (0.0, 0.0, 0.0, 0.0), "POS": Position(0.0, 0.0, 0.0, 0.0, 0)}
+    _store(controller, name, values.get(kind, 0.0))
+
+
+def _percent(controller: Controller, text: str) -> float:
+    value = _number(controller, text)
+    if not text or not 0.0 < value <= 100.0:
+        raise Refusal(alarms.OUT_OF_RANGE)
+    return value
+
+
+def _override(controller: Controller, text: str) -> None:
+    controller.program_override_percent = _percent(controller, text)
+
+
+def _joint_override(controller: Controller, text: str) -> None:
+    controller.joint_override_percent = _percent(controller, text)
+
+
+def _linear_speed(controller: Controller, text: str) -> None:
+    value = _number(controller, text)
+    if not 0.0 < value <= 10_000.0:
+        raise Refusal(alarms.OUT_OF_RANGE)
+    controller.linear_speed_mm_s = value
+
+
+def _accel(controller: Controller, text: str) -> None:
+    # Acceleration and deceleration are one figure here: the gentler one.
+    values = [_percent(controller, part.strip()) for part in text.split(",")] if text else [100.0]
+    controller.accel_percent = min(values)
+
+
+def _servo(controller: Controller, text: str) -> None:
+    if text == "ON":
+        controller.switch_servo_on()
+    elif text == "OFF":
+        controller.switch_servo_off()
+    else:
+        raise Refusal(alarms.SYNTAX)
+
+
+def _accept(controller: Controller, text: str) -> None:
+    """Take a statement that changes nothing that is modelled."""
+    del controller, text
+
+
+_STATEMENTS: dict[str, Callable[[Controller, str], Run | None]] = {
+    "MOV": _move,
+    "MVS": _straight,
+    "DEF": _define,
+    "OVRD": _override,
+    "JOVRD": _joint_override,
+    "SPD": _linear_speed,
+    "ACCEL": _accel,
+    "SERVO": _servo,
+    **dict.fromkeys(("END", "HOPEN", "HCLOSE", "TOOL", "BASE", "FINE", "CNT", "OADL", "TORQ"), _accept),
+}
+
+_STATUS: dict[str, Callable[[Controller], Variable]] = {
+    "M_SVO": lambda c: float(c.servo_on),
+    "M_OVRD": lambda c: c.program_override_percent,
+    "M_OPOVRD": lambda c: c.override_percent,
+    "M_JOVRD": lambda c: c.joint_override_percent,
+    "M_SPD": lambda c: c.linear_speed_mm_s,
+    "M_RSPD": lambda c: abs(c.tool_speed_mm_s()),
+    "M_NOVRD": lambda _c: 100.0,
+    "M_NJOVRD": lambda _c: 100.0,
+    "M_NSPD": lambda _c: 10_000.0,
+    "M_TOOL": lambda _c: 0.0,
+    "M_ERR": lambda c: float(c.alarm != 0),
+    "M_ERRNO": lambda c: float(c.alarm),
+    "J_CURR": lambda c: c.bench.joints,
+    # The encoders sit before the gears: feedback shows the command, not the arm's deviation.
+    "J_FBC": lambda c: c.bench.joints,
+    "P_CURR": lambda c: c.position(),
+    "P_FBC": lambda c: c.position(),
+}

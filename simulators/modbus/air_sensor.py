@@ -1,0 +1,141 @@
+"""Register map common to Vaisala instruments (sheet `modbus_env`, section 1a).
+
+32-bit floats at PDU 0x0000…, least significant word first; the same quantities as scaled 16-bit integers from 0x0100;
+status from 0x0200. Quantities of the map that are not measured here read as missing: NaN, 0x8000.
+"""
+
+import math
+import struct
+from dataclasses import dataclass
+
+from simulators.bench.air import AirSample
+from simulators.bench.bench import Bench
+from simulators.modbus.protocol import ILLEGAL_ADDRESS, ModbusError
+
+MISSING = 0x8000
+
+_FLOAT_WORDS = 0x80
+_INTEGERS_FROM = 0x0100
+_STATUS_FROM = 0x0200
+_STATUS_WORDS = 6
+_SETTINGS_FROM = 0x0300
+_SETTINGS_WORDS = 22
+
+# PDU address of the float and scale of the integer; the integer stands at 0x0100 + address / 2.
+_HUMIDITY, _TEMPERATURE, _DEW_POINT = 0x0000, 0x0002, 0x0006
+_INTEGER_STEP = {_HUMIDITY: 0.01, _TEMPERATURE: 0.01, _DEW_POINT: 0.01}
+_PRESSURE_STEP_HPA = 0.1
+
+
+@dataclass
+class AirFault:
+    """What is wrong with the sensor.
+
+    Attributes:
+        missing: it measures nothing.
+        temperature_k: error of the temperature, K.
+        pressure_hpa: error of the pressure, hPa.
+        humidity_percent: error of the relative humidity, %.
+    """
+
+    missing: bool = False
+    temperature_k: float = 0.0
+    pressure_hpa: float = 0.0
+    humidity_percent: float = 0.0
+
+
+class AirSensor:
+    """Registers of the sensor.
+
+    Args:
+        bench: where the sensor stands.
+        pressure_register: PDU address of the pressure in hPa; the sheet does not know that of a PTU300.
+    """
+
+    def __init__(self, bench: Bench, pressure_register: int) -> None:
+        self._bench = bench
+        self._pressure_register = pressure_register
+        self._settings = [0] * _SETTINGS_WORDS
+        self.fault = AirFault()
+        self.identity = {0: "EMULATOR of catseye", 1: "air sensor, common register map", 2: "1.0"}
+
+    def read_words(self, address: int, count: int) -> list[int]:
+        """Return registers; a range must lie within one part of the map."""
+        for start, words in (
+            (0, self._floats),
+            (_INTEGERS_FROM, self._integers),
+            (_STATUS_FROM, self._status),
+        ):
+            part = words()
+            if start <= address and address + count <= start + len(part):
+                return part[address - start : address - start + count]
+        start = self._setting(address, count)
+        return self._settings[start : start + count]
+
+    def write_words(self, address: int, words: list[int]) -> None:
+        """Write settings; measured values cannot be written. The settings are kept and have no effect."""
+        start = self._setting(address, len(words))
+        self._settings[start : start + len(words)] = words
+
+    def read_bits(self, address: int, count: int) -> list[bool]:
+        """Refuse: the sensor has no coils."""
+        del address, count
+        raise ModbusError(ILLEGAL_ADDRESS)
+
+    def write_bits(self, address: int, bits: list[bool]) -> None:
+        """Refuse: the sensor has no coils."""
+        del address, bits
+        raise ModbusError(ILLEGAL_ADDRESS)
+
+    def _setting(self, address: int, count: int) -> int:
+        start = address - _SETTINGS_FROM
+        if start < 0 or start + count > _SETTINGS_WORDS:
+            raise ModbusError(ILLEGAL_ADDRESS)
+        return start
+
+    def _values(self) -> dict[int, float]:
+        if self.fault.missing:
+            return {}
+        air = self._bench.air()
+        shown = AirSample(
+            air.temperature_c + self.fault.temperature_k,
+            air.pressure_hpa + self.fault.pressure_hpa,
+            air.humidity_percent + self.fault.humidity_percent,
+        )
+        return {
+            _HUMIDITY: shown.humidity_percent,
+            _TEMPERATURE: shown.temperature_c,
+            _DEW_POINT: dew_point_c(shown.temperature_c, shown.humidity_percent),
+            self._pressure_register: shown.pressure_hpa,
+        }
+
+    def _floats(self) -> list[int]:
+        size = max(_FLOAT_WORDS, self._pressure_register + 2)
+        words = [*_float_words(math.nan)] * (size // 2) + [0] * (size % 2)
+        for address, value in self._values().items():
+            words[address : address + 2] = _float_words(value)
+        return words
+
+    def _integers(self) -> list[int]:
+        words = [MISSING] * (_FLOAT_WORDS // 2)
+        steps = {**_INTEGER_STEP, self._pressure_register: _PRESSURE_STEP_HPA}
+        for address, value in self._values().items():
+            if address // 2 < len(words):
+                words[address // 2] = round(value / steps[address]) & 0xFFFF
+        return words
+
+    def _status(self) -> list[int]:
+        good = int(not self.fault.missing)
+        return [good, good, good, 0, 0, 0][:_STATUS_WORDS]
+
+
+def _float_words(value: float) -> tuple[int, int]:
+    high, low = struct.unpack(">HH", struct.pack(">f", value))
+    return low, high
+
+
+def dew_point_c(temperature_c: float, humidity_percent: float) -> float:
+    """Return the dew point, °C (Magnus formula, coefficients of Sonntag 1990)."""
+    humidity = max(0.01, humidity_percent) / 100.0
+    gamma = math.log(humidity) + 17.62 * temperature_c / (243.12 + temperature_c)
+    return 243.12 * gamma / (17.62 - gamma)
