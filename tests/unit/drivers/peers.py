@@ -1,0 +1,99 @@
+"""Devices and clocks for the tests of this room: scripted, in memory, without real time."""
+
+import asyncio
+import contextlib
+from collections.abc import Callable, Iterable
+from datetime import UTC, datetime
+from types import TracebackType
+from typing import Self
+
+from drivers.errors import LinkError
+from drivers.memory import MemoryTransport, pipe
+
+Answer = Callable[[bytes], Iterable[bytes]]
+
+
+class StepClock:
+    """A clock that is moved by the sleeps only."""
+
+    def __init__(self) -> None:
+        self.time_s = 100.0
+
+    def monotonic_s(self) -> float:
+        return self.time_s
+
+    def now_utc(self) -> datetime:
+        return datetime(2026, 1, 2, tzinfo=UTC)
+
+    async def sleep(self, duration_s: float) -> None:
+        self.time_s += duration_s
+        await asyncio.sleep(0)
+
+
+class Peer:
+    """Plays the device at the far end of a pipe: each chunk that comes is answered by chunks.
+
+    Args:
+        answer: from a request to the chunks of its answer; none keeps silent.
+        endpoint: name of the pipe.
+        on_hang_up: is called when the client closes its end.
+    """
+
+    def __init__(
+        self,
+        answer: Answer,
+        *,
+        endpoint: str = "memory://device",
+        on_hang_up: Callable[[], None] = lambda: None,
+    ) -> None:
+        self.near, self.far = pipe(endpoint)
+        self.requests: list[bytes] = []
+        self.hang_ups = 0
+        self._answer = answer
+        self._on_hang_up = on_hang_up
+        self._task: asyncio.Task[None] | None = None
+
+    async def __aenter__(self) -> Self:
+        await self.far.open()
+        self._task = asyncio.create_task(self._serve())
+        return self
+
+    async def __aexit__(
+        self, kind: type[BaseException] | None, exc: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        if self._task:
+            self._task.cancel()
+            with contextlib.suppress(asyncio.CancelledError):
+                await self._task
+        await self.near.close()
+
+    @property
+    def transport(self) -> MemoryTransport:
+        """The client's end."""
+        return self.near
+
+    async def say(self, data: bytes) -> None:
+        """Send bytes that nobody asked for."""
+        await self.far.write(data)
+
+    async def _serve(self) -> None:
+        while True:
+            try:
+                data = await self.far.read()
+            except LinkError:
+                self.hang_ups += 1
+                self._on_hang_up()
+                continue
+            self.requests.append(data)
+            for chunk in self._answer(data):
+                with contextlib.suppress(LinkError):
+                    await self.far.write(chunk)
+
+
+async def until(condition: Callable[[], bool]) -> None:
+    """Let the other tasks run until a condition holds."""
+    for _ in range(10_000):
+        if condition():
+            return
+        await asyncio.sleep(0)
+    raise AssertionError("the condition never held")
