@@ -57,6 +57,7 @@ class RunControl:
         self._robot: Robot | None = None
         self._command: asyncio.Task[Any] | None = None
         self._halts: set[asyncio.Task[None]] = set()
+        self._halting = 0
         self._changed = asyncio.Event()
         self._motion_permitted = False
 
@@ -219,12 +220,16 @@ class RunControl:
                 self._on_change(self.state, f"{event} means nothing in state {self.state} ({reason})")
 
     async def _halt(self) -> None:
-        if self._robot is not None:
-            self.reports.append(await halt(self._robot, self._clock, self._limits, self._drop_command))
-        else:
-            self._drop_command()
+        self._halting += 1
+        try:
+            if self._robot is not None:
+                self.reports.append(await halt(self._robot, self._clock, self._limits, self._drop_command))
+            else:
+                self._drop_command()
+        finally:
+            self._halting -= 1
         # An abort during a stop has a halt of its own: the last one to end says where the run stands.
-        if len(self._halts) == 1 and self.state not in ENDED:
+        if self._halting == 0 and self.state not in ENDED:
             self._apply(Event.ABORTED if self.state == State.ABORTING else Event.STOPPED, "the robot stands")
 
     def _drop_command(self) -> None:

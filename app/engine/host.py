@@ -26,7 +26,7 @@ from app.engine.signals import SignalInstaller, loop_signals
 from app.engine.states import State
 from app.engine.timekeeping import StepTime
 from app.engine.waiting import uncancelled, within
-from app.errors import StorageError, TerminatedRunError
+from app.errors import StorageError, TerminatedRunError, UsageError
 from app.exitcode import ExitCode
 from app.store.lines import LogHandler
 from app.store.run_store import DEFAULT_RESERVE_BYTES, RunStore
@@ -79,6 +79,7 @@ class RunRequest:
         reserve_bytes: free disk space needed.
         halt_limits: how long a halt may take.
         teardown_limit_s: how long the teardown, and the closing of the devices, may take, s of the clock.
+        clock_speed: bench seconds in one real second; anything but 1 is for emulated devices only.
     """
 
     procedure: Procedure
@@ -96,6 +97,7 @@ class RunRequest:
     reserve_bytes: int = DEFAULT_RESERVE_BYTES
     halt_limits: HaltLimits = field(default_factory=HaltLimits)
     teardown_limit_s: float = 60.0
+    clock_speed: float = 1.0
 
 
 @dataclass(frozen=True)
@@ -194,6 +196,8 @@ class _Run:
         self._control.starting()
         identities = await self._control.command(connect_all(devices))
         simulated = require_permission(identities, self._request.cell, self._request.arm)
+        if not simulated and self._request.clock_speed != 1.0:
+            raise UsageError("the devices are real: leave --speed out, real time cannot run faster")
         self._control.attach(devices.robot)
         facts: dict[str, Json] = {"devices": identities_as_json(identities), "simulated": simulated}
         await self._describe(facts, simulated)

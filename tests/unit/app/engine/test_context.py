@@ -1,0 +1,264 @@
+"""What a procedure is given, on scripted instruments and a real store."""
+
+import asyncio
+from collections.abc import AsyncIterator
+from dataclasses import replace
+from pathlib import Path
+from typing import NamedTuple
+
+import pytest
+
+from app.engine.announcer import Announcer
+from app.engine.context import RunContext
+from app.engine.control import RunControl
+from app.engine.devices import Devices
+from app.engine.gate import JointLimits, MotionGate
+from app.engine.operator import Answer, Operator
+from app.errors import ConfigError, LimitError, PromptUnansweredError, SafetyError
+from app.store.reader import RunReader
+from app.store.run_store import RunStore
+from drivers.readings import CounterStatus, Joints, RobotStatus
+from procedures.context import Prompt, Row
+from tests.unit.app.engine.fakes import AWAY, LIMITS, FakeBench, point
+
+READY = RobotStatus(True, False, True, False, False, 20.0, 0, "")
+
+
+class Parts(NamedTuple):
+    bench: FakeBench
+    ctx: RunContext
+    control: RunControl
+    reader: RunReader
+
+
+@pytest.fixture
+async def parts(tmp_path: Path) -> AsyncIterator[Parts]:
+    bench = FakeBench(tmp_path)
+    store = await RunStore.create(tmp_path, "script", {}, bench.clock, reserve_bytes=0)
+    control = RunControl(bench.clock, lambda _state, _reason: None)
+    control.attach(bench.robot)
+    control.starting()
+    control.started()
+    bench.robot.state = READY
+    announcer = Announcer(store.path.name, bench.clock, bench.publish, lambda: None)
+    devices = Devices(bench.robot, bench.counter, bench.air)
+    gate = MotionGate(bench.robot, LIMITS, 20.0)
+    operator = Operator(bench.clock, {}, None, simulated=True)
+    ctx = RunContext(devices, store, control, bench.clock, gate, operator, announcer)
+    yield Parts(bench, ctx, control, RunReader(store.path))
+    await store.abandon()
+
+
+async def nothing() -> Row:
+    return {}
+
+
+async def test_rows_become_durable_with_their_step_and_are_published_after_that(parts: Parts) -> None:
+    async def action() -> Row:
+        parts.ctx.record("points", point(1))
+        parts.ctx.record("points", point(2))
+        assert parts.reader.points() == []
+        return {"answer": 42}
+
+    assert await parts.ctx.step("s1", "first", action) == {"answer": 42}
+    assert [row["theta1_deg"] for row in parts.reader.points()] == [1.0, 2.0]
+    assert parts.reader.steps()[0].row_count == 2
+    assert [entry["event"] for entry in parts.bench.published] == [
+        "step-started",
+        "point",
+        "point",
+        "step-done",
+    ]
+
+
+async def test_a_done_step_returns_its_stored_result_and_does_not_run(parts: Parts) -> None:
+    runs = 0
+
+    async def action() -> Row:
+        nonlocal runs
+        runs += 1
+        return {"runs": runs}
+
+    await parts.ctx.step("s1", "first", action)
+    assert await parts.ctx.step("s1", "first", action) == {"runs": 1}
+    assert runs == 1
+    assert parts.bench.published[-1]["stored"] is True
+
+
+async def test_an_exception_drops_the_rows_and_stores_that(parts: Parts) -> None:
+    async def fails() -> Row:
+        parts.ctx.record("points", point())
+        raise ValueError("bad luck")
+
+    with pytest.raises(ValueError, match="bad luck"):
+        await parts.ctx.step("s1", "first", fails)
+    await parts.ctx.step("s1", "first", nothing)
+    (dropped,) = [event for event in parts.reader.events() if event.kind == "step-dropped"]
+    assert dropped.data == {"step_id": "s1", "attempt": 1, "error": "ValueError: bad luck", "rows": 1}
+    assert parts.reader.points() == []
+    assert parts.reader.steps()[0].attempt == 2
+
+
+async def test_a_row_outside_of_a_step_is_refused(parts: Parts) -> None:
+    with pytest.raises(RuntimeError, match="outside of a step"):
+        parts.ctx.record("points", point())
+
+
+async def test_a_row_that_does_not_fit_is_refused_where_it_is_recorded(parts: Parts) -> None:
+    async def action() -> Row:
+        parts.ctx.record("points", {"reflector": "P1"})
+        return {}
+
+    with pytest.raises(ValueError, match="lacks segment"):
+        await parts.ctx.step("s1", "first", action)
+
+
+async def test_steps_do_not_nest(parts: Parts) -> None:
+    async def outer() -> Row:
+        return await parts.ctx.step("inner", "inner", nothing)
+
+    with pytest.raises(RuntimeError, match="do not nest"):
+        await parts.ctx.step("outer", "outer", outer)
+
+
+@pytest.mark.parametrize(
+    ("target", "text"),
+    [
+        ((171.0, 0.0, 0.0, 0.0), "J1 = 171 deg is outside -170 … 170 deg"),
+        ((0.0, -146.0, 0.0, 0.0), "J2 = -146"),
+        ((0.0, 0.0, 0.0, 361.0), "J4 = 361"),
+        ((float("nan"), 0.0, 0.0, 0.0), "J1 = nan"),
+        ((0.0, 0.0, float("inf"), 0.0), "J3 = inf"),
+    ],
+)
+async def test_limits_hold_at_the_gate(parts: Parts, target: Joints, text: str) -> None:
+    with pytest.raises(LimitError, match=text):
+        await parts.ctx.move(target)
+    assert "move" not in parts.bench.robot.calls
+
+
+def test_limits_of_j3_are_optional() -> None:
+    limits = JointLimits((-1.0, 1.0), (-1.0, 1.0), (-1.0, 1.0), j3_mm=(-10.0, 0.0))
+    with pytest.raises(LimitError, match="J3 = 1 mm"):
+        limits.require((0.0, 0.0, 1.0, 0.0))
+
+
+@pytest.mark.parametrize(
+    ("state", "text"),
+    [
+        (replace(READY, emergency_stop=True), "emergency stop"),
+        (replace(READY, alarm_number=2500, alarm_text="tracking: look"), "alarm 2500: tracking"),
+        (replace(READY, teach_mode=True), "TEACH"),
+        (replace(READY, servo_on=False), "drives are off"),
+        (replace(READY, override_percent=21.0), "reads 21 %"),
+        (replace(READY, override_percent=float("nan")), "reads nan %"),
+    ],
+)
+async def test_the_controllers_state_is_looked_at_before_each_move(
+    parts: Parts, state: RobotStatus, text: str
+) -> None:
+    await parts.ctx.move(AWAY)
+    parts.bench.robot.state = state
+    with pytest.raises(SafetyError, match=text):
+        await parts.ctx.move(AWAY)
+    assert parts.bench.robot.calls.count("move") == 1
+
+
+async def test_a_measurement_averages_readings_over_the_dwell(parts: Parts) -> None:
+    parts.bench.robot.pose = AWAY
+    measured = await parts.ctx.measure(0.5, 0.8, 5)
+    assert measured.displacement_mm == pytest.approx(3e-3)
+    assert measured.spread_mm == pytest.approx(1.5811e-3, rel=1e-4)
+    assert measured.duration_s == pytest.approx(0.8)
+    assert measured.time_utc == "2026-01-02T03:04:05.500000+00:00"
+    assert (measured.readings, measured.reported, measured.signal) == (5, AWAY, 0.8)
+    assert measured.beam_ok
+
+
+@pytest.mark.parametrize(
+    "beam",
+    [
+        CounterStatus(False, True, False, True, 0.0),
+        CounterStatus(True, True, False, True, 0.8),
+        CounterStatus(True, False, True, True, 0.8),
+    ],
+)
+async def test_a_count_that_was_lost_is_not_ok_even_if_the_beam_is_back(
+    parts: Parts, beam: CounterStatus
+) -> None:
+    parts.bench.counter.beam = beam
+    assert not (await parts.ctx.measure(0.5, 0.5, 2)).beam_ok
+
+
+async def test_the_air_is_sampled_anew_when_it_is_old(parts: Parts) -> None:
+    first = await parts.ctx.measure(0.1, 0.1, 1)
+    again = await parts.ctx.measure(0.1, 0.1, 1)
+    parts.bench.clock.advance(2.1)
+    later = await parts.ctx.measure(0.1, 0.1, 1)
+    assert [m.air.temperature_c for m in (first, again, later)] == [21.0, 21.0, 22.0]
+
+
+async def test_software_time_is_what_is_neither_motion_nor_waiting(parts: Parts) -> None:
+    async def action() -> Row:
+        await parts.ctx.move(AWAY)
+        await parts.ctx.measure(0.5, 0.5, 3)
+        parts.ctx.record("points", point())
+        parts.bench.clock.advance(0.007)
+        return {}
+
+    await parts.ctx.step("s1", "first", action)
+    (time,) = parts.ctx.step_times
+    assert [time.motion_s, time.idle_s] == pytest.approx([1.0, 1.0])
+    assert time.points == 1
+    assert parts.ctx.software_time_s == [pytest.approx(0.007)]
+
+
+async def test_a_zero_is_stored(parts: Parts) -> None:
+    await parts.ctx.zero()
+    assert parts.reader.events()[-1].data == {"number": 1}
+
+
+async def test_a_cell_without_a_tracker_says_so(parts: Parts) -> None:
+    with pytest.raises(ConfigError, match="tracker"):
+        await parts.ctx.locate(0.5)
+
+
+async def test_question_and_answer_are_stored_and_published(parts: Parts) -> None:
+    answer = await parts.ctx.ask(Prompt("clear", "confirm", "Confirm that the cell is clear."))
+    assert answer == "yes"
+    (stored,) = parts.reader.prompts()
+    assert (stored["id"], stored["answer"], stored["who"]) == ("clear", "yes", "emulated operator")
+    assert [entry["event"] for entry in parts.bench.published] == ["prompt", "answer"]
+
+
+async def test_an_unanswered_question_is_stored_too(parts: Parts) -> None:
+    with pytest.raises(PromptUnansweredError, match="answers file"):
+        await parts.ctx.ask(Prompt("name", "text", "Type the name."))
+    assert parts.reader.prompts()[0]["answer"] is None
+
+
+async def test_progress_estimates_from_the_runs_own_pace(parts: Parts) -> None:
+    parts.ctx.progress(100.0, 300.0)
+    parts.bench.clock.advance(20.0)
+    parts.ctx.progress(110.0, 300.0, "row 2")
+    last = parts.bench.published[-1]
+    assert (last["elapsed_s"], last["remaining_s"]) == (20.0, 380.0)
+
+
+async def test_a_stop_ends_a_question_that_waits(parts: Parts) -> None:
+    asked = asyncio.Event()
+
+    async def nobody(_prompt: Prompt) -> Answer | None:
+        asked.set()
+        await asyncio.Event().wait()
+        return None
+
+    operator = Operator(parts.bench.clock, {}, nobody, simulated=False)
+    waiting = asyncio.create_task(
+        parts.control.command(operator.answer(Prompt("clear", "confirm", "Clear?")))
+    )
+    await asked.wait()
+    parts.control.stop("F12")
+    with pytest.raises(Exception, match="F12"):
+        await waiting
+    await parts.control.halted()

@@ -1,0 +1,254 @@
+"""The stop ladder with a scripted robot."""
+
+import asyncio
+import signal
+from collections.abc import Coroutine
+from dataclasses import replace
+
+import pytest
+
+from app.engine.control import RunControl
+from app.engine.halt import HaltLimits
+from app.engine.states import State
+from app.errors import InterruptedRunError, SafetyError, TerminatedRunError
+from drivers.errors import LinkError
+from tests.unit.app.engine.fakes import AWAY, FakeRobot, ManualClock
+
+
+class Bench:
+    def __init__(self) -> None:
+        self.clock = ManualClock()
+        self.robot = FakeRobot(self.clock)
+        self.robot.state = replace(self.robot.state, servo_on=True)
+        self.told: list[tuple[State, str]] = []
+        self.control = RunControl(
+            self.clock, lambda state, reason: self.told.append((state, reason)), HaltLimits(standstill_s=0.5)
+        )
+        self.control.attach(self.robot)
+        self.control.starting()
+        self.control.started()
+
+    def move(self) -> Coroutine[object, object, None]:
+        return self.control.motion(self.gate, lambda: self.robot.move_joints(AWAY))
+
+    async def gate(self) -> None:
+        await asyncio.sleep(0)
+
+
+@pytest.fixture
+def bench() -> Bench:
+    return Bench()
+
+
+async def turns(count: int = 20) -> None:
+    """Let every task go on as far as it can."""
+    for _ in range(count):
+        await asyncio.sleep(0)
+
+
+async def until(bench: Bench, state: State) -> None:
+    await turns()
+    assert bench.control.state == state
+
+
+async def test_a_stop_during_a_move_reaches_the_robot_before_anything_else(bench: Bench) -> None:
+    bench.robot.blocks = True
+    move = asyncio.create_task(bench.move())
+    await bench.robot.moving.wait()
+    bench.control.stop("F12")
+    with pytest.raises(InterruptedRunError, match="F12"):
+        await move
+    await bench.control.halted()
+    assert bench.robot.calls == ["move", "stop", "move cancelled"]
+    assert bench.control.state == State.STOPPED
+    assert bench.control.reports[0].standstill
+
+
+async def test_no_motion_follows_a_stop(bench: Bench) -> None:
+    bench.control.stop("F12")
+    with pytest.raises(InterruptedRunError):
+        await bench.move()
+    await bench.control.halted()
+    assert "move" not in bench.robot.calls
+
+
+async def test_a_stop_while_the_gate_looks_keeps_the_move_from_beginning(bench: Bench) -> None:
+    looking = asyncio.Event()
+
+    async def gate() -> None:
+        looking.set()
+        await asyncio.sleep(0)
+        await asyncio.sleep(0)
+
+    move = asyncio.create_task(bench.control.motion(gate, lambda: bench.robot.move_joints(AWAY)))
+    await looking.wait()
+    bench.control.stop("F12")
+    with pytest.raises(InterruptedRunError):
+        await move
+    await bench.control.halted()
+    assert "move" not in bench.robot.calls
+
+
+async def test_a_hold_lets_the_move_end_and_takes_effect_at_the_checkpoint(bench: Bench) -> None:
+    bench.robot.blocks = False
+    bench.control.hold("h")
+    assert bench.control.state == State.HOLDING
+    waiting = asyncio.create_task(bench.move())
+    await until(bench, State.HELD)
+    assert bench.robot.calls == []
+    bench.control.unhold("go on")
+    await waiting
+    assert bench.robot.calls == ["move"]
+    assert bench.control.state.value == "EXECUTE"
+
+
+async def test_after_a_hold_the_gate_looks_again(bench: Bench) -> None:
+    looks = 0
+
+    async def gate() -> None:
+        nonlocal looks
+        looks += 1
+        if looks == 1:
+            bench.control.hold("h")
+
+    waiting = asyncio.create_task(bench.control.motion(gate, lambda: bench.robot.move_joints(AWAY)))
+    await until(bench, State.HELD)
+    bench.control.unhold("go on")
+    await waiting
+    assert looks == 2
+    assert bench.robot.calls == ["move"]
+
+
+async def test_the_ladder_of_ctrl_c_holds_then_stops_then_aborts(bench: Bench) -> None:
+    bench.control.on_signal(signal.SIGINT)
+    assert bench.control.state == State.HOLDING
+    bench.control.on_signal(signal.SIGINT)
+    stopping = bench.control.state
+    bench.control.on_signal(signal.SIGINT)
+    assert (stopping, bench.control.state.value) == (State.STOPPING, "ABORTING")
+    with pytest.raises(InterruptedRunError, match="third"):
+        await bench.control.checkpoint()
+    await bench.control.halted()
+    assert bench.control.state.value == "ABORTED"
+
+
+async def test_a_second_ctrl_c_while_held_stops(bench: Bench) -> None:
+    bench.control.on_signal(signal.SIGINT)
+    waiting = asyncio.create_task(bench.control.checkpoint())
+    await until(bench, State.HELD)
+    bench.control.on_signal(signal.SIGINT)
+    with pytest.raises(InterruptedRunError):
+        await waiting
+    await bench.control.halted()
+    assert bench.robot.calls[0] == "stop"
+    assert bench.control.state == State.STOPPED
+
+
+@pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGHUP])
+async def test_termination_aborts(bench: Bench, number: signal.Signals) -> None:
+    bench.control.on_signal(number)
+    with pytest.raises(TerminatedRunError, match=number.name):
+        await bench.control.checkpoint()
+    await bench.control.halted()
+    assert bench.control.state == State.ABORTED
+
+
+async def test_sigusr1_ends_a_hold(bench: Bench) -> None:
+    bench.control.on_signal(signal.SIGINT)
+    waiting = asyncio.create_task(bench.control.checkpoint())
+    await until(bench, State.HELD)
+    bench.control.on_signal(signal.SIGUSR1)
+    await waiting
+    assert bench.control.state == State.EXECUTE
+
+
+async def test_a_suspension_waits_for_the_condition(bench: Bench) -> None:
+    bench.control.suspend("interlock open")
+    waiting = asyncio.create_task(bench.move())
+    await turns()
+    assert bench.robot.calls == []
+    bench.control.condition_back("interlock closed")
+    await waiting
+    assert bench.robot.calls == ["move"]
+
+
+async def test_the_drives_are_switched_off_when_standstill_is_not_confirmed(bench: Bench) -> None:
+    bench.robot.blocks = bench.robot.ignores_stop = True
+    move = asyncio.create_task(bench.move())
+    await bench.robot.moving.wait()
+    bench.control.stop("F12")
+    with pytest.raises(InterruptedRunError):
+        await move
+    await bench.control.halted()
+    assert bench.robot.calls[-1] == "servo off"
+    assert bench.robot.calls.count("stop") > 1
+    (report,) = bench.control.reports
+    assert (report.standstill, report.servo_off) == (False, True)
+    assert bench.clock.time_s < 2.0
+
+
+async def test_a_robot_that_creeps_does_not_stand_still(bench: Bench) -> None:
+    bench.robot.creeps = True
+    bench.control.stop("F12")
+    await bench.control.halted()
+    assert bench.control.reports[0].servo_off
+
+
+async def test_a_stop_that_cannot_be_sent_is_told(bench: Bench) -> None:
+    bench.robot.stop_error = LinkError("cable off")
+    bench.robot.creeps = True
+    bench.control.stop("F12")
+    await bench.control.halted()
+    assert "cable off" in bench.control.reports[0].text
+
+
+async def test_a_stop_that_is_not_taken_in_time_does_not_delay_the_rest(bench: Bench) -> None:
+    class DeafRobot(FakeRobot):
+        async def stop(self) -> None:
+            self.calls.append("stop")
+            await asyncio.Event().wait()
+
+    robot = DeafRobot(bench.clock, blocks=True)
+    bench.control.attach(robot)
+    move = asyncio.create_task(bench.control.motion(bench.gate, lambda: robot.move_joints(AWAY)))
+    await robot.moving.wait()
+    bench.control.stop("F12")
+    await turns()
+    bench.clock.advance(1.0)
+    with pytest.raises(InterruptedRunError):
+        await move
+    # The looks at the robot hang in their own repeated stop: the halt is given up after a while.
+    await turns()
+    bench.clock.advance(20.0)
+    await bench.control.halted()
+    assert robot.calls == ["move", "stop", "move cancelled", "stop", "servo off"]
+    assert "did not acknowledge" in bench.control.reports[0].text
+
+
+async def test_a_cancelled_caller_stops_the_robot_before_it_ends(bench: Bench) -> None:
+    bench.robot.blocks = True
+    move = asyncio.create_task(bench.move())
+    await bench.robot.moving.wait()
+    move.cancel()
+    with pytest.raises(asyncio.CancelledError):
+        await move
+    assert bench.robot.calls == ["move", "stop", "move cancelled"]
+    assert bench.control.state == State.ABORTED
+
+
+async def test_motion_after_the_end_is_refused(bench: Bench) -> None:
+    bench.control.done()
+    with pytest.raises(SafetyError, match="COMPLETE"):
+        await bench.move()
+
+
+async def test_a_request_that_means_nothing_is_told(bench: Bench) -> None:
+    bench.control.unhold("SIGUSR1")
+    assert bench.told[-1] == (State.EXECUTE, "unhold means nothing in state EXECUTE (SIGUSR1)")
+
+
+async def test_only_a_clear_leaves_aborted(bench: Bench) -> None:
+    bench.control.abort(SafetyError("alarm"))
+    await bench.control.halted()
+    bench.control.clear("the operator has looked")
+    assert bench.control.state == State.STOPPED

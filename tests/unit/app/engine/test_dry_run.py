@@ -1,0 +1,117 @@
+"""A procedure without instruments."""
+
+import math
+
+import pytest
+
+from app.engine.arm_model import MoveTiming, poses_between, reflector_beam
+from app.engine.dry_run import DryRunContext
+from app.errors import LimitError
+from procedures.context import Context, Prompt, Row
+from tests.unit.app.engine.fakes import HOME, LIMITS, point
+
+TIMING = MoveTiming(speeds=(100.0,) * 4, accelerations=(200.0,) * 4, override_percent=50.0)
+BEAM = reflector_beam(325.0, 225.0, {"P1": (650.0, 0.0), "P2": (0.0, 900.0)}, acceptance_mm=1.0)
+
+
+@pytest.fixture
+def dry() -> DryRunContext:
+    return DryRunContext(LIMITS, TIMING, BEAM)
+
+
+def test_a_long_move_reaches_full_speed_and_a_short_one_does_not() -> None:
+    assert TIMING.duration_s(HOME, (100.0, 0.0, 0.0, 0.0)) == pytest.approx(2.25)
+    assert TIMING.duration_s(HOME, (2.0, 0.0, 0.0, 0.0)) == pytest.approx(0.2)
+    assert TIMING.duration_s(HOME, HOME) == 0.0
+
+
+def test_the_slowest_joint_decides() -> None:
+    assert TIMING.duration_s(HOME, (2.0, 0.0, 0.0, 100.0)) == pytest.approx(2.25)
+
+
+def test_the_ideal_beam_returns_from_the_reflector_that_it_hits() -> None:
+    assert BEAM((0.0, 0.0, 0.0, 0.0)) == pytest.approx(100.0)
+    assert BEAM((90.0, 0.0, 0.0, 0.0)) == pytest.approx(350.0)
+    assert BEAM((0.0, 0.0, 0.0, 180.0)) is None
+    just_outside_deg = math.degrees(1.001 / 100.0)
+    assert BEAM((0.0, 0.0, 0.0, just_outside_deg)) is None
+
+
+def test_poses_on_the_way_end_at_the_target() -> None:
+    poses = poses_between(HOME, (2.5, -1.0, 0.0, 0.0))
+    assert len(poses) == 3
+    assert poses[-1] == pytest.approx((2.5, -1.0, 0.0, 0.0))
+
+
+async def test_it_gives_a_step_table_and_the_time(dry: DryRunContext) -> None:
+    async def action() -> Row:
+        await dry.move((100.0, 0.0, 0.0, 0.0))
+        await dry.measure(0.5, 0.5, 5)
+        dry.record("points", point())
+        return {"done": True}
+
+    context: Context = dry
+    assert await context.step("s1", "first", action) == {"done": True}
+    (step,) = dry.steps
+    assert (step.moves, step.measurements, step.end) == (1, 1, (100.0, 0.0, 0.0, 0.0))
+    assert step.duration_s == pytest.approx(3.25)
+    assert dry.total_s == pytest.approx(3.25)
+    assert len(dry.rows) == 1
+
+
+async def test_limits_hold_at_every_move(dry: DryRunContext) -> None:
+    with pytest.raises(LimitError, match="J2"):
+        await dry.move((0.0, 150.0, 0.0, 0.0))
+
+
+async def test_the_displacement_is_relative_to_the_zero(dry: DryRunContext) -> None:
+    await dry.zero()
+    measured = await dry.measure(0.5, 0.5, 1)
+    assert (measured.displacement_mm, measured.beam_ok, measured.reported) == (0.0, True, HOME)
+    assert dry.total_s == pytest.approx(0.5)
+
+
+async def test_a_beam_that_broke_on_the_way_stays_lost_until_a_zero(dry: DryRunContext) -> None:
+    await dry.zero()
+    await dry.move((0.0, 0.0, 0.0, 5.0))
+    await dry.move(HOME)
+    assert not (await dry.measure(0.5, 0.5, 1)).beam_ok
+    await dry.zero()
+    assert (await dry.measure(0.5, 0.5, 1)).beam_ok
+
+
+@pytest.mark.parametrize(
+    ("prompt", "answer"),
+    [
+        (Prompt("a", "confirm", "?"), "yes"),
+        (Prompt("b", "confirm", "?", safe_answer="no"), "no"),
+        (Prompt("c", "choice", "?", choices=("red", "green")), "red"),
+        (Prompt("d", "number", "?"), "0"),
+    ],
+)
+async def test_questions_are_kept_and_answered(dry: DryRunContext, prompt: Prompt, answer: str) -> None:
+    assert await dry.ask(prompt) == answer
+    assert dry.prompts == [prompt]
+
+
+async def test_the_rest_of_the_context_is_kept(dry: DryRunContext) -> None:
+    await dry.checkpoint()
+    await dry.event("zero", number=1)
+    await dry.warn("look", where="here")
+    dry.progress(1.0, 2.0)
+    assert await dry.joints() == HOME
+    assert (await dry.locate(0.5)).u_mm == 0.0
+    assert dry.notes == [("zero", {"number": 1}), ("warning", {"text": "look", "where": "here"})]
+
+
+async def test_rows_and_steps_follow_the_same_rules(dry: DryRunContext) -> None:
+    async def inner() -> Row:
+        return {}
+
+    async def outer() -> Row:
+        return await dry.step("inner", "inner", inner)
+
+    with pytest.raises(RuntimeError, match="outside of a step"):
+        dry.record("points", point())
+    with pytest.raises(RuntimeError, match="do not nest"):
+        await dry.step("outer", "outer", outer)

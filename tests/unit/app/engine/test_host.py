@@ -1,0 +1,402 @@
+"""Whole runs on scripted instruments: how each ending leaves robot, record and exit code."""
+
+import asyncio
+import os
+import signal
+import stat
+from functools import partial
+from pathlib import Path
+from typing import NamedTuple
+
+import pytest
+
+from app.engine.host import RunOutcome, run_procedure
+from app.engine.signals import loop_signals
+from app.errors import MeasurementRejectedError, StorageError, UsageError
+from app.exitcode import ExitCode
+from app.store.reader import RunReader
+from app.store.run_store import RunStore
+from app.store.verify import verify
+from drivers.clock import Clock
+from drivers.errors import AlarmError, LinkError
+from drivers.readings import Identity
+from procedures.context import Context, Json, Prompt, Row
+from tests.unit.app.engine.fakes import AWAY, HOME, FakeBench, FakeRobot, Script, point
+
+
+@pytest.fixture
+def bench(tmp_path: Path) -> FakeBench:
+    return FakeBench(tmp_path / "runs")
+
+
+async def run(bench: FakeBench, procedure: Script, **changes: object) -> RunOutcome:
+    request = bench.request(procedure, **changes)
+    return await run_procedure(request, bench.build, bench.clock, bench.publish, bench.install)
+
+
+def measuring(*numbers: int) -> Script:
+    """Return a procedure with a step for each number."""
+
+    async def body(ctx: Context) -> None:
+        for number in numbers:
+            await ctx.step(f"p{number}", f"point {number}", partial(one, ctx, number))
+
+    async def one(ctx: Context, number: int) -> Row:
+        await ctx.move(AWAY if number % 2 else HOME)
+        measured = await ctx.measure(0.5, 0.5, 3)
+        ctx.record("points", {**point(number), "displacement_mm": measured.displacement_mm})
+        return {"number": number}
+
+    return Script(body)
+
+
+async def test_a_complete_run_is_stored_sealed_and_told(bench: FakeBench) -> None:
+    procedure = measuring(0, 1, 2)
+    outcome = await run(bench, procedure, meta={"operator": "Ada"})
+    assert (outcome.status, outcome.exit_code, outcome.text) == ("complete", ExitCode.DONE, "")
+    reader = RunReader(outcome.path)
+    assert (reader.status, reader.exit_code) == ("complete", 0)
+    assert len(reader.points()) == 3
+    assert verify(outcome.path).ok
+    assert reader.meta["operator"] == "Ada"
+    assert reader.meta["simulated"] is True
+    assert bench.states() == ["STARTING", "EXECUTE", "COMPLETE"]
+    assert bench.said("run-ended")[0]["exit_code"] == 0
+    assert bench.published[0]["event"] == "run-started"
+    assert bench.published[-1]["event"] == "run-ended"
+    assert procedure.torn_down == 1
+    assert len(outcome.step_times) == 3
+
+
+async def test_the_override_is_lowered_before_the_drives_are_on(bench: FakeBench) -> None:
+    await run(bench, measuring(0))
+    assert bench.robot.calls[:4] == ["connect", "override 20", "servo on", "move"]
+    assert bench.robot.calls[-1] == "close"
+    assert "servo off" not in bench.robot.calls
+
+
+async def test_an_emulated_run_wears_a_banner(bench: FakeBench) -> None:
+    await run(bench, measuring(0))
+    assert "SIMULATED" in str(bench.said("warning")[0]["text"])
+
+
+async def test_the_transcript_is_part_of_the_run(bench: FakeBench) -> None:
+    outcome = await run(bench, measuring(0))
+    assert '"hex":"68656c6c6f0d","text":"hello."' in (outcome.path / "wire.log").read_text()
+
+
+async def test_an_override_that_reads_back_above_the_cap_is_refused(bench: FakeBench) -> None:
+    bench.robot.overrides = [50.0]
+    outcome = await run(bench, measuring(0))
+    assert (outcome.status, outcome.exit_code) == ("aborted", ExitCode.SAFETY)
+    assert "reads 50 %" in outcome.text
+    assert "move" not in bench.robot.calls
+    assert "servo on" not in bench.robot.calls
+
+
+async def test_all_devices_that_fail_are_told_together(bench: FakeBench) -> None:
+    bench.robot.connect_error = LinkError("tcp://a refused: switch it on")
+    bench.air.connect_error = LinkError("tcp://b silent: look at the cable")
+    outcome = await run(bench, measuring(0))
+    assert (outcome.status, outcome.exit_code) == ("failed", ExitCode.DEVICE)
+    assert outcome.text == (
+        "2 of 3 devices cannot be used:\n"
+        "  robot: tcp://a refused: switch it on\n"
+        "  environment: tcp://b silent: look at the cable"
+    )
+    assert bench.robot.calls == ["connect", "close"]
+
+
+class Permission(NamedTuple):
+    arm: str | None
+    code: ExitCode
+    text: str
+
+
+@pytest.mark.parametrize(
+    "case",
+    [
+        Permission(None, ExitCode.USAGE, "--arm lab-1"),
+        Permission("lab-2", ExitCode.SAFETY, "'lab-2' and the cell is 'lab-1'"),
+    ],
+)
+async def test_real_hardware_needs_the_cells_name(bench: FakeBench, case: Permission) -> None:
+    bench.make_real()
+    outcome = await run(bench, measuring(0), arm=case.arm)
+    assert outcome.exit_code == case.code
+    assert case.text in outcome.text
+    assert bench.robot.calls == ["connect", "close"]
+
+
+async def test_armed_real_hardware_runs_without_a_banner(bench: FakeBench) -> None:
+    bench.make_real()
+    outcome = await run(bench, measuring(0), arm="lab-1")
+    assert outcome.status == "complete"
+    assert bench.said("warning") == []
+    assert RunReader(outcome.path).meta["simulated"] is False
+
+
+async def test_emulated_and_real_devices_are_not_mixed(bench: FakeBench) -> None:
+    bench.make_real()
+    bench.air.simulated = True
+    outcome = await run(bench, measuring(0), arm="lab-1")
+    assert outcome.exit_code == ExitCode.SAFETY
+    assert "emulated (environment)" in outcome.text
+
+
+async def test_a_device_error_stops_the_robot_and_fails_the_run(bench: FakeBench) -> None:
+    bench.robot.move_error = LinkError("robot: link lost")
+    procedure = measuring(0)
+    outcome = await run(bench, procedure)
+    assert (outcome.status, outcome.exit_code) == ("failed", ExitCode.DEVICE)
+    assert bench.robot.calls[-2:] == ["stop", "close"]
+    assert bench.states()[-2:] == ["STOPPING", "STOPPED"]
+    assert procedure.torn_down == 1
+    assert RunReader(outcome.path).points() == []
+    assert "link lost" in str(bench.said("error")[0]["text"])
+
+
+async def test_an_alarm_aborts_and_skips_the_teardown(bench: FakeBench) -> None:
+    bench.robot.move_error = AlarmError("alarm 2500: look at the drive", 2500)
+    procedure = measuring(0)
+    outcome = await run(bench, procedure)
+    assert (outcome.status, outcome.exit_code) == ("aborted", ExitCode.SAFETY)
+    assert procedure.torn_down == 0
+    assert bench.states()[-1] == "ABORTED"
+
+
+async def test_drives_that_go_off_abort(bench: FakeBench) -> None:
+    async def body(ctx: Context) -> None:
+        await bench.robot.servo(on=False)
+        await ctx.move(AWAY)
+
+    outcome = await run(bench, Script(body))
+    assert (outcome.status, outcome.exit_code) == ("aborted", ExitCode.SAFETY)
+
+
+async def test_a_target_outside_the_limits_fails_without_motion(bench: FakeBench) -> None:
+    async def body(ctx: Context) -> None:
+        await ctx.move((200.0, 0.0, 0.0, 0.0))
+
+    outcome = await run(bench, Script(body))
+    assert (outcome.status, outcome.exit_code) == ("failed", ExitCode.SAFETY)
+    assert "move" not in bench.robot.calls
+
+
+async def test_a_rejected_measurement_has_its_exit_code(bench: FakeBench) -> None:
+    async def body(_ctx: Context) -> None:
+        raise MeasurementRejectedError("too noisy: look at the signal")
+
+    outcome = await run(bench, Script(body))
+    assert (outcome.status, outcome.exit_code) == ("failed", ExitCode.REJECTED)
+
+
+async def test_an_unanswered_prompt_on_real_hardware(bench: FakeBench) -> None:
+    async def body(ctx: Context) -> None:
+        await ctx.ask(Prompt("clear", "confirm", "Confirm that the cell is clear."))
+
+    bench.make_real()
+    outcome = await run(bench, Script(body), arm="lab-1", answers={"clear": "yes"})
+    assert (outcome.status, outcome.exit_code) == ("failed", ExitCode.TIMEOUT)
+
+
+async def test_a_fault_of_the_program_still_leaves_everything_in_order(bench: FakeBench) -> None:
+    async def body(_ctx: Context) -> None:
+        raise ZeroDivisionError("division by zero")
+
+    outcome = await run(bench, Script(body))
+    assert (outcome.status, outcome.exit_code) == ("failed", ExitCode.REJECTED)
+    assert "Traceback" in (outcome.path / "app.log").read_text()
+    assert verify(outcome.path).ok
+
+
+async def test_a_teardown_that_fails_fails_a_complete_run(bench: FakeBench) -> None:
+    async def nothing(_ctx: Context) -> None:
+        """Do nothing."""
+
+    async def teardown(_ctx: Context) -> None:
+        raise LinkError("lost")
+
+    outcome = await run(bench, Script(nothing, teardown))
+    assert (outcome.status, outcome.exit_code) == ("failed", ExitCode.DEVICE)
+
+
+async def test_a_teardown_is_bounded(bench: FakeBench) -> None:
+    async def body(_ctx: Context) -> None:
+        raise LinkError("lost")
+
+    async def teardown(_ctx: Context) -> None:
+        # The deadline is set when both have begun to wait.
+        asyncio.get_running_loop().call_later(0, lambda: bench.clock.advance(60.0))
+        await asyncio.Event().wait()
+
+    outcome = await run(bench, Script(body, teardown))
+    assert outcome.exit_code == ExitCode.DEVICE
+    assert "not over after 60 s" in str(bench.said("error")[-1]["text"])
+
+
+async def stopped_while_moving(bench: FakeBench, *numbers: int) -> tuple[RunOutcome, Script]:
+    """Run until the robot moves, then send signals."""
+    bench.robot.blocks = True
+    procedure = measuring(0)
+    running = asyncio.create_task(run(bench, procedure))
+    await bench.robot.moving.wait()
+    for number in numbers:
+        bench.signal(number)
+    return await running, procedure
+
+
+async def test_two_ctrl_c_during_a_move_stop_first_and_keep_the_run_resumable(bench: FakeBench) -> None:
+    outcome, procedure = await stopped_while_moving(bench, signal.SIGINT, signal.SIGINT)
+    assert (outcome.status, outcome.exit_code) == ("stopped", ExitCode.INTERRUPTED)
+    moved = bench.robot.calls[bench.robot.calls.index("move") :]
+    assert moved == ["move", "stop", "move cancelled", "close"]
+    assert procedure.torn_down == 1
+    assert bench.states() == ["STARTING", "EXECUTE", "HOLDING", "STOPPING", "STOPPED"]
+    stored = [event.data["state"] for event in RunReader(outcome.path).events() if event.kind == "state"]
+    assert stored == bench.states()
+
+
+@pytest.mark.parametrize(
+    ("numbers", "code"),
+    [
+        ((signal.SIGINT,) * 3, ExitCode.INTERRUPTED),
+        ((signal.SIGTERM,), ExitCode.TERMINATED),
+        ((signal.SIGHUP,), ExitCode.TERMINATED),
+    ],
+)
+async def test_an_abort_skips_the_teardown(
+    bench: FakeBench, numbers: tuple[int, ...], code: ExitCode
+) -> None:
+    outcome, procedure = await stopped_while_moving(bench, *numbers)
+    assert (outcome.status, outcome.exit_code) == ("aborted", code)
+    assert procedure.torn_down == 0
+    assert verify(outcome.path).ok
+
+
+async def test_a_robot_that_does_not_stop_loses_its_drives_and_aborts_the_run(bench: FakeBench) -> None:
+    bench.robot.ignores_stop = True
+    outcome, _ = await stopped_while_moving(bench, signal.SIGINT, signal.SIGINT)
+    assert (outcome.status, outcome.exit_code) == ("aborted", ExitCode.SAFETY)
+    assert "drives were switched off" in outcome.text
+    assert "servo off" in bench.robot.calls
+
+
+async def test_a_cancelled_run_stops_the_robot_and_closes_the_record(bench: FakeBench) -> None:
+    bench.robot.blocks = True
+    running = asyncio.create_task(run(bench, measuring(0)))
+    await bench.robot.moving.wait()
+    running.cancel()
+    with pytest.raises(asyncio.CancelledError):
+        await running
+    assert bench.robot.calls[-3:] == ["stop", "move cancelled", "close"]
+    ended = bench.said("run-ended")[0]
+    assert (ended["status"], ended["exit_code"]) == ("aborted", 143)
+    assert RunReader(Path(str(ended["path"]))).status == "aborted"
+
+
+async def test_a_stop_while_devices_connect_ends_the_run(bench: FakeBench) -> None:
+    class SlowRobot(FakeRobot):
+        async def connect(self) -> Identity:
+            bench.signal(signal.SIGINT)
+            await asyncio.Event().wait()
+            raise AssertionError
+
+    bench.robot = SlowRobot(bench.clock)
+    outcome = await run(bench, measuring(0))
+    assert (outcome.status, outcome.exit_code) == ("stopped", ExitCode.INTERRUPTED)
+    assert bench.robot.calls == ["close"]
+
+
+async def test_a_storage_failure_stops_the_robot(bench: FakeBench, monkeypatch: pytest.MonkeyPatch) -> None:
+    async def broken(*_args: object, **_more: object) -> None:
+        raise StorageError("disk full: make room")
+
+    monkeypatch.setattr(RunStore, "append_step", broken)
+    outcome = await run(bench, measuring(0, 1))
+    assert (outcome.status, outcome.exit_code) == ("failed", ExitCode.STORAGE)
+    assert bench.robot.calls.count("move") == 1
+    assert "stop" in bench.robot.calls
+
+
+async def test_a_storage_failure_during_a_move_stops_it(
+    bench: FakeBench, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    stores: list[RunStore] = []
+    create = RunStore.create
+
+    async def remember(root: Path, name: str, meta: Row, clock: Clock, **more: int) -> RunStore:
+        stores.append(await create(root, name, meta, clock, **more))
+        return stores[0]
+
+    monkeypatch.setattr(RunStore, "create", remember)
+    bench.robot.blocks = True
+    running = asyncio.create_task(run(bench, measuring(0)))
+    await bench.robot.moving.wait()
+    stores[0].on_failure(StorageError("no space: make room"))
+    outcome = await running
+    assert (outcome.status, outcome.exit_code) == ("failed", ExitCode.STORAGE)
+    assert bench.robot.calls[-3:] == ["stop", "move cancelled", "close"]
+
+
+async def test_a_resumed_run_repeats_only_what_was_not_done(bench: FakeBench) -> None:
+    async def dies(ctx: Context) -> None:
+        await measuring(0, 1).run(ctx, None)
+        raise LinkError("lost")
+
+    first = await run(bench, Script(dies))
+    moves = bench.robot.calls.count("move")
+    second = await run(bench, measuring(0, 1, 2), resume=first.path)
+    assert second.path == first.path
+    assert second.status == "complete"
+    assert bench.robot.calls.count("move") == moves + 1
+    reader = RunReader(second.path)
+    assert [row["theta1_deg"] for row in reader.points()] == [0.0, 1.0, 2.0]
+    assert [event.kind for event in reader.events()].count("run-reopened") == 1
+    assert verify(second.path).ok
+
+
+async def test_a_complete_run_is_not_resumed(bench: FakeBench) -> None:
+    first = await run(bench, measuring(0))
+    with pytest.raises(UsageError, match="is complete"):
+        await run(bench, measuring(0), resume=first.path)
+    assert not first.path.joinpath("run.sqlite").stat().st_mode & stat.S_IWUSR
+
+
+async def test_a_lost_front_end_holds_the_run(bench: FakeBench) -> None:
+    events: list[Json] = []
+
+    def publish(event: dict[str, Json]) -> None:
+        events.append(event["event"])
+        if event["event"] == "step-done":
+            asyncio.get_running_loop().call_later(0, bench.signal, signal.SIGTERM)
+            raise BrokenPipeError("closed")
+
+    request = bench.request(measuring(0, 1))
+    outcome = await run_procedure(request, bench.build, bench.clock, publish, bench.install)
+    assert outcome.exit_code == ExitCode.TERMINATED
+    assert bench.robot.calls.count("move") == 1
+    states = [event.data["state"] for event in RunReader(outcome.path).events() if event.kind == "state"]
+    assert states[2:] == ["HOLDING", "HELD", "ABORTING", "ABORTED"]
+    assert events[-1] == "step-done"
+
+
+async def test_no_run_is_begun_where_it_could_not_be_stored(bench: FakeBench) -> None:
+    with pytest.raises(StorageError, match="MB free"):
+        await run(bench, measuring(0), reserve_bytes=1 << 60)
+    assert bench.robot.calls == []
+
+
+async def test_signals_of_the_process_arrive_while_installed() -> None:
+    seen: list[int] = []
+    arrived = asyncio.Event()
+
+    def on_signal(number: int) -> None:
+        seen.append(number)
+        arrived.set()
+
+    with loop_signals(on_signal):
+        os.kill(os.getpid(), signal.SIGUSR1)
+        await arrived.wait()
+    assert seen == [signal.SIGUSR1]
+    assert signal.getsignal(signal.SIGUSR1) == signal.SIG_DFL

@@ -1,0 +1,77 @@
+"""The state machine, by examples and by random walks."""
+
+import pytest
+from hypothesis import strategies as st
+from hypothesis.stateful import RuleBasedStateMachine, invariant, rule
+
+from app.engine.states import ENDED, RUNNING, Effect, Event, State, transition
+
+
+@pytest.mark.parametrize("state", sorted(RUNNING))
+@pytest.mark.parametrize(
+    ("event", "target"),
+    [(Event.STOP, State.STOPPING), (Event.ABORT, State.ABORTING), (Event.FAULT, State.STOPPING)],
+)
+def test_every_running_state_stops_the_robot_at_once(state: State, event: Event, target: State) -> None:
+    result = transition(state, event)
+    assert result.state == target
+    motion = [effect for effect in result.effects if effect != Effect.FORBID_MOTION]
+    assert motion[0] == Effect.STOP_ROBOT
+
+
+@pytest.mark.parametrize("event", [event for event in Event if event != Event.CLEAR])
+def test_aborted_leaves_only_by_clear(event: Event) -> None:
+    assert transition(State.ABORTED, event).state == State.ABORTED
+    assert transition(State.ABORTED, Event.CLEAR).state == State.CLEARING
+
+
+def test_an_event_that_means_nothing_leaves_the_state_and_says_so() -> None:
+    result = transition(State.COMPLETE, Event.HOLD)
+    assert result.state == State.COMPLETE
+    assert result.effects == (Effect.REPORT_IGNORED,)
+
+
+def test_a_hold_outlasts_the_condition_of_a_suspension() -> None:
+    held = transition(State.SUSPENDED, Event.HOLD).state
+    assert transition(held, Event.CONDITION_BACK).state == State.HELD
+
+
+class RunMachine(RuleBasedStateMachine):
+    """Walks at random and remembers what the effects have permitted."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.state = State.IDLE
+        self.permitted = False
+        self.halted = False
+
+    @rule(event=st.sampled_from(Event))
+    def happen(self, event: Event) -> None:
+        before = self.state
+        result = transition(before, event)
+        self.state = result.state
+        for effect in result.effects:
+            if effect == Effect.PERMIT_MOTION:
+                assert not self.halted, "motion was permitted after a stop"
+                self.permitted = True
+            if effect == Effect.FORBID_MOTION:
+                self.permitted = False
+            if effect == Effect.STOP_ROBOT:
+                self.halted = True
+        ignored = Effect.REPORT_IGNORED in result.effects
+        assert ignored == ((before, event) != (before, event) or result.effects == (Effect.REPORT_IGNORED,))
+        assert not ignored or self.state == before
+
+    @invariant()
+    def motion_is_permitted_in_execute_only(self) -> None:
+        assert self.permitted == (self.state == State.EXECUTE)
+
+    @invariant()
+    def every_state_has_a_way_to_an_end(self) -> None:
+        state = self.state
+        for event in (Event.CLEAR, Event.ABORT, Event.ABORTED):
+            state = transition(state, event).state
+        assert state in ENDED
+
+
+TestRunMachine = RunMachine.TestCase

@@ -1,0 +1,43 @@
+"""Which exit code an error leads to."""
+
+import asyncio
+
+import pytest
+
+from app import errors
+from app.errors import exit_code_of
+from calibration.errors import ConvergenceError, OutOfReachError
+from drivers.errors import AlarmError, LinkTimeoutError, ProfileError
+from procedures.errors import BeamLostError, PlanError, PlanLimitError
+
+
+@pytest.mark.parametrize(
+    ("error", "code"),
+    [
+        (errors.MeasurementRejectedError("x"), 1),
+        (errors.UsageError("x"), 2),
+        (errors.ConfigError("x"), 2),
+        (errors.LinkFailedError("x"), 3),
+        (errors.PromptUnansweredError("x"), 4),
+        (errors.SafetyError("x"), 5),
+        (errors.LimitError("x"), 5),
+        (errors.StorageError("x"), 6),
+        (errors.InterruptedRunError("x"), 130),
+        (errors.TerminatedRunError("x"), 143),
+        (OutOfReachError("x"), 2),
+        (ConvergenceError("x"), 1),
+        (AlarmError("x", 1), 5),
+        (ProfileError("x"), 2),
+        (LinkTimeoutError("x"), 3),
+        (PlanLimitError("x"), 5),
+        (PlanError("x"), 2),
+        (BeamLostError("x"), 1),
+        (TimeoutError(), 4),
+        (KeyboardInterrupt(), 130),
+        (asyncio.CancelledError(), 143),
+        (ZeroDivisionError(), 1),
+        (ExceptionGroup("two", [AlarmError("x", 1), ValueError()]), 5),
+    ],
+)
+def test_each_error_has_its_exit_code(error: BaseException, code: int) -> None:
+    assert exit_code_of(error) == code
