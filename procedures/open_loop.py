@@ -3,11 +3,14 @@
 import math
 from collections.abc import Awaitable, Callable
 
+from pydantic import BaseModel, ConfigDict, Field
+
 from procedures.beam_scan import find_return, half_window_deg
+from procedures.bench import Bench
 from procedures.context import Context, Measurement, Row
 from procedures.devices import Joints
 from procedures.errors import BeamLostError
-from procedures.open_loop_plan import OpenLoopPlan, ReflectorPlan, Visit
+from procedures.open_loop_plan import OpenLoopPlan, ReflectorPlan, Visit, plan_open_loop
 
 _MOST_POINTS_LOST = 5
 """So many points lost one after the other mean that the reflector is not where it is aimed at."""
@@ -15,11 +18,33 @@ _MOST_POINTS_LOST = 5
 _RECOVERY_HALF_RANGE_DEG = 0.5
 
 
+class OpenLoopParams(BaseModel):
+    """What may be chosen for a measurement."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid", strict=True)
+
+    reflectors: list[str] = Field([], description="names of the reflectors to measure; all when empty")
+    subdivide: bool = Field(True, description="split moves so that the beam is kept; false shows what breaks")
+    take_up: bool = Field(True, description="approach each node from its side; false shows what that shifts")
+
+
 class OpenLoop:
     """Visits every node from both sides with the beam on each reflector in turn and records the distances."""
 
     name = "open-loop"
     title = "Automated open-loop tracking measurement"
+    needs_aim = True
+    needs_tracker = False
+    params_type = OpenLoopParams
+
+    def plan(self, bench: Bench, params: OpenLoopParams) -> OpenLoopPlan:
+        """Plan the measurement; see plan_open_loop."""
+        return plan_open_loop(
+            bench,
+            subdivide=params.subdivide,
+            take_up=params.take_up,
+            reflectors=tuple(params.reflectors),
+        )
 
     async def run(self, ctx: Context, plan: OpenLoopPlan) -> None:
         """Measure all reflectors.

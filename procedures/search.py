@@ -4,13 +4,15 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
+from pydantic import BaseModel, ConfigDict, Field
 
 from calibration.errors import CalibrationError
 from calibration.reflector_search import SearchResult, Sightings, locate_reflectors
 from procedures.beam_scan import find_return, half_window_deg
+from procedures.bench import Bench
 from procedures.context import Context, Json, Row
 from procedures.errors import ReflectorNotFoundError
-from procedures.search_plan import SearchPlan, SearchPose
+from procedures.search_plan import SearchPlan, SearchPose, plan_search
 
 _FEWEST_SIGHTINGS = 3
 
@@ -36,11 +38,28 @@ class _Sighting:
         return self.j4_deg - self.pose.j4_deg
 
 
+class SearchParams(BaseModel):
+    """What may be chosen for a search."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid", strict=True)
+
+    poses: int = Field(8, ge=4, le=40, description="poses for each reflector")
+    half_range_deg: float = Field(6.0, gt=0.0, le=45.0, description="first scan to either side, deg")
+    rough_place_mm: float = Field(20.0, gt=0.0, le=200.0, description="how far off a rough place may be, mm")
+
+
 class ReflectorSearch:
     """Turns J4 at poses spread over the workspace until the beam comes back, then solves Eq. 2 for all."""
 
     name = "reflector-search"
     title = "Reflector search"
+    needs_aim = False
+    needs_tracker = False
+    params_type = SearchParams
+
+    def plan(self, bench: Bench, params: SearchParams) -> SearchPlan:
+        """Plan the search; see plan_search."""
+        return plan_search(bench, params.poses, params.half_range_deg, params.rough_place_mm)
 
     async def run(self, ctx: Context, plan: SearchPlan) -> None:
         """Search for all reflectors.

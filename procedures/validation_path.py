@@ -5,6 +5,7 @@ from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
+from pydantic import BaseModel, ConfigDict, Field
 
 from calibration.kinematics import Hand, inverse
 from procedures.bench import Bench
@@ -133,11 +134,30 @@ def _duration_s(theta_deg: NDArray[np.float64], bench: Bench) -> float:
     return float(move_time_s(bench.arm, travel).sum()) + rest
 
 
+class PathParams(BaseModel):
+    """What may be chosen for a validation path."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid", strict=True)
+
+    x_mm: float = Field(200.0, allow_inf_nan=False, description="where the path runs, mm")
+    y_from_mm: float = Field(-500.0, allow_inf_nan=False, description="first end, mm")
+    y_to_mm: float = Field(500.0, allow_inf_nan=False, description="other end, mm")
+    step_mm: float = Field(10.0, gt=0.0, le=500.0, description="largest distance between points, mm")
+    hand: Hand = Field("right", description="right has θ2 >= 0")
+
+
 class ValidationPath:
     """Drives the path and records where an independent instrument sees the arm."""
 
     name = "validation-path"
     title = "Validation path"
+    needs_aim = False
+    needs_tracker = True
+    params_type = PathParams
+
+    def plan(self, bench: Bench, params: PathParams) -> PathPlan:
+        """Plan the path; see plan_path."""
+        return plan_path(bench, params.x_mm, params.y_from_mm, params.y_to_mm, params.step_mm, params.hand)
 
     async def run(self, ctx: Context, plan: PathPlan) -> None:
         """Drive and locate.

@@ -81,6 +81,15 @@ class Environment(Section):
     _endpoint = field_validator("endpoint")(_checked_endpoint)
 
 
+class Tracker(Section):
+    """[tracker]: an independent instrument for validation paths; so far the one of the emulated bench."""
+
+    driver: str = "bench-tracker"
+    endpoint: str
+
+    _endpoint = field_validator("endpoint")(_checked_endpoint)
+
+
 class Optics(Section):
     """[optics]: the beam and what stands in its way."""
 
@@ -148,6 +157,7 @@ class Cell(Section):
     robot: Robot
     interferometer: Interferometer
     environment: Environment
+    tracker: Tracker | None = None
     optics: Optics = Optics()
     reflector: Annotated[list[Reflector], Field(min_length=1)]
     measurement: Measurement

@@ -39,6 +39,10 @@ map = "vaisala"
 # confirm it with your sensor's manual.
 pressure_register = 44
 
+[tracker]                               # only the emulated bench has one; leave this out for real hardware
+driver = "bench-tracker"
+endpoint = "tcp://127.0.0.1:10099"
+
 [optics]
 acceptance_mm = 1.0                     # the cat's eye returns the beam up to this miss of its centre
 max_miss_mm = 0.3                       # the plan splits its moves so that the beam stays this close

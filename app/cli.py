@@ -1,0 +1,268 @@
+"""The `catseye` command. stdout carries data, stderr carries talk.
+
+Each command imports what it needs when it runs: help and completion stay fast.
+"""
+
+import sys
+from pathlib import Path
+from typing import Annotated, Any, Literal
+
+import typer
+from typer.core import TyperGroup
+
+
+class _Commands(TyperGroup):
+    """Lets Ctrl-C through as an interruption, with its own exit code."""
+
+    def invoke(self, ctx: Any) -> Any:
+        """Run the chosen command."""
+        try:
+            return super().invoke(ctx)
+        except KeyboardInterrupt as interrupt:
+            from app.errors import InterruptedRunError
+
+            raise InterruptedRunError("interrupted") from interrupt
+
+
+cli = typer.Typer(
+    name="catseye",
+    cls=_Commands,
+    help=(
+        "Robot error maps by open-loop tracking laser interferometry.\n\n"
+        "First steps: catseye demo, then catseye init cell.toml, catseye emulate cell.toml in one terminal and "
+        "catseye doctor cell.toml in another.\n\n"
+        "The software stop (Ctrl-C) is not an emergency stop: keep a hand on the real one."
+    ),
+    no_args_is_help=True,
+    add_completion=True,
+    rich_markup_mode=None,
+    pretty_exceptions_enable=False,
+    context_settings={"help_option_names": ["-h", "--help"]},
+)
+config = typer.Typer(help="Check and show cell files.", no_args_is_help=True, rich_markup_mode=None)
+cli.add_typer(config, name="config")
+
+CellFile = Annotated[Path, typer.Argument(metavar="FILE", help="cell file")]
+AsJson = Annotated[bool, typer.Option("--json", help="machine-readable output on stdout")]
+Runs = Annotated[
+    Path | None, typer.Option("--runs", help="folder of all runs [$CATSEYE_RUNS, else ./catseye-runs]")
+]
+Speed = Annotated[float, typer.Option(min=0.001, help="bench seconds in one real second; emulators only")]
+Seed = Annotated[int, typer.Option(min=0, help="of everything random in the emulated bench")]
+Truth = Annotated[
+    Path | None, typer.Option(help="result JSON with the emulated arm's true links, maps, reflectors")
+]
+
+
+@cli.command()
+def demo(
+    out: Annotated[Path, typer.Option(help="folder for everything that the demo writes")] = Path(
+        "catseye-demo"
+    ),
+    speed: Speed = 400.0,
+    seed: Seed = 1,
+    truth: Truth = None,
+    as_json: AsJson = False,
+) -> None:
+    """Do the whole job on emulated hardware over real sockets: search, measure, identify, validate, report.
+
+    Example: catseye demo --out /tmp/demo --seed 7
+    """
+    from app.commands.demo import demo_command
+
+    demo_command(out, speed, seed, truth, as_json)
+
+
+@cli.command()
+def init(
+    file: Annotated[Path, typer.Argument(metavar="FILE", help="cell file to write; never overwritten")],
+) -> None:
+    """Write a commented cell file for an RH-3FRH5515 with the paper's reflectors and commands.
+
+    Example: catseye init cell.toml
+    """
+    from app.commands.config import init_command
+
+    init_command(file)
+
+
+@config.command("validate")
+def config_validate(file: CellFile, as_json: AsJson = False) -> None:
+    """Check a cell file; every fault is listed with file, line, key and the nearest valid key."""
+    from app.commands.config import validate_command
+
+    validate_command(file, as_json)
+
+
+@config.command("show")
+def config_show(file: CellFile, as_json: AsJson = False) -> None:
+    """Show a cell file resolved: each value and whether it comes from the file or is a default."""
+    from app.commands.config import show_command
+
+    show_command(file, as_json)
+
+
+@config.command("schema")
+def config_schema(
+    file: Annotated[
+        Path | None, typer.Argument(metavar="[FILE]", help="write to this file instead of stdout")
+    ] = None,
+) -> None:
+    """Print the JSON schema of the cell file, for editors."""
+    from app.commands.config import schema_command
+
+    schema_command(file)
+
+
+@cli.command()
+def emulate(file: CellFile, speed: Speed = 1.0, seed: Seed = 1, truth: Truth = None) -> None:
+    """Emulate every device of a cell file on its endpoints until Ctrl-C.
+
+    One JSON line per endpoint is printed when it is ready; port 0 picks a free port.
+
+    Example: catseye emulate cell.toml --speed 50
+    """
+    from app.commands.emulate import emulate_command
+
+    emulate_command(file, speed, seed, truth)
+
+
+@cli.command()
+def doctor(file: CellFile, as_json: AsJson = False) -> None:
+    """Connect to each device of a cell file: who answers, its status, what is wrong and what to do."""
+    from app.commands.doctor import doctor_command
+
+    doctor_command(file, as_json)
+
+
+@cli.command()
+def procedures(as_json: AsJson = False) -> None:
+    """List what can be run, with parameters, units and ranges."""
+    from app.commands.procedures import procedures_command
+
+    procedures_command(as_json)
+
+
+@cli.command()
+def run(
+    procedure: Annotated[str, typer.Argument(help="see: catseye procedures")],
+    cell: Annotated[Path, typer.Option(help="cell file")],
+    param: Annotated[list[str] | None, typer.Option(metavar="K=V", help="parameter; may be repeated")] = None,
+    search: Annotated[
+        str, typer.Option(help="aim: auto (newest search of this cell), none, or a run")
+    ] = "auto",
+    answers: Annotated[Path | None, typer.Option(help="TOML file: prompt id = answer")] = None,
+    arm: Annotated[
+        str | None, typer.Option(metavar="CELL", help="cell name, typed to let real hardware move")
+    ] = None,
+    speed: Speed = 1.0,
+    dry_run: Annotated[bool, typer.Option("--dry-run", help="plan and rehearse, touch no device")] = False,
+    runs: Runs = None,
+    as_json: AsJson = False,
+) -> None:
+    """Run a procedure headless. Ctrl-C: once holds, twice stops, three times aborts. This is no emergency stop.
+
+    Example: catseye run open-loop --cell cell.toml --dry-run
+    """
+    from app.commands.run import run_command
+
+    run_command(procedure, cell, param or [], search, answers, arm, speed, dry_run, runs, as_json)
+
+
+@cli.command("runs")
+def list_runs_(runs: Runs = None, as_json: AsJson = False) -> None:
+    """List the stored runs, oldest first."""
+    from app.commands.runs import runs_command
+
+    runs_command(runs, as_json)
+
+
+@cli.command()
+def show(
+    run: Annotated[str, typer.Argument(metavar="RUN", help="path, name, beginning of a name, or id")],
+    runs: Runs = None,
+    as_json: AsJson = False,
+) -> None:
+    """Tell a run's story: what, with which devices, what happened, how it ended."""
+    from app.commands.runs import show_command
+
+    show_command(run, runs, as_json)
+
+
+@cli.command()
+def verify(
+    run: Annotated[str, typer.Argument(metavar="RUN", help="path, name, beginning of a name, or id")],
+    runs: Runs = None,
+    as_json: AsJson = False,
+) -> None:
+    """Check a stored run against its manifest and its own rules."""
+    from app.commands.runs import verify_command
+
+    verify_command(run, runs, as_json)
+
+
+@cli.command()
+def export(
+    run: Annotated[str, typer.Argument(metavar="RUN", help="path, name, beginning of a name, or id")],
+    output: Annotated[Path, typer.Option("-o", "--output", help="file to write")],
+    format_: Annotated[Literal["csv", "json", "parquet"], typer.Option("--format")] = "csv",
+    runs: Runs = None,
+) -> None:
+    """Write a run's points: csv (points format), json or parquet (all columns).
+
+    Example: catseye export 1a2b3c --format csv -o points.csv
+    """
+    from app.commands.export import export_command
+
+    export_command(run, output, format_, runs)
+
+
+@cli.command()
+def identify(
+    output: Annotated[Path, typer.Option("-o", "--output", help="result JSON to write")],
+    run: Annotated[list[str] | None, typer.Argument(metavar="[RUN]...", help="measured runs")] = None,
+    points: Annotated[Path | None, typer.Option(help="points CSV instead of runs; needs --cell")] = None,
+    cell: Annotated[Path | None, typer.Option(help="cell file for --points")] = None,
+    model: Annotated[
+        Literal["conventional", "error-map"], typer.Option(help="what to identify")
+    ] = "error-map",
+    uncertainty: Annotated[
+        Literal["jacobian", "monte-carlo"], typer.Option(help="how uncertainties are propagated")
+    ] = "jacobian",
+    draws: Annotated[int, typer.Option(min=100, help="Monte Carlo draws")] = 1000,
+    seed: Annotated[int, typer.Option(min=0, help="of the Monte Carlo draws")] = 1,
+    runs: Runs = None,
+    as_json: AsJson = False,
+) -> None:
+    """Identify the arm from distances.
+
+    Example: catseye identify --points points.csv --cell cell.toml -o result.json
+    """
+    from app.commands.identify import identify_command
+
+    identify_command(output, run or [], points, cell, model, uncertainty, draws, seed, runs, as_json)
+
+
+@cli.command()
+def report(
+    source: Annotated[str, typer.Argument(metavar="RUN|RESULT", help="run, or result JSON")],
+    output: Annotated[Path, typer.Option("-o", "--output", help="HTML file to write")],
+    runs: Runs = None,
+) -> None:
+    """Write one self-contained HTML page about a run or a result.
+
+    Example: catseye report result.json -o report.html
+    """
+    from app.commands.report import report_command
+
+    report_command(source, output, runs)
+
+
+def main() -> None:
+    """Run the command line; every error becomes a sentence on stderr and an exit code."""
+    try:
+        cli()
+    except Exception as error:  # noqa: BLE001 - the outermost frame: what arrives here is told and ends the process
+        from app.failure import tell
+
+        sys.exit(tell(error))

@@ -1,0 +1,67 @@
+"""init and config: writing, checking and showing cell files."""
+
+import json
+from pathlib import Path
+
+from app.cell.load import load_cell
+from app.cell.model import Cell
+from app.cell.template import TEMPLATE
+from app.commands.output import emit, emit_json, say
+from app.errors import UsageError
+from app.files.atomic import write_atomically
+
+
+def init_command(file: Path) -> None:
+    """Write the template; an existing file is never overwritten."""
+    if file.exists():
+        raise UsageError(f"{file} exists already; choose another name or remove it")
+    if not file.parent.is_dir():
+        raise UsageError(f"{file.parent} is no folder; make it first")
+    write_atomically(file, TEMPLATE)
+    say(f"{file} written. Next: catseye emulate {file}, and in another terminal: catseye doctor {file}")
+
+
+def validate_command(file: Path, as_json: bool) -> None:
+    """Check a cell file."""
+    loaded = load_cell(file)
+    if as_json:
+        emit_json({"file": str(file), "valid": True, "name": loaded.cell.name, "sha256": loaded.sha256})
+    else:
+        say(f"{file}: cell {loaded.cell.name} is valid")
+
+
+def show_command(file: Path, as_json: bool) -> None:
+    """Show each value with its origin."""
+    loaded = load_cell(file)
+    values = _flat(loaded.cell.model_dump(mode="json"))
+    if as_json:
+        emit_json(
+            {
+                "file": str(file),
+                "sha256": loaded.sha256,
+                "configuration": loaded.cell.model_dump(mode="json"),
+                "origins": loaded.origins,
+            }
+        )
+        return
+    for key, origin in loaded.origins.items():
+        emit(f"{key} = {json.dumps(values.get(key), ensure_ascii=False)}  # {origin}")
+
+
+def schema_command(file: Path | None) -> None:
+    """Print the JSON schema."""
+    text = json.dumps(Cell.model_json_schema(), indent=2, ensure_ascii=False)
+    if file is None:
+        emit(text)
+    else:
+        write_atomically(file, text + "\n")
+
+
+def _flat(value: object, prefix: str = "") -> dict[str, object]:
+    if isinstance(value, dict):
+        parts = [(f"{prefix}.{key}" if prefix else str(key), inner) for key, inner in value.items()]
+    elif isinstance(value, list) and value and isinstance(value[0], dict):
+        parts = [(f"{prefix}[{i}]", inner) for i, inner in enumerate(value, 1)]
+    else:
+        return {prefix: value}
+    return {key: item for name, inner in parts for key, item in _flat(inner, name).items()}

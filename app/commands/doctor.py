@@ -1,0 +1,155 @@
+"""doctor: who answers behind each endpoint, what is wrong and what to do."""
+
+import asyncio
+from collections.abc import Awaitable, Callable
+from dataclasses import asdict, dataclass, field
+from pathlib import Path
+
+from app.cell.load import load_cell
+from app.cell.model import Cell
+from app.commands.output import emit, emit_json
+from app.errors import LinkFailedError
+from app.instruments import device_builder
+from drivers.clock import SystemClock
+from drivers.errors import DeviceError
+from procedures.devices import DeviceIdentity, Environment, Interferometer, Robot, Tracker
+
+
+@dataclass
+class Finding:
+    """What was found out about one device.
+
+    Attributes:
+        device: its name in the cell file.
+        endpoint: where it was looked for.
+        ok: it can be used.
+        identity: who answers.
+        simulated: it is an emulator.
+        status: facts, as text.
+        advice: what to do.
+    """
+
+    device: str
+    endpoint: str
+    ok: bool = False
+    identity: str = ""
+    simulated: bool = False
+    status: list[str] = field(default_factory=list)
+    advice: list[str] = field(default_factory=list)
+
+
+def doctor_command(file: Path, as_json: bool) -> None:
+    """Examine every device; exit code 3 when one cannot be used."""
+    loaded = load_cell(file)
+    findings = asyncio.run(_examine_all(loaded.cell))
+    if as_json:
+        emit_json({"cell": loaded.cell.name, "devices": [asdict(finding) for finding in findings]})
+    else:
+        for finding in findings:
+            emit(_text(finding))
+    bad = [finding.device for finding in findings if not finding.ok]
+    if bad:
+        raise LinkFailedError(f"cannot be used: {', '.join(bad)}; see the advice above")
+
+
+async def _examine_all(cell: Cell) -> list[Finding]:
+    devices = device_builder(cell, SystemClock())(_ignore)
+    examinations = [
+        _examine("robot", cell.robot.endpoint, devices.robot, lambda: _robot(devices.robot)),
+        _examine(
+            "interferometer",
+            cell.interferometer.endpoint,
+            devices.interferometer,
+            lambda: _beam(devices.interferometer),
+        ),
+        _examine(
+            "environment", cell.environment.endpoint, devices.environment, lambda: _air(devices.environment)
+        ),
+    ]
+    if devices.tracker is not None and cell.tracker is not None:
+        tracker = devices.tracker
+        examinations.append(_examine("tracker", cell.tracker.endpoint, tracker, lambda: _tracker(tracker)))
+    return list(await asyncio.gather(*examinations))
+
+
+async def _examine(
+    device: str,
+    endpoint: str,
+    driver: Robot | Interferometer | Environment | Tracker,
+    look: Callable[[], Awaitable[tuple[list[str], list[str]]]],
+) -> Finding:
+    finding = Finding(device, endpoint)
+    try:
+        who: DeviceIdentity = await driver.connect()
+        finding.identity = " ".join(part for part in (who.model, who.firmware, who.serial) if part)
+        finding.simulated = who.simulated
+        finding.status, finding.advice = await look()
+        finding.ok = not finding.advice
+        notes = getattr(driver, "notes", ())
+        finding.status += [f"note: {note}" for note in notes]
+    except DeviceError as error:
+        finding.advice.append(str(error))
+    finally:
+        await driver.close()
+    return finding
+
+
+async def _robot(robot: Robot) -> tuple[list[str], list[str]]:
+    status, joints = await robot.status(), await robot.joints()
+    facts = [
+        f"joints J1 {joints[0]:.2f}°, J2 {joints[1]:.2f}°, J3 {joints[2]:.2f} mm, J4 {joints[3]:.2f}°",
+        f"servo {'on' if status.servo_on else 'off'}, override {status.override_percent:g} %",
+    ]
+    advice = []
+    if status.alarm_number:
+        advice.append(f"alarm {status.alarm_number}: {status.alarm_text}")
+    if status.emergency_stop:
+        advice.append("the emergency stop is pressed: release it at the bench, then reset the alarm")
+    if status.teach_mode:
+        advice.append("the key switch is at TEACH: turn it to AUTO and disable the teach pendant")
+    return facts, advice
+
+
+async def _beam(counter: Interferometer) -> tuple[list[str], list[str]]:
+    status, reading = await counter.status(), await counter.read()
+    facts = [
+        f"displacement {reading.displacement_mm:+.6f} mm, signal {status.signal:.0%}, "
+        f"beam {'returns' if status.beam_ok else 'does not return'}"
+        f"{', lost since the last zero' if status.beam_lost else ''}"
+        f"{', overspeed since the last zero' if status.overspeed else ''}"
+    ]
+    return facts, [] if status.laser_ready else ["the laser is not stable: let it warm up"]
+
+
+async def _air(sensor: Environment) -> tuple[list[str], list[str]]:
+    air = await sensor.sample()
+    parts = [
+        ("temperature", air.temperature_c, "°C"),
+        ("pressure", air.pressure_hpa, "hPa"),
+        ("humidity", air.humidity_percent, "%RH"),
+    ]
+    facts = [", ".join(f"{name} {value:.2f} {unit}" for name, value, unit in parts if value is not None)]
+    missing = [name for name, value, _ in parts if value is None]
+    advice = [
+        f"no {name}: check the sensor, and its register in [environment] against the sensor's manual"
+        for name in missing
+    ]
+    return facts, advice
+
+
+async def _tracker(tracker: Tracker) -> tuple[list[str], list[str]]:
+    seen = await tracker.locate()
+    return [f"x {seen.x_mm:.4f} mm, y {seen.y_mm:.4f} mm, u {1e3 * seen.u_mm:.1f} µm"], []
+
+
+def _text(finding: Finding) -> str:
+    mark = "ok  " if finding.ok else "BAD "
+    emulated = "  [EMULATED]" if finding.simulated else ""
+    lines = [f"{mark} {finding.device:<15} {finding.endpoint}  {finding.identity}{emulated}"]
+    lines += [f"       {fact}" for fact in finding.status]
+    lines += [f"       do: {text}" for text in finding.advice]
+    return "\n".join(lines)
+
+
+def _ignore(_device: str, _direction: str, _data: bytes) -> None:
+    return

@@ -1,0 +1,114 @@
+"""identify: from distances to an arm."""
+
+from pathlib import Path
+
+from app.cell.bench import bench_of
+from app.cell.load import load_cell
+from app.commands.output import emit, emit_json, say, table
+from app.errors import UsageError
+from app.files.points_csv import PointRow, read_points_csv
+from app.files.result_json import Result, write_result
+from app.identifying import bench_of_runs, identified_result, identify_rows, run_rows
+from app.runs_folder import runs_folder
+from app.store.catalog import resolve_run
+from app.store.reader import RunReader
+from calibration.layout import ModelName
+from procedures.bench import Bench
+
+
+def identify_command(
+    output: Path,
+    run: list[str],
+    points: Path | None,
+    cell: Path | None,
+    model: ModelName,
+    uncertainty: str,
+    draws: int,
+    seed: int,
+    runs: Path | None,
+    as_json: bool,
+) -> None:
+    """Identify and write the result."""
+    rows, bench, sources = _load(run, points, cell, runs)
+    identified = identify_rows(rows, bench, model)
+    if uncertainty == "monte-carlo":
+        from calibration.monte_carlo import with_monte_carlo
+
+        identified = with_monte_carlo(identified, draws, seed)
+    result = identified_result(identified, bench, sources)
+    write_result(result, output)
+    if as_json:
+        emit_json(
+            {
+                "result": str(output),
+                **result.model_dump(include={"model", "gauge", "link1_mm", "link2_mm", "fit"}),
+            }
+        )
+    else:
+        emit(summary_table(result, bench))
+    for text in verdicts(result):
+        say(text)
+    say(f"{output} written")
+
+
+def _load(
+    run: list[str], points: Path | None, cell: Path | None, runs: Path | None
+) -> tuple[list[PointRow], Bench, list[str]]:
+    if bool(run) == (points is not None):
+        raise UsageError("give either runs, or --points FILE with --cell FILE")
+    if points is not None:
+        if cell is None:
+            raise UsageError(
+                "--points needs --cell FILE: nodes, nominal links and rough reflectors stand there"
+            )
+        loaded = load_cell(cell)
+        rows = read_points_csv(points, [reflector.name for reflector in loaded.cell.reflector])
+        return rows, bench_of(loaded.cell), [points.name]
+    root = runs_folder(runs)
+    readers = [RunReader(resolve_run(root, text)) for text in run]
+    for reader in readers:
+        if reader.status != "complete":
+            say(f"warning: {reader.path.name} is {reader.status}; identifying from what it holds")
+    return run_rows(readers), bench_of_runs(readers, root), [reader.path.name for reader in readers]
+
+
+def summary_table(result: Result, bench: Bench) -> str:
+    """Return links, offset or maps with their standard uncertainties as a table."""
+    rows = [
+        ["L1", "mm", f"{bench.arm.link1_mm:.3f}", f"{result.link1_mm.value:.4f}", f"{result.link1_mm.u:.4f}"],
+        ["L2", "mm", f"{bench.arm.link2_mm:.3f}", f"{result.link2_mm.value:.4f}", f"{result.link2_mm.u:.4f}"],
+    ]
+    if result.theta20_mdeg is not None:
+        rows.append(["θ20", "mdeg", "0", f"{result.theta20_mdeg.value:.2f}", f"{result.theta20_mdeg.u:.2f}"])
+    for name, part in (("Δθ1", result.theta1_map), ("Δθ2", result.theta2_map)):
+        if part is None:
+            continue
+        for sign, values, us in (
+            ("+", part.positive_mdeg, part.u_positive_mdeg),
+            ("−", part.negative_mdeg, part.u_negative_mdeg),
+        ):
+            rows += [
+                [f"{name}({node:g}°, {sign})", "mdeg", "0", f"{value:.2f}", f"{u:.2f}"]
+                for node, value, u in zip(part.node_deg, values, us, strict=True)
+            ]
+    return table(["parameter", "unit", "nominal", "identified", "u (k=1)"], rows)
+
+
+def verdicts(result: Result) -> list[str]:
+    """Return plain sentences about the fit."""
+    fit = result.fit
+    texts = [
+        f"{fit.n_points} distances, {fit.n_parameters} free parameters, residuals {fit.rms_um:.2f} µm rms, "
+        f"gauge: {result.gauge}"
+    ]
+    if fit.chi2_reduced is not None and fit.chi2_probability is not None:
+        agrees = "agrees with" if fit.chi2_probability >= 0.01 else "exceeds"
+        texts.append(f"scatter {agrees} the stated uncertainty: χ²/dof = {fit.chi2_reduced:.3f}")
+    if fit.lack_of_fit is not None and fit.lack_of_fit.significant:
+        lack = fit.lack_of_fit
+        texts.append(
+            f"LACK OF FIT: repeats of a pose scatter by {lack.pure_um:.1f} µm, but the model misses poses by "
+            f"{lack.systematic_um:.1f} µm systematically (F = {lack.ratio:.2f}); uncertainties were widened "
+            f"{fit.variance_factor**0.5:.2f} times"
+        )
+    return texts + [f"rejected: {text}" for text in fit.rejected]

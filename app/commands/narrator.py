@@ -1,0 +1,46 @@
+"""The events of a run, told to a person on stderr or to a program on stdout."""
+
+from app.commands.output import emit_json, say
+from app.commands.progress import ProgressBar
+from procedures.context import Json
+
+_STATES_WORTH_TELLING = {"HELD", "STOPPING", "STOPPED", "ABORTING", "ABORTED", "SUSPENDED"}
+
+
+class Narrator:
+    """Takes the events of one run.
+
+    Args:
+        title: what is under way.
+        as_json: every event goes to stdout as a line of JSON too.
+    """
+
+    def __init__(self, title: str, as_json: bool) -> None:
+        self._bar = ProgressBar(title)
+        self._as_json = as_json
+
+    def publish(self, event: dict[str, Json]) -> None:
+        """Tell an event."""
+        if self._as_json:
+            emit_json(event)
+        match event["event"]:
+            case "progress":
+                self._bar.update(_number(event["done"]), _number(event["total"]), str(event["text"]))
+            case "warning":
+                self._say(f"warning: {event['text']}")
+            case "error":
+                self._say(f"error: {event['text']}")
+            case "prompt":
+                self._say(f"question {event['id']}: {event['text']}")
+            case "state" if event.get("state") in _STATES_WORTH_TELLING and "reason" in event:
+                self._say(f"{event['state']}: {event['reason']}")
+            case "run-ended":
+                self._say(f"run {event['status']}: {event['path']}")
+
+    def _say(self, text: str) -> None:
+        self._bar.close()
+        say(text)
+
+
+def _number(value: Json) -> float:
+    return float(value) if isinstance(value, (int, float)) else 0.0

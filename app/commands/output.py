@@ -1,0 +1,50 @@
+"""stdout is data, stderr is talk."""
+
+import json
+import sys
+from collections.abc import Iterable, Sequence
+
+from procedures.context import Json
+
+
+def emit(text: str) -> None:
+    """Write a line of data to stdout at once."""
+    sys.stdout.write(text + "\n")
+    sys.stdout.flush()
+
+
+def emit_json(value: object) -> None:
+    """Write one JSON value on a line of its own to stdout."""
+    emit(json.dumps(value, ensure_ascii=False))
+
+
+def say(text: str) -> None:
+    """Write a line of talk to stderr at once."""
+    sys.stderr.write(text + "\n")
+    sys.stderr.flush()
+
+
+def table(header: Sequence[str], rows: Iterable[Sequence[object]]) -> str:
+    """Return a plain table; numbers stand to the right."""
+    cells = [[str(cell) for cell in row] for row in rows]
+    widths = [max(len(row[i]) for row in [list(header), *cells]) for i in range(len(header))]
+
+    def line(row: Sequence[str]) -> str:
+        parts = [
+            cell.rjust(width) if _is_number(cell) else cell.ljust(width)
+            for cell, width in zip(row, widths, strict=True)
+        ]
+        return "  ".join(parts).rstrip()
+
+    return "\n".join(
+        [line(list(header)), line(["-" * width for width in widths]), *(line(row) for row in cells)]
+    )
+
+
+def event_line(event: dict[str, Json]) -> str:
+    """Return a headless event as one line of JSON."""
+    return json.dumps(event, ensure_ascii=False)
+
+
+def _is_number(text: str) -> bool:
+    return text.lstrip("+-−").replace(".", "", 1).replace("e-", "", 1).isdigit()

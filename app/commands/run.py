@@ -1,0 +1,80 @@
+"""run: a procedure, headless."""
+
+import asyncio
+import sys
+from pathlib import Path
+
+from app.cell.load import load_cell
+from app.commands.narrator import Narrator
+from app.commands.output import emit, emit_json, say, table
+from app.commands.progress import duration_text
+from app.engine.dry_run import DryRunContext
+from app.procedure_list import load_procedure, parse_params
+from app.running import PlannedRun, carry_out, plan_run, rehearse
+from app.runs_folder import runs_folder
+
+
+def run_command(
+    procedure: str,
+    cell: Path,
+    param: list[str],
+    search: str,
+    answers: Path | None,
+    arm: str | None,
+    speed: float,
+    dry_run: bool,
+    runs: Path | None,
+    as_json: bool,
+) -> None:
+    """Plan, then rehearse or run."""
+    loaded, runnable, root = load_cell(cell), load_procedure(procedure), runs_folder(runs)
+    params = parse_params(runnable.params_type, param)
+    planned = plan_run(loaded, runnable, params, root, search)
+    if runnable.needs_aim:
+        say(f"aim from {planned.aim}")
+    if dry_run:
+        _tell_rehearsal(planned, asyncio.run(rehearse(planned)), as_json)
+        return
+    narrator = Narrator(runnable.name, as_json)
+    outcome = asyncio.run(carry_out(planned, root, narrator.publish, speed=speed, arm=arm, answers=answers))
+    if not as_json:
+        emit(str(outcome.path))
+    sys.exit(int(outcome.exit_code))
+
+
+def _tell_rehearsal(planned: PlannedRun, context: DryRunContext, as_json: bool) -> None:
+    steps = [
+        {
+            "step": step.step_id,
+            "title": step.title,
+            "moves": step.moves,
+            "measurements": step.measurements,
+            "duration_s": round(step.duration_s, 3),
+            "end": [round(value, 4) for value in step.end],
+        }
+        for step in context.steps
+    ]
+    if as_json:
+        emit_json({"procedure": planned.procedure.name, "total_s": context.total_s, "steps": steps})
+    else:
+        header = ["step", "moves", "points", "s", "J1 deg", "J2 deg", "J3 mm", "J4 deg"]
+        rows = [
+            [
+                step.step_id,
+                step.moves,
+                step.measurements,
+                f"{step.duration_s:.2f}",
+                *(f"{v:.3f}" for v in step.end),
+            ]
+            for step in context.steps
+        ]
+        emit(table(header, rows))
+    for kind, data in context.notes:
+        if kind == "warning":
+            say(f"warning: {data.get('text')}")
+    moves = sum(step.moves for step in context.steps)
+    points = sum(step.measurements for step in context.steps)
+    say(
+        f"{len(steps)} steps, {moves} moves, {points} distances, about {duration_text(context.total_s)} at "
+        f"{planned.bench.arm.override_percent:g} % override; every limit of the cell file holds; nothing was moved"
+    )

@@ -1,0 +1,136 @@
+"""Emulated hardware for a cell file: its configuration, and a process of its own that serves it."""
+
+import asyncio
+import json
+import sys
+from collections.abc import AsyncIterator
+from contextlib import asynccontextmanager
+from dataclasses import dataclass
+from pathlib import Path
+
+from app.cell.model import Cell
+from app.errors import ConfigError, LinkFailedError
+from simulators.config import EmulationConfig, ReflectorPlace
+
+_READY_TIMEOUT_S = 20.0
+_DEVICES = ("robot", "interferometer", "environment", "control")
+
+
+def emulation_config(cell: Cell, speed: float, seed: int, truth: Path | None) -> EmulationConfig:
+    """Return the emulated bench of a cell file.
+
+    Args:
+        cell: what stands on the bench, and where its devices answer.
+        speed: bench seconds in one real second.
+        seed: of everything random.
+        truth: result JSON with the true arm; None draws one.
+
+    Raises:
+        ConfigError: an endpoint cannot be emulated.
+    """
+    limits = cell.robot.limits_deg
+    return EmulationConfig(
+        reflectors=tuple(ReflectorPlace(r.name, r.x_mm, r.y_mm, r.facing_deg) for r in cell.reflector),
+        link1_mm=cell.robot.link1_mm,
+        link2_mm=cell.robot.link2_mm,
+        j1_deg=(limits.j1[0], limits.j1[1]),
+        j2_deg=(limits.j2[0], limits.j2[1]),
+        j4_deg=(limits.j4[0], limits.j4[1]),
+        start_joints=(0.0, 0.0, cell.robot.j3_mm, 0.0),
+        acceptance_mm=cell.optics.acceptance_mm,
+        field_half_angle_deg=cell.optics.field_half_angle_deg,
+        column_radius_mm=cell.optics.column_radius_mm,
+        robot=_served("robot", cell.robot.endpoint),
+        interferometer=_served("interferometer", cell.interferometer.endpoint),
+        environment=_served("environment", cell.environment.endpoint),
+        control="tcp://127.0.0.1:0" if cell.tracker is None else _served("tracker", cell.tracker.endpoint),
+        speed=speed,
+        seed=seed,
+        truth=truth,
+        pressure_register=44
+        if cell.environment.pressure_register is None
+        else cell.environment.pressure_register,
+    )
+
+
+def _served(device: str, endpoint: str) -> str:
+    if not endpoint.startswith("tcp://"):
+        raise ConfigError(
+            f"[{device}] endpoint {endpoint}: only TCP endpoints can be emulated so far; "
+            f'write endpoint = "tcp://127.0.0.1:0" for a free port'
+        )
+    return endpoint
+
+
+@dataclass(frozen=True)
+class EmulatorProcess:
+    """A running emulator.
+
+    Attributes:
+        endpoints: endpoint of each device: robot, interferometer, environment, control.
+        process: the operating system's process.
+    """
+
+    endpoints: dict[str, str]
+    process: asyncio.subprocess.Process
+
+
+@asynccontextmanager
+async def emulator_process(
+    cell_path: Path, speed: float, seed: int, truth: Path | None
+) -> AsyncIterator[EmulatorProcess]:
+    """Run `catseye emulate` in a process of its own and yield it when all devices answer.
+
+    Raises:
+        LinkFailedError: it did not come up; the text is what it said.
+    """
+    arguments = ["emulate", str(cell_path), "--speed", f"{speed:g}", "--seed", str(seed)]
+    if truth is not None:
+        arguments += ["--truth", str(truth)]
+    process = await asyncio.create_subprocess_exec(
+        sys.executable,
+        "-m",
+        "app",
+        *arguments,
+        stdin=asyncio.subprocess.DEVNULL,
+        stdout=asyncio.subprocess.PIPE,
+        stderr=asyncio.subprocess.PIPE,
+        # A Ctrl-C in the terminal goes to the program, which stops the robot before the emulator ends.
+        start_new_session=True,
+    )
+    try:
+        yield EmulatorProcess(await _endpoints(process), process)
+    finally:
+        await _end(process)
+
+
+async def _endpoints(process: asyncio.subprocess.Process) -> dict[str, str]:
+    found: dict[str, str] = {}
+    stdout, stderr = process.stdout, process.stderr
+    if stdout is None or stderr is None:
+        raise LinkFailedError("the emulator was started without pipes")
+    try:
+        async with asyncio.timeout(_READY_TIMEOUT_S):
+            while not set(_DEVICES) <= set(found):
+                line = await stdout.readline()
+                if not line:
+                    said = (await stderr.read()).decode(errors="replace").strip()
+                    raise LinkFailedError(f"the emulator did not start: {said or 'it said nothing'}")
+                served = json.loads(line)
+                found[served["device"]] = served["endpoint"]
+    except TimeoutError as error:
+        raise LinkFailedError(
+            f"the emulator did not start within {_READY_TIMEOUT_S:g} s; try: catseye emulate CELL"
+        ) from error
+    return found
+
+
+async def _end(process: asyncio.subprocess.Process) -> None:
+    if process.returncode is None:
+        process.terminate()
+    try:
+        async with asyncio.timeout(5.0):
+            await process.communicate()
+    except TimeoutError:
+        process.kill()
+        await process.communicate()

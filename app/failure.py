@@ -1,0 +1,37 @@
+"""Telling a failure: sentences on stderr, never a traceback unless it is asked for."""
+
+import os
+import sys
+import traceback
+
+from app.errors import exit_code_of
+
+_DEBUG = "CATSEYE_DEBUG"
+
+
+def tell(error: BaseException) -> int:
+    """Write what went wrong to stderr and return the exit code."""
+    if os.environ.get(_DEBUG):
+        traceback.print_exception(error, file=sys.stderr)
+    elif _is_ours(error):
+        for text in _texts(error):
+            sys.stderr.write(f"catseye: {text}\n")
+    else:
+        sys.stderr.write(
+            f"catseye: internal error: {type(error).__name__}: {error}\n"
+            f"catseye: this is a fault of the program; set {_DEBUG}=1 and repeat to see where it happened\n"
+        )
+    return int(exit_code_of(error))
+
+
+def _texts(error: BaseException) -> list[str]:
+    if isinstance(error, BaseExceptionGroup):
+        return [text for inner in error.exceptions for text in _texts(inner)]
+    return [str(error)]
+
+
+def _is_ours(error: BaseException) -> bool:
+    if isinstance(error, BaseExceptionGroup):
+        return all(_is_ours(inner) for inner in error.exceptions)
+    rooms = {"app", "calibration", "drivers", "procedures", "simulators"}
+    return any(kind.__module__.partition(".")[0] in rooms for kind in type(error).__mro__)

@@ -1,0 +1,112 @@
+"""From stored points to an identified arm."""
+
+from collections.abc import Mapping, Sequence
+from datetime import UTC, datetime
+from pathlib import Path
+
+import numpy as np
+from pydantic import ValidationError
+
+from app.aim import find_aim
+from app.cell.bench import bench_of
+from app.cell.model import Cell
+from app.errors import UsageError
+from app.files.points_csv import PointRow, to_points
+from app.files.result_json import Result, result_of
+from app.store.reader import RunReader
+from app.version import SOFTWARE
+from calibration.identification import Identification, identify
+from calibration.layout import ModelName
+from procedures.bench import Bench
+
+MODELS: tuple[ModelName, ...] = ("conventional", "error-map")
+
+
+def cell_of_run(reader: RunReader) -> Cell:
+    """Return the cell that a run was made with, from the run's own record.
+
+    Raises:
+        UsageError: the run does not describe its cell.
+    """
+    try:
+        return Cell.model_validate(reader.meta.get("configuration"))
+    except ValidationError as error:
+        raise UsageError(f"{reader.path.name} does not hold the cell it was made with") from error
+
+
+def run_rows(readers: Sequence[RunReader]) -> list[PointRow]:
+    """Return the distances of runs; a segment keeps to its own run.
+
+    Raises:
+        UsageError: a run holds no points.
+    """
+    rows: list[PointRow] = []
+    for reader in readers:
+        first = 1 + max((row.segment for row in rows), default=-1)
+        sigma_mm = 1e-3 * cell_of_run(reader).uncertainty.distance_um
+        points = reader.points()
+        if not points:
+            raise UsageError(f"{reader.path.name} holds no points; identify needs runs of open-loop")
+        rows += [_row(point, first, sigma_mm) for point in points]
+    return rows
+
+
+def _row(point: Mapping[str, object], first_segment: int, sigma_mm: float | None) -> PointRow:
+    def number(key: str) -> float:
+        return float(str(point[key]))
+
+    return PointRow(
+        reflector=str(point["reflector"]),
+        segment=first_segment + int(number("segment")),
+        theta1_deg=number("theta1_deg"),
+        theta2_deg=number("theta2_deg"),
+        direction1=int(number("direction1")),
+        direction2=int(number("direction2")),
+        displacement_mm=number("displacement_mm"),
+        sigma_mm=sigma_mm,
+    )
+
+
+def identify_rows(rows: list[PointRow], bench: Bench, model: ModelName) -> Identification:
+    """Identify an arm from distances.
+
+    Args:
+        rows: distances in measuring order.
+        bench: nodes, nominal links and rough reflectors.
+        model: which model.
+
+    Raises:
+        CalibrationError: the points cannot determine the model; the text names what is missing.
+    """
+    places = {reflector.name: (reflector.x_mm, reflector.y_mm) for reflector in bench.reflectors}
+    points = to_points(rows, places)
+    nodes = np.deg2rad(bench.nodes1_deg), np.deg2rad(bench.nodes2_deg)
+    rough = np.array([places[name] for name in points.reflector_names])
+    return identify(points, model, *nodes, bench.arm.link1_mm, bench.arm.link2_mm, rough)
+
+
+def identified_result(identified: Identification, bench: Bench, sources: list[str]) -> Result:
+    """Return an identification as a result file's content."""
+    nominal = (bench.arm.link1_mm, bench.arm.link2_mm)
+    return result_of(identified, nominal, sources, SOFTWARE, datetime.now(UTC).isoformat(timespec="seconds"))
+
+
+def bench_of_runs(readers: Sequence[RunReader], root: Path) -> Bench:
+    """Return the bench that runs were made on, with the aim of the first one.
+
+    Raises:
+        UsageError: the runs were made with different nodes or arms.
+    """
+    benches = [bench_of(cell_of_run(reader)) for reader in readers]
+    first = benches[0]
+    for reader, bench in zip(readers, benches, strict=True):
+        same = (bench.arm.link1_mm, bench.arm.link2_mm, bench.nodes1_deg, bench.nodes2_deg)
+        if same != (first.arm.link1_mm, first.arm.link2_mm, first.nodes1_deg, first.nodes2_deg):
+            raise UsageError(
+                f"{reader.path.name} was made with other links or nodes than {readers[0].path.name}; "
+                "identify them one by one"
+            )
+    source = str(readers[0].meta.get("aim", "cell file"))
+    if source == "cell file" or not (root / source).is_dir():
+        return first
+    return find_aim(first, root, source).bench

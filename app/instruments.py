@@ -1,0 +1,68 @@
+"""The instruments that a cell file names, made but not connected."""
+
+from functools import partial
+from typing import Any, Literal
+
+from pydantic import ValidationError
+
+from app.cell.model import Cell
+from app.engine.devices import DeviceBuilder, Devices, WireRecorder
+from app.errors import ConfigError
+from drivers.clock import Clock
+from drivers.errors import DeviceError
+from drivers.registry import load_driver
+
+
+def device_builder(cell: Cell, clock: Clock) -> DeviceBuilder:
+    """Return what makes the instruments of a cell.
+
+    Args:
+        cell: names drivers and endpoints.
+        clock: of the run.
+
+    Raises:
+        ConfigError: a driver is not installed or a setting is wrong.
+    """
+    build = partial(_build, cell, clock)
+    # A wrong setting shows before a run is opened.
+    build(_ignore)
+    return build
+
+
+def _build(cell: Cell, clock: Clock, record: WireRecorder) -> Devices:
+    robot, counter, air = cell.robot, cell.interferometer, cell.environment
+    pressure = {} if air.pressure_register is None else {"pressure_address": air.pressure_register}
+    return Devices(
+        robot=_make(
+            robot.driver, "robot", robot.endpoint, clock, record, expected_model=robot.expected_model
+        ),
+        interferometer=_make(
+            counter.driver, "interferometer", counter.endpoint, clock, record, profile=counter.profile
+        ),
+        environment=_make(air.driver, "environment", air.endpoint, clock, record, map=air.map, **pressure),
+        tracker=None
+        if cell.tracker is None
+        else _make(cell.tracker.driver, "tracker", cell.tracker.endpoint, clock, record),
+    )
+
+
+def _make(
+    driver: str, device: str, endpoint: str, clock: Clock, record: WireRecorder, **settings: Any
+) -> Any:
+    def sink(direction: Literal["tx", "rx"], data: bytes) -> None:
+        record(device, direction, data)
+
+    try:
+        return load_driver(driver).at(endpoint, clock, sink, **settings)
+    except LookupError as error:
+        raise ConfigError(f"[{device}] driver: {error.args[0]}") from error
+    except ValidationError as error:
+        first = error.errors()[0]
+        key = ".".join(str(part) for part in first["loc"])
+        raise ConfigError(f"[{device}] {key}: {first['msg']}") from error
+    except DeviceError as error:
+        raise ConfigError(f"[{device}]: {error}") from error
+
+
+def _ignore(_device: str, _direction: str, _data: bytes) -> None:
+    return

@@ -1,0 +1,104 @@
+"""Procedures by name: built-in and third-party ones register through entry points."""
+
+import difflib
+import tomllib
+from importlib import metadata
+from typing import Any, Protocol, cast
+
+from pydantic import BaseModel, ValidationError
+
+from app.errors import UsageError
+from procedures.bench import Bench
+from procedures.context import Context
+
+GROUP = "catseye.procedures"
+
+
+class Runnable(Protocol):
+    """A procedure as the application needs it.
+
+    Attributes:
+        name: as on the command line.
+        title: one line for people.
+        needs_aim: it is planned with the places that a search found.
+        needs_tracker: it needs an independent instrument.
+        params_type: what may be chosen.
+    """
+
+    @property
+    def name(self) -> str: ...  # noqa: D102 - said above
+    @property
+    def title(self) -> str: ...  # noqa: D102 - said above
+    @property
+    def needs_aim(self) -> bool: ...  # noqa: D102 - said above
+    @property
+    def needs_tracker(self) -> bool: ...  # noqa: D102 - said above
+    @property
+    def params_type(self) -> type[BaseModel]: ...  # noqa: D102 - said above
+
+    # Each procedure has parameters and a plan of types of its own.
+    def plan(self, bench: Bench, params: Any) -> Any:
+        """Plan everything before anything moves."""
+        ...
+
+    async def run(self, ctx: Context, plan: Any) -> None:
+        """Carry the plan out."""
+        ...
+
+    async def teardown(self, ctx: Context) -> None:
+        """Leave the bench as it should be."""
+        ...
+
+
+def procedure_names() -> tuple[str, ...]:
+    """Return the names of all installed procedures; imports none of them."""
+    return tuple(sorted({entry.name for entry in metadata.entry_points(group=GROUP)}))
+
+
+def load_procedure(name: str) -> Runnable:
+    """Return a procedure.
+
+    Raises:
+        UsageError: no such procedure; the text lists those that are installed.
+    """
+    for entry in metadata.entry_points(group=GROUP, name=name):
+        return cast(Runnable, entry.load()())
+    names = procedure_names()
+    close = difflib.get_close_matches(name, names, n=1, cutoff=0.4)
+    meant = f"; did you mean {close[0]}?" if close else ""
+    raise UsageError(f"there is no procedure {name!r}{meant} Installed are: {', '.join(names)}")
+
+
+def parse_params(params_type: type[BaseModel], given: list[str]) -> BaseModel:
+    """Return the parameters that `--param k=v` texts choose.
+
+    Raises:
+        UsageError: a text is no k=v, a key is unknown, or a value is wrong.
+    """
+    values: dict[str, Any] = {}
+    for text in given:
+        key, equals, value = text.partition("=")
+        if not equals:
+            raise UsageError(f"--param {text!r} has to be name=value, for instance --param poses=10")
+        values[key.strip()] = _toml_value(value.strip())
+    try:
+        return params_type.model_validate(values)
+    except ValidationError as error:
+        raise UsageError(_explain(params_type, error)) from error
+
+
+def _toml_value(text: str) -> Any:
+    try:
+        return tomllib.loads(f"value = {text}")["value"]
+    except tomllib.TOMLDecodeError:
+        return text
+
+
+def _explain(params_type: type[BaseModel], error: ValidationError) -> str:
+    known = ", ".join(params_type.model_fields)
+    faults = [
+        f"--param {'.'.join(str(part) for part in fault['loc'])}: "
+        + (f"unknown; known are {known}" if fault["type"] == "extra_forbidden" else f"{fault['msg']}")
+        for fault in error.errors()
+    ]
+    return "; ".join(faults)

@@ -1,0 +1,163 @@
+"""A procedure on a cell: planned, then run or rehearsed."""
+
+import getpass
+import tomllib
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from pydantic import BaseModel
+
+from app.aim import find_aim
+from app.cell.bench import bench_of
+from app.cell.load import LoadedCell
+from app.engine.announcer import Publish
+from app.engine.arm_model import MoveTiming, reflector_beam
+from app.engine.dry_run import DryRunContext
+from app.engine.gate import JointLimits
+from app.engine.host import RunOutcome, RunRequest, run_procedure
+from app.engine.signals import SignalInstaller, loop_signals
+from app.errors import ConfigError
+from app.instruments import device_builder
+from app.procedure_list import Runnable
+from drivers.clock import SystemClock
+from procedures.bench import Bench
+from procedures.context import Json
+
+
+@dataclass(frozen=True)
+class PlannedRun:
+    """A procedure with everything decided before anything moves.
+
+    Attributes:
+        loaded: the cell file.
+        procedure: what will be done.
+        params: what was chosen.
+        bench: nominal arm and aim.
+        plan: the procedure's own plan.
+        aim: where the aim comes from.
+    """
+
+    loaded: LoadedCell
+    procedure: Runnable
+    params: BaseModel
+    bench: Bench
+    plan: Any
+    aim: str
+
+
+def plan_run(
+    loaded: LoadedCell, procedure: Runnable, params: BaseModel, root: Path, search: str
+) -> PlannedRun:
+    """Plan a procedure; every limit is checked here.
+
+    Args:
+        loaded: the cell file.
+        procedure: what is to be done.
+        params: what was chosen.
+        root: folder of all runs; the newest search of this cell is looked for there.
+        search: "auto", "none" or a search run.
+
+    Raises:
+        ProcedureError: the plan violates a limit or cannot be made.
+        UsageError: the search run cannot be used.
+    """
+    aim = find_aim(bench_of(loaded.cell), root, search if procedure.needs_aim else "none")
+    plan = procedure.plan(aim.bench, params)
+    return PlannedRun(loaded, procedure, params, aim.bench, plan, aim.source)
+
+
+async def carry_out(
+    planned: PlannedRun,
+    root: Path,
+    publish: Publish,
+    *,
+    speed: float = 1.0,
+    arm: str | None = None,
+    answers: Path | None = None,
+    install_signals: SignalInstaller = loop_signals,
+) -> RunOutcome:
+    """Run a planned procedure on the cell's devices.
+
+    Args:
+        planned: what plan_run returned.
+        root: folder of all runs.
+        publish: takes the headless events.
+        speed: bench seconds in one real second; above 1 for emulators only.
+        arm: the cell's name as typed to allow real hardware to move.
+        answers: TOML file of prompt id to answer.
+        install_signals: delivers signals to the stop ladder.
+    """
+    cell, clock = planned.loaded.cell, SystemClock(speed)
+    request = RunRequest(
+        procedure=planned.procedure,
+        plan=planned.plan,
+        root=root,
+        cell=cell.name,
+        limits=joint_limits(planned.bench),
+        override_cap_percent=cell.robot.override_cap_percent,
+        meta=_meta(planned, speed),
+        arm=arm,
+        answers=_answers(answers),
+        clock_speed=speed,
+    )
+    return await run_procedure(request, device_builder(cell, clock), clock, publish, install_signals)
+
+
+async def rehearse(planned: PlannedRun) -> DryRunContext:
+    """Run a planned procedure without any device and return what it would do."""
+    bench = planned.bench
+    places = {reflector.name: (reflector.x_mm, reflector.y_mm) for reflector in bench.reflectors}
+    optics, arm = bench.optics, bench.arm
+    context = DryRunContext(
+        limits=joint_limits(bench),
+        timing=move_timing(bench),
+        beam_at=reflector_beam(arm.link1_mm, arm.link2_mm, places, optics.acceptance_mm, optics.theta40_deg),
+        pose=(0.0, 0.0, arm.j3_mm, 0.0),
+    )
+    await planned.procedure.run(context, planned.plan)
+    await planned.procedure.teardown(context)
+    return context
+
+
+def joint_limits(bench: Bench) -> JointLimits:
+    """Return the limits that the gate checks at each move; J3 stays where the cell file puts it."""
+    arm = bench.arm
+    return JointLimits(arm.j1_limits_deg, arm.j2_limits_deg, arm.j4_limits_deg, (arm.j3_mm, arm.j3_mm))
+
+
+def move_timing(bench: Bench) -> MoveTiming:
+    """Return how long moves take, for the time estimate."""
+    (v1, v2, v4), (a1, a2, a4) = bench.arm.speed_deg_s, bench.arm.acceleration_deg_s2
+    # J3 never moves during a measurement; its figures only have to be positive.
+    return MoveTiming((v1, v2, 1000.0, v4), (a1, a2, 1000.0, a4), bench.arm.override_percent)
+
+
+def _meta(planned: PlannedRun, speed: float) -> dict[str, Json]:
+    loaded = planned.loaded
+    return {
+        "configuration": loaded.cell.model_dump(mode="json"),
+        "configuration_origins": dict(loaded.origins),
+        "configuration_file": str(loaded.path),
+        "configuration_sha256": loaded.sha256,
+        "params": planned.params.model_dump(mode="json"),
+        "aim": planned.aim,
+        "operator": getpass.getuser(),
+        "clock_speed": speed,
+    }
+
+
+def _answers(path: Path | None) -> dict[str, str]:
+    if path is None:
+        return {}
+    try:
+        table = tomllib.loads(path.read_text(encoding="utf-8"))
+    except (OSError, UnicodeDecodeError, tomllib.TOMLDecodeError) as error:
+        raise ConfigError(f"{path}: no answers can be read: {error}") from error
+    return {key: _answer_text(value) for key, value in table.items()}
+
+
+def _answer_text(value: object) -> str:
+    if isinstance(value, bool):
+        return "yes" if value else "no"
+    return str(value)

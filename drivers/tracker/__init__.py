@@ -1,0 +1,1 @@
+"""Instruments that locate the arm independently of the interferometer."""
