@@ -290,6 +290,7 @@ class RunStore:
 def _leave_wal(db: sqlite3.Connection) -> None:
     # One plain file is left for the archive. A reader that is just looking may prevent it; then the log file
     # stays beside the database and the manifest covers both.
+    db.execute("PRAGMA busy_timeout=200")
     db.execute("PRAGMA wal_checkpoint(TRUNCATE)").fetchall()
     try:
         db.execute("PRAGMA journal_mode=DELETE").fetchall()

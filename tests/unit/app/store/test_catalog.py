@@ -1,0 +1,61 @@
+"""Finding runs."""
+
+from pathlib import Path
+
+import pytest
+
+from app.errors import UsageError
+from app.store.catalog import list_runs, resolve_run
+from app.store.run_store import RunStore
+from tests.unit.app.store.fakes import TickingClock
+
+
+@pytest.fixture
+async def runs(tmp_path: Path) -> list[Path]:
+    paths = []
+    clock = TickingClock()
+    for procedure in ("reflector-search", "open-loop"):
+        store = await RunStore.create(tmp_path, procedure, {}, clock, reserve_bytes=0)
+        await store.finish("complete", 0)
+        paths.append(store.path)
+    return paths
+
+
+async def test_runs_are_listed_oldest_first(runs: list[Path]) -> None:
+    root = runs[0].parent
+    (root / "notes").mkdir()
+    damaged = root / "20270101T000000Z_open-loop_abcdef"
+    damaged.mkdir()
+    found = list_runs(root)
+    assert [run.path for run in found] == [*runs, damaged]
+    assert [run.status for run in found] == ["complete", "complete", "damaged"]
+    assert (found[0].procedure, found[0].started) == ("reflector-search", "20260102T000001Z")
+    assert found[0].name.endswith(found[0].id)
+
+
+def test_a_place_without_runs_lists_none(tmp_path: Path) -> None:
+    assert list_runs(tmp_path / "nowhere") == []
+
+
+async def test_a_run_is_found_by_path_name_beginning_and_id(runs: list[Path]) -> None:
+    root, wanted = runs[0].parent, runs[0]
+    for text in (str(wanted), wanted.name, wanted.name[:17], wanted.name[-6:]):
+        assert resolve_run(root, text) == wanted
+
+
+async def test_a_beginning_that_fits_several_lists_them(runs: list[Path]) -> None:
+    with pytest.raises(UsageError, match=f"{runs[0].name}, {runs[1].name}"):
+        resolve_run(runs[0].parent, "2026")
+
+
+async def test_a_typing_error_names_the_nearest(runs: list[Path]) -> None:
+    name = runs[0].name
+    with pytest.raises(UsageError, match=f"nearest are .*{name}"):
+        resolve_run(runs[0].parent, name.replace("search", "saerch"))
+    with pytest.raises(UsageError, match=f"the newest is {runs[1].name}"):
+        resolve_run(runs[0].parent, "?")
+
+
+def test_an_empty_place_says_so(tmp_path: Path) -> None:
+    with pytest.raises(UsageError, match="holds no runs"):
+        resolve_run(tmp_path, "abc")

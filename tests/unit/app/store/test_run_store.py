@@ -1,0 +1,274 @@
+"""The promise of the store, line by line."""
+
+import json
+import sqlite3
+import stat
+from collections.abc import AsyncIterator
+from contextlib import closing
+from pathlib import Path
+
+import pytest
+
+from app.errors import StorageError, UsageError
+from app.store.catalog import list_runs
+from app.store.reader import RunReader
+from app.store.run_store import RunStore
+from app.store.schema import RAW_TABLES, UPGRADES, VERSION, open_reader, open_writer
+from app.store.seal import MANIFEST
+from app.store.verify import verify
+from procedures.context import Row
+from tests.unit.app.store.fakes import PATH_ROW, SEARCH_ROW, TickingClock
+
+
+@pytest.fixture
+async def store(tmp_path: Path) -> AsyncIterator[RunStore]:
+    made = await RunStore.create(tmp_path, "search", {"operator": "Ada"}, TickingClock(), reserve_bytes=0)
+    yield made
+    await made.abandon()
+
+
+def writer_of(store: RunStore) -> "closing[sqlite3.Connection]":
+    """Return a foreign read-write connection, as somebody with a database tool would open."""
+    return closing(sqlite3.connect(store.path / "run.sqlite", isolation_level=None))
+
+
+async def test_the_name_tells_time_procedure_and_id(store: RunStore) -> None:
+    time, procedure, run_id = store.path.name.split("_")
+    assert (time, procedure, len(run_id)) == ("20260102T000001Z", "search", 6)
+
+
+async def test_p1_what_is_acknowledged_is_there_for_every_reader(store: RunStore) -> None:
+    await store.append_step("s1", 1, "first", {"found": True}, [("search", SEARCH_ROW)])
+    reader = RunReader(store.path)
+    assert reader.steps()[0].result == {"found": True}
+    assert reader.search()[0]["reflector"] == "P1"
+    assert store.stored_result("s1") == {"found": True}
+    assert store.stored_result("s2") is None
+
+
+async def test_p2_a_step_and_its_rows_come_together_or_not_at_all(store: RunStore) -> None:
+    # The second row collides inside the transaction, after the step and the first row were inserted.
+    await store.append_step("s1", 1, "first", {}, [("search", SEARCH_ROW)])
+    with pytest.raises(StorageError):
+        await store.append_step("s1", 1, "again", {}, [("path", PATH_ROW)])
+    reader = RunReader(store.path)
+    assert [step.title for step in reader.steps()] == ["first"]
+    assert reader.path_rows() == []
+
+
+async def test_p2_a_row_that_does_not_fit_stores_nothing_and_harms_nothing(store: RunStore) -> None:
+    with pytest.raises(ValueError, match="lacks reflector"):
+        await store.append_step("s1", 1, "first", {}, [("search", {"theta1_deg": 1.0, "theta2_deg": 2.0})])
+    await store.append_step("s1", 1, "first", {}, [])
+    assert RunReader(store.path).count("steps") == 1
+
+
+async def test_p3_lines_cut_from_the_transcript_are_counted(tmp_path: Path) -> None:
+    clock = TickingClock()
+    store = await RunStore.create(tmp_path, "search", {}, clock, reserve_bytes=0, max_log_bytes=150)
+    for _ in range(5):
+        store.wire.record("robot", "rx", b"\x00QoK")
+    await store.finish("complete", 0)
+    closing_record = RunReader(store.path).events()[-1].data
+    assert closing_record["wire_lines_cut"] == 4
+    assert verify(store.path).notes == ("wire.log was cut: 4 lines are not in it",)
+
+
+async def test_p4_after_one_failure_everything_is_refused(store: RunStore) -> None:
+    failures: list[StorageError] = []
+    store.on_failure = failures.append
+    await store.append_step("s1", 1, "first", {}, [])
+    with pytest.raises(StorageError, match="nothing more is stored"):
+        await store.append_step("s1", 1, "again", {}, [])
+    with pytest.raises(StorageError):
+        await store.event("note")
+    with pytest.raises(StorageError):
+        await store.append_step("s2", 1, "second", {}, [])
+    store.post("note", {})
+    with pytest.raises(StorageError):
+        await store.finish("complete", 0)
+    assert RunReader(store.path).status == "died"
+    assert len(failures) == 1
+
+
+async def test_p4_a_log_on_a_full_disk_is_a_failure_too(tmp_path: Path) -> None:
+    store = await RunStore.create(tmp_path, "search", {}, TickingClock(), reserve_bytes=0)
+    await store.finish("stopped", 130)
+    (store.path / "wire.log").unlink()
+    (store.path / "wire.log").symlink_to("/dev/full")
+    store = await RunStore.reopen(store.path, TickingClock(), reserve_bytes=0)
+    store.wire.record("robot", "tx", b"x")
+    with pytest.raises(StorageError, match="No space left"):
+        await store.event("note")
+    await store.abandon()
+
+
+async def test_p4_no_run_begins_without_a_reserve(tmp_path: Path) -> None:
+    with pytest.raises(StorageError, match="make room"):
+        await RunStore.create(tmp_path, "search", {}, TickingClock(), reserve_bytes=1 << 60)
+    assert list_runs(tmp_path) == []
+
+
+async def test_p4_a_running_experiment_gives_up_before_the_disk_is_full(
+    store: RunStore, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("app.store.directory.shutil.disk_usage", lambda _path: Usage())
+    monkeypatch.setattr(store, "_reserve_bytes", 1000)
+    with pytest.raises(StorageError, match="make room"):
+        await store.append_step("s1", 1, "first", {}, [])
+    with pytest.raises(StorageError):
+        await store.event("note")
+
+
+class Usage:
+    free = 99
+
+
+@pytest.mark.parametrize("table", RAW_TABLES)
+@pytest.mark.parametrize("verb", ["UPDATE {} SET rowid = 99", "DELETE FROM {}"])
+async def test_p5_nothing_is_overwritten(store: RunStore, table: str, verb: str) -> None:
+    await store.append_step("s1", 1, "first", {}, [("search", SEARCH_ROW), ("path", PATH_ROW)])
+    await store.append_step("s2", 1, "second", {}, [("points", POINT)])
+    await store.prompt("clear", "confirm", "Clear?", "2026-01-02T00:00:00+00:00", "yes", "Ada")
+    with writer_of(store) as connection, pytest.raises(sqlite3.IntegrityError, match="append-only"):
+        connection.execute(verb.format(table))
+
+
+async def test_p6_the_run_describes_itself(store: RunStore) -> None:
+    meta = RunReader(store.path).meta
+    assert (meta["operator"], meta["procedure"], meta["run"]) == ("Ada", "search", store.path.name)
+    software = meta["software"]
+    assert isinstance(software, dict)
+    assert {"catseye", "python", "sqlite", "numpy", "platform"} <= set(software)
+    anchor = meta["clock_anchor"]
+    assert isinstance(anchor, dict)
+    assert set(anchor) == {"utc", "monotonic_s"}
+
+
+async def test_p6_prompts_and_interruptions_are_kept(store: RunStore) -> None:
+    await store.prompt("clear", "confirm", "Clear?", "2026-01-02T00:00:00+00:00", "yes", "Ada")
+    await store.prompt("name", "text", "Name?", "2026-01-02T00:00:00+00:00", None, None)
+    store.post("state", {"state": "HELD"})
+    await store.event("state", {"state": "EXECUTE"})
+    reader = RunReader(store.path)
+    assert [prompt["answered_utc"] is None for prompt in reader.prompts()] == [False, True]
+    assert [event.data["state"] for event in reader.events()[1:]] == ["HELD", "EXECUTE"]
+
+
+async def test_a_finished_run_is_one_read_only_file_and_a_manifest(store: RunStore) -> None:
+    await store.finish("complete", 0)
+    names = sorted(path.name for path in store.path.iterdir())
+    assert names == ["app.log", "manifest.json", "run.sqlite", "wire.log"]
+    assert not any(path.stat().st_mode & stat.S_IWUSR for path in store.path.iterdir())
+    assert set(json.loads((store.path / MANIFEST).read_text())["files"]) == set(names) - {MANIFEST}
+    with closing(open_reader(store.path / "run.sqlite")) as connection:
+        assert connection.execute("PRAGMA journal_mode").fetchone()[0] == "delete"
+    assert verify(store.path).ok
+
+
+async def test_a_reader_that_is_just_looking_does_not_keep_a_run_from_ending(store: RunStore) -> None:
+    with closing(open_reader(store.path / "run.sqlite")) as connection:
+        connection.execute("BEGIN")
+        connection.execute("SELECT count(*) FROM events").fetchall()
+        await store.event("note")
+        await store.finish("complete", 0)
+    assert RunReader(store.path).events()[-1].kind == "run-ended"
+    assert verify(store.path).ok
+
+
+async def test_status_follows_the_life_of_a_run(store: RunStore) -> None:
+    reader = RunReader(store.path)
+    seen = [(reader.status, reader.exit_code)]
+    await store.abandon()
+    seen.append((reader.status, reader.exit_code))
+    again = await RunStore.reopen(store.path, TickingClock(), reserve_bytes=0)
+    seen.append((reader.status, reader.exit_code))
+    await again.finish("stopped", 130)
+    seen.append((reader.status, reader.exit_code))
+    assert seen == [("running", None), ("died", None), ("running", None), ("stopped", 130)]
+
+
+async def test_a_reopened_run_knows_results_and_attempts(store: RunStore) -> None:
+    await store.append_step("s1", 1, "first", {"n": 1}, [])
+    await store.drop_step("s2", 1, {"error": "lost"})
+    await store.abandon()
+    again = await RunStore.reopen(store.path, TickingClock(), reserve_bytes=0)
+    assert again.stored_result("s1") == {"n": 1}
+    assert again.next_attempt("s2") == 2
+    await again.append_step("s2", 2, "second", {}, [("search", SEARCH_ROW)])
+    await again.finish("complete", 0)
+    assert verify(store.path).ok
+    assert verify(store.path).notes == ("an attempt at step s2 was dropped: lost",)
+
+
+async def test_two_processes_never_write_one_run(store: RunStore) -> None:
+    with pytest.raises(StorageError, match="being written"):
+        await RunStore.reopen(store.path, TickingClock(), reserve_bytes=0)
+
+
+async def test_a_complete_run_is_not_reopened(store: RunStore) -> None:
+    await store.finish("complete", 0)
+    with pytest.raises(UsageError, match="start a new run"):
+        await RunStore.reopen(store.path, TickingClock(), reserve_bytes=0)
+
+
+async def test_a_closed_store_refuses(store: RunStore) -> None:
+    await store.finish("complete", 0)
+    with pytest.raises(StorageError, match="is closed"):
+        await store.event("late")
+
+
+def test_commits_are_durable_and_the_version_is_known(tmp_path: Path) -> None:
+    with closing(open_writer(tmp_path / "run.sqlite")) as connection:
+        assert connection.execute("PRAGMA synchronous").fetchone()[0] == 2
+        assert connection.execute("PRAGMA journal_mode").fetchone()[0] == "wal"
+        assert connection.execute("PRAGMA user_version").fetchone()[0] == VERSION == len(UPGRADES)
+        strict = connection.execute("SELECT name FROM pragma_table_list WHERE strict = 1").fetchall()
+    assert {name for (name,) in strict} == set(RAW_TABLES)
+
+
+def test_a_newer_file_is_refused(tmp_path: Path) -> None:
+    path = tmp_path / "run.sqlite"
+    with closing(open_writer(path)) as connection:
+        connection.execute(f"PRAGMA user_version={VERSION + 1}")
+    for opener in (open_writer, open_reader):
+        with pytest.raises(StorageError, match="install a newer catseye"):
+            opener(path)
+
+
+def test_what_is_no_run_is_said(tmp_path: Path) -> None:
+    with pytest.raises(StorageError, match="not a run"):
+        RunReader(tmp_path)
+    (tmp_path / "run.sqlite").write_bytes(b"this is no database" * 100)
+    with pytest.raises(StorageError, match="cannot be read"):
+        RunReader(tmp_path)
+    (tmp_path / "run.sqlite").write_bytes(b"")
+    with pytest.raises(StorageError, match="no tables"):
+        RunReader(tmp_path)
+
+
+async def test_a_place_without_permission_is_said() -> None:
+    with pytest.raises(StorageError, match="choose another directory"):
+        await RunStore.create(Path("/proc/nowhere"), "search", {}, TickingClock(), reserve_bytes=0)
+
+
+POINT: Row = {
+    "reflector": "P1",
+    "segment": 0,
+    "theta1_deg": 1.0,
+    "theta2_deg": 2.0,
+    "j3_mm": 0.0,
+    "j4_deg": 3.0,
+    "reported1_deg": 1.0,
+    "reported2_deg": 2.0,
+    "reported3_mm": 0.0,
+    "reported4_deg": 3.0,
+    "direction1": 1,
+    "direction2": -1,
+    "displacement_mm": 0.1,
+    "spread_mm": 0.0,
+    "readings": 5,
+    "signal": 0.9,
+    "time_utc": "2026-01-02T03:04:05+00:00",
+    "duration_s": 0.5,
+}  # fmt: skip - one row a line

@@ -1,0 +1,73 @@
+"""Damage of every kind is found."""
+
+import sqlite3
+from contextlib import closing
+from pathlib import Path
+
+import pytest
+
+from app.store.run_store import RunStore
+from app.store.seal import MANIFEST
+from app.store.verify import verify
+from tests.unit.app.store.fakes import SEARCH_ROW, TickingClock
+
+
+@pytest.fixture
+async def run(tmp_path: Path) -> Path:
+    store = await RunStore.create(tmp_path, "search", {}, TickingClock(), reserve_bytes=0)
+    await store.append_step("s1", 1, "first", {}, [("search", SEARCH_ROW)] * 3)
+    await store.finish("complete", 0)
+    return store.path
+
+
+def tamper(run: Path, *statements: str) -> None:
+    (run / "run.sqlite").chmod(0o644)
+    with closing(sqlite3.connect(run / "run.sqlite", isolation_level=None)) as connection:
+        for statement in statements:
+            connection.execute(statement)
+
+
+async def test_a_sound_run(run: Path) -> None:
+    assert verify(run).problems == ()
+    assert verify(run).status == "complete"
+
+
+async def test_a_changed_file(run: Path) -> None:
+    (run / "wire.log").chmod(0o644)
+    (run / "wire.log").write_text("nothing happened")
+    assert verify(run).problems == ("wire.log was changed after the end",)
+
+
+async def test_missing_and_added_files(run: Path) -> None:
+    (run / "app.log").rename(run / "other.log")
+    assert verify(run).problems == ("app.log is missing", "other.log was added after the end")
+
+
+async def test_a_damaged_manifest(run: Path) -> None:
+    (run / MANIFEST).chmod(0o644)
+    (run / MANIFEST).write_text("{}")
+    assert "manifest.json is damaged" in verify(run).problems[0]
+
+
+async def test_a_run_that_was_not_sealed(run: Path) -> None:
+    (run / MANIFEST).unlink()
+    result = verify(run)
+    assert result.ok
+    assert "not sealed" in result.notes[0]
+
+
+@pytest.mark.parametrize(
+    ("statement", "text"),
+    [
+        ("DELETE FROM search WHERE seq = 2", "search: row 2 of step s1 is missing"),
+        ("DELETE FROM search WHERE seq = 3", "step s1 does not have all of its rows"),
+        ("DELETE FROM steps", "search: rows of step s1, which is not done"),
+        ("DELETE FROM events WHERE seq = 1", "events: numbers are missing"),
+    ],
+)
+async def test_missing_rows(run: Path, statement: str, text: str) -> None:
+    table = statement.split()[2]
+    tamper(run, f"DROP TRIGGER {table}_no_delete", statement)
+    problems = verify(run).problems
+    assert "run.sqlite was changed after the end" in problems
+    assert text in problems
