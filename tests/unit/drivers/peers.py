@@ -83,6 +83,7 @@ class Peer:
             except LinkError:
                 self.hang_ups += 1
                 self._on_hang_up()
+                await asyncio.sleep(0)
                 continue
             self.requests.append(data)
             for chunk in self._answer(data):
