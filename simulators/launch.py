@@ -87,9 +87,9 @@ class EmulatedBench:
         ]
         ports = {port.device: port for port in self._ports}
         tracker = Tracker(config.seed)
-        desk = Desk(self.bench, self.controller, self.sensor, tracker, self.keeper, self.journal, ports)
+        self.desk = Desk(self.bench, self.controller, self.sensor, tracker, self.keeper, self.journal, ports)
         self._ports.append(
-            self._port("control", "catseye-control", config.control, lambda: ControlSession(desk))
+            self._port("control", "catseye-control", config.control, lambda: ControlSession(self.desk))
         )
 
     @property

@@ -9,6 +9,8 @@ from simulators.bench.types import Floats
 from simulators.config import EmulationConfig, ErrorBudget
 
 _SHORTEST_STEP_S = 1e-7
+_FRINGE_MM = 316.5e-6
+"""Half a wavelength of a helium-neon laser, mm."""
 
 
 @dataclass(frozen=True)
@@ -62,6 +64,7 @@ class Counter:
         self._budget: ErrorBudget = config.budget
         self._limit_mm_s = config.speed_limit_mm_s
         self._noise = np.random.default_rng([config.seed, 6])
+        self._slips = np.random.default_rng([config.seed, 10])
         rng = np.random.default_rng([config.seed, 7])
         scale_um = np.hypot(config.budget.wavelength_um, config.budget.correction_um)
         self._scale = 1.0 + float(rng.normal(0.0, 1.0)) * float(scale_um) * 1e-3 / 700.0
@@ -128,6 +131,10 @@ class Counter:
         shown = min(1.0, max(0.0, level + 0.003 * float(noise[1]))) if returns else 0.0
         return Reading(value_mm, returns, self.beam_lost, self.overspeed, shown, self.zero_id)
 
+    def _slip_mm(self) -> float:
+        """Return what fading fringes do to a count: the way out and back does not restore it by symmetry."""
+        return float(self._slips.integers(1, 100) * self._slips.choice((-1, 1))) * _FRINGE_MM
+
     def _count_mm(self) -> float:
         if int(self._last.index[0]) == NOBODY:
             return self._held_mm
@@ -140,6 +147,6 @@ class Counter:
             return
         if before != NOBODY:
             self.beam_lost = True
-            self._held_mm = float(length_mm[0]) - self._origin_mm
+            self._held_mm = float(length_mm[0]) - self._origin_mm + self._slip_mm()
         if after != NOBODY:
             self._origin_mm = float(length_mm[1]) - self._held_mm

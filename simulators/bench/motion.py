@@ -57,6 +57,9 @@ def _half_inverse(ramp_s: float) -> float:
     return 0.5 / ramp_s if ramp_s > 0.0 else 0.0
 
 
+_SHORTEST = 1e-9
+"""Ways (deg or mm) and times (s) of less than this count as none."""
+
 STANDSTILL = Profile(0.0, 0.0, 0.0, 0.0)
 
 
@@ -109,7 +112,7 @@ def plan_motion(
         acceleration_fraction: part of the largest accelerations to use, 0...1.
     """
     spans = [abs(b - a) for a, b in zip(start, end, strict=True)]
-    if not any(spans):
+    if max(spans) < _SHORTEST:
         return Motion(start, end, start_s, STANDSTILL)
     speed = min(v * speed_fraction / d for v, d in zip(dynamics.max_speed, spans, strict=True) if d)
     limits = zip(dynamics.max_acceleration, spans, strict=True)
@@ -129,12 +132,11 @@ def plan_stop(motion: Motion, time_s: float, dynamics: ArmDynamics) -> Motion:
     """
     here = motion.joints_at(time_s)
     speed = motion.profile.speed_at(time_s - motion.start_s)
-    if speed == 0.0:
-        return Motion(here, here, time_s, STANDSTILL)
     spans = [b - a for a, b in zip(motion.start, motion.end, strict=True)]
     limits = zip(dynamics.max_acceleration, spans, strict=True)
-    deceleration = min(a / abs(d) for a, d in limits if d)
-    brake_s = speed / deceleration
+    brake_s = speed * max(abs(d) / a for a, d in limits)
+    if brake_s < _SHORTEST:
+        return Motion(here, here, time_s, STANDSTILL)
     way = 0.5 * speed * brake_s
     j1, j2, j3, j4 = (a + way * d for a, d in zip(here, spans, strict=True))
     return Motion(here, (j1, j2, j3, j4), time_s, Profile(2.0 / brake_s, 0.0, 0.0, brake_s))

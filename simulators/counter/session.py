@@ -107,7 +107,8 @@ class CounterSession(Session):
         """Return the values that are due; values missed long ago are left out."""
         if self._period_s is None or self._bench.time_s < self._next_s:
             return b""
-        self._next_s = max(self._next_s, self._bench.time_s - self._period_s) + self._period_s
+        missed = (self._bench.time_s - self._next_s) // self._period_s
+        self._next_s += (missed + 1.0) * self._period_s
         return f"{self._value()}\r\n".encode()
 
     def close(self) -> None:

@@ -46,7 +46,7 @@ def assign(controller: Controller, name: str, value: str) -> None:
     """Give a variable a value; the first letter of its name tells its type."""
     if _NAME.fullmatch(name) is None:
         raise Refusal(alarms.SYNTAX)
-    new = _number(controller, value) if name[0] == "M" else _operand(controller, value)
+    new = _number(controller, value) if name[0] == "M" else _operand(controller, value, name[0])
     if (name[0] == "P") != isinstance(new, Position):
         raise Refusal(alarms.SYNTAX)
     _store(controller, name, new)
@@ -91,17 +91,18 @@ def _number(controller: Controller, text: str) -> float:
     return float(value)
 
 
-def _operand(controller: Controller, text: str) -> Joints | Position:
+def _operand(controller: Controller, text: str, kind: str = "") -> Joints | Position:
+    """Return the value of a name, of a sum or of a constant; kind, J or P, says what a constant is."""
     if _NAME.fullmatch(text) is not None:
         value = read(controller, text)
         if isinstance(value, int | float):
             raise Refusal(alarms.SYNTAX)
         return value
     if (added := _SUM.fullmatch(text)) is not None:
-        base, shift = _operand(controller, added[1]), _constant(controller, f"P{added[2]}")
+        base, shift = _operand(controller, added[1]), _constant(controller, added[2], "P")
         if isinstance(base, Position) and isinstance(shift, Position):
             return _added(base, shift)
-    return _constant(controller, text)
+    return _constant(controller, text, kind)
 
 
 def _added(base: Position, shift: Position) -> Position:
@@ -114,11 +115,11 @@ def _added(base: Position, shift: Position) -> Position:
     )
 
 
-def _constant(controller: Controller, text: str) -> Joints | Position:
+def _constant(controller: Controller, text: str, kind: str) -> Joints | Position:
     found = _CONSTANT.fullmatch(text)
     if found is None:
         raise Refusal(alarms.SYNTAX)
-    kind, values, flags = found[1], found[2], found[3]
+    kind, values, flags = found[1] or kind, found[2], found[3]
     # Four values without flags are joints of this arm; a position of it has six places.
     joints = kind == "J" or (not kind and flags is None and values.count(",") < 4)
     if joints:
