@@ -1,7 +1,7 @@
 """What a procedure is given on the bench: every call passes the stop ladder, every move the gate."""
 
 from collections.abc import Awaitable, Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Literal
 
 from app.engine.announcer import Announcer
@@ -70,6 +70,7 @@ class RunContext:
         self._progress = Progress(clock)
         self._step: _OpenStep | None = None
         self._prompt_open = False
+        self._zeroed = False
 
     @property
     def software_time_s(self) -> list[float]:
@@ -128,7 +129,10 @@ class RunContext:
         return await self._control.command(self._devices.robot.joints())
 
     async def measure(self, settle_time_s: float, dwell_time_s: float, readings: int) -> Measurement:
-        """Settle, then average readings over the dwell."""
+        """Settle, then average readings over the dwell.
+
+        Nobody watched the count before this process: until its first zero no reading is ok.
+        """
         await self._control.checkpoint()
         return await self._control.command(self._measure(settle_time_s, dwell_time_s, readings))
 
@@ -141,6 +145,7 @@ class RunContext:
         """Zero the count."""
         await self._control.checkpoint()
         number = await self._control.command(self._devices.interferometer.zero())
+        self._zeroed = True
         await self.event("zero", number=number)
 
     async def locate(self, settle_time_s: float) -> Location:
@@ -227,7 +232,8 @@ class RunContext:
 
     async def _measure(self, settle_time_s: float, dwell_time_s: float, readings: int) -> Measurement:
         await self._sleep(settle_time_s)
-        return await measure(self._devices, self._air, self._clock, self._sleep, dwell_time_s, readings)
+        measured = await measure(self._devices, self._air, self._clock, self._sleep, dwell_time_s, readings)
+        return replace(measured, beam_ok=measured.beam_ok and self._zeroed)
 
     async def _locate(self, tracker: Tracker, settle_time_s: float) -> Location:
         await self._sleep(settle_time_s)

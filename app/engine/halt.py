@@ -18,7 +18,7 @@ _FEWEST_POLLS = 5
 
 @dataclass(frozen=True)
 class HaltLimits:
-    """How long a halt may take, in seconds of the run's clock.
+    """How long a halt may take.
 
     Attributes:
         taken_s: until the controller has taken the stop; then the halt goes on without waiting.
@@ -31,6 +31,12 @@ class HaltLimits:
     standstill_s: float = 3.0
     poll_s: float = 0.05
     hang_s: float = 20.0
+
+    def at_speed(self, speed: float) -> "HaltLimits":
+        """Return the same real times as seconds of a clock that runs faster: links do not run faster with it."""
+        return HaltLimits(
+            self.taken_s * speed, self.standstill_s * speed, self.poll_s * speed, self.hang_s * speed
+        )
 
 
 @dataclass(frozen=True)

@@ -26,9 +26,10 @@ from app.engine.signals import SignalInstaller, loop_signals
 from app.engine.states import State
 from app.engine.timekeeping import StepTime
 from app.engine.waiting import uncancelled, within
-from app.errors import StorageError, TerminatedRunError, UsageError
+from app.errors import SafetyError, StorageError, TerminatedRunError, UsageError
 from app.exitcode import ExitCode
 from app.store.lines import LogHandler
+from app.store.reader import RunReader
 from app.store.run_store import DEFAULT_RESERVE_BYTES, RunStore
 from drivers.clock import Clock
 from procedures.context import Context, Json
@@ -77,8 +78,8 @@ class RunRequest:
         resume: directory of a run to go on with, instead of a new one.
         air_max_age_s: how old a sample of the air may be, s of the clock.
         reserve_bytes: free disk space needed.
-        halt_limits: how long a halt may take.
-        teardown_limit_s: how long the teardown, and the closing of the devices, may take, s of the clock.
+        halt_limits: how long a halt may take, real time.
+        teardown_limit_s: how long the teardown, and the closing of the devices, may take, real s.
         clock_speed: bench seconds in one real second; anything but 1 is for emulated devices only.
     """
 
@@ -161,9 +162,13 @@ class _Run:
         self._request = request
         self._store = store
         self._clock = clock
-        self._control = RunControl(clock, self._state_changed, request.halt_limits)
+        self._control = RunControl(
+            clock, self._state_changed, request.halt_limits.at_speed(request.clock_speed)
+        )
         self._announcer = Announcer(store.path.name, clock, publish, self._front_end_lost)
         self._context: RunContext | None = None
+        self._torn_down = False
+        self._bound_s = request.teardown_limit_s * request.clock_speed
         store.on_failure = self._control.fault
 
     async def conduct(self, build_devices: DeviceBuilder, install_signals: SignalInstaller) -> RunOutcome:
@@ -198,9 +203,9 @@ class _Run:
         simulated = require_permission(identities, self._request.cell, self._request.arm)
         if not simulated and self._request.clock_speed != 1.0:
             raise UsageError("the devices are real: leave --speed out, real time cannot run faster")
-        self._control.attach(devices.robot)
         facts: dict[str, Json] = {"devices": identities_as_json(identities), "simulated": simulated}
         await self._describe(facts, simulated)
+        self._control.attach(devices.robot)
         gate = MotionGate(devices.robot, self._request.limits, self._request.override_cap_percent)
         await self._control.command(self._ready(devices, gate))
         operator = Operator(self._clock, self._request.answers, self._request.answerer, simulated=simulated)
@@ -218,8 +223,14 @@ class _Run:
         return self._context
 
     async def _describe(self, facts: dict[str, Json], simulated: bool) -> None:
-        if self._request.resume is None:
-            await self._store.append_meta(facts)
+        stored = RunReader(self._store.path).meta
+        if stored.get("simulated", simulated) != simulated:
+            raise SafetyError(
+                f"{self._store.path.name} was begun with {'real' if simulated else 'emulated'} devices and cannot "
+                "go on with the others: nothing was moved; check the endpoints of the cell"
+            )
+        # A run that goes on has its facts already, unless it died before it knew them.
+        await self._store.append_meta({key: value for key, value in facts.items() if key not in stored})
         await self._store.event("devices", facts)
         if simulated:
             text = "SIMULATED: every device is an emulator; these data say nothing about a real robot"
@@ -239,7 +250,7 @@ class _Run:
         await self._control.halted()
         ending = ending_of(self._control, cause)
         self._report(ending, error)
-        if self._context is not None and self._control.state == State.STOPPED:
+        if self._context is not None and self._control.state == State.STOPPED and not self._torn_down:
             ending = await self._teardown(self._context, ending)
         return ending
 
@@ -251,10 +262,9 @@ class _Run:
         await self._close(devices, ending)
 
     async def _teardown(self, context: RunContext, ending: Ending) -> Ending:
+        self._torn_down = True
         try:
-            await within(
-                self._clock, self._request.teardown_limit_s, self._request.procedure.teardown(context)
-            )
+            await within(self._clock, self._bound_s, self._request.procedure.teardown(context))
         except Exception as error:
             if ending is COMPLETE:
                 raise
@@ -264,7 +274,7 @@ class _Run:
 
     async def _close(self, devices: Devices, ending: Ending) -> RunOutcome:
         try:
-            troubles = await within(self._clock, self._request.teardown_limit_s, close_all(devices))
+            troubles = await within(self._clock, self._bound_s, close_all(devices))
         except FAILURES as error:
             troubles = {"devices": str(error)}
         try:

@@ -166,6 +166,7 @@ async def test_the_controllers_state_is_looked_at_before_each_move(
 
 async def test_a_measurement_averages_readings_over_the_dwell(parts: Parts) -> None:
     parts.bench.robot.pose = AWAY
+    await parts.ctx.zero()
     measured = await parts.ctx.measure(0.5, 0.8, 5)
     assert measured.displacement_mm == pytest.approx(3e-3)
     assert measured.spread_mm == pytest.approx(1.5811e-3, rel=1e-4)
@@ -186,7 +187,12 @@ async def test_a_measurement_averages_readings_over_the_dwell(parts: Parts) -> N
 async def test_a_count_that_was_lost_is_not_ok_even_if_the_beam_is_back(
     parts: Parts, beam: CounterStatus
 ) -> None:
+    await parts.ctx.zero()
     parts.bench.counter.beam = beam
+    assert not (await parts.ctx.measure(0.5, 0.5, 2)).beam_ok
+
+
+async def test_a_count_that_this_process_has_not_zeroed_is_not_ok(parts: Parts) -> None:
     assert not (await parts.ctx.measure(0.5, 0.5, 2)).beam_ok
 
 

@@ -136,6 +136,32 @@ async def test_armed_real_hardware_runs_without_a_banner(bench: FakeBench) -> No
     assert RunReader(outcome.path).meta["simulated"] is False
 
 
+async def test_real_hardware_runs_in_real_time_only(bench: FakeBench) -> None:
+    bench.make_real()
+    outcome = await run(bench, measuring(0), arm="lab-1", clock_speed=10.0)
+    assert outcome.exit_code == ExitCode.USAGE
+    assert "--speed" in outcome.text
+
+
+async def test_a_run_does_not_change_between_emulated_and_real_devices(bench: FakeBench) -> None:
+    bench.robot.move_error = LinkError("lost")
+    first = await run(bench, measuring(0))
+    bench.make_real()
+    calls = len(bench.robot.calls)
+    second = await run(bench, measuring(0), arm="lab-1", resume=first.path)
+    assert second.exit_code == ExitCode.SAFETY
+    assert "begun with emulated devices" in second.text
+    assert bench.robot.calls[calls:] == ["connect", "close"]
+
+
+async def test_a_run_that_died_before_its_devices_answered_learns_of_them_later(bench: FakeBench) -> None:
+    bench.robot.connect_error = LinkError("off")
+    first = await run(bench, measuring(0))
+    bench.robot.connect_error = None
+    await run(bench, measuring(0), resume=first.path)
+    assert RunReader(first.path).meta["simulated"] is True
+
+
 async def test_emulated_and_real_devices_are_not_mixed(bench: FakeBench) -> None:
     bench.make_real()
     bench.air.simulated = True
@@ -217,8 +243,10 @@ async def test_a_teardown_that_fails_fails_a_complete_run(bench: FakeBench) -> N
     async def teardown(_ctx: Context) -> None:
         raise LinkError("lost")
 
-    outcome = await run(bench, Script(nothing, teardown))
+    procedure = Script(nothing, teardown)
+    outcome = await run(bench, procedure)
     assert (outcome.status, outcome.exit_code) == ("failed", ExitCode.DEVICE)
+    assert procedure.torn_down == 1
 
 
 async def test_a_teardown_is_bounded(bench: FakeBench) -> None:
