@@ -83,6 +83,7 @@ class Port:
         self.new_session = session
         self.muted = False
         self.stalled_until_s = 0.0
+        self.closing = False
         self._server: asyncio.Server | None = None
         self._connections: set[Connection] = set()
 
@@ -107,8 +108,11 @@ class Port:
 
     async def close(self) -> None:
         """Stop listening and drop every client; may be called any number of times."""
+        self.closing = True
         if self._server is not None:
             self._server.close()
+            # A client that was accepted in this very turn of the loop joins in the next one.
+            await asyncio.sleep(0)
         gone = [connection.gone for connection in self._connections]
         self.drop()
         if gone:
@@ -156,12 +160,14 @@ class Connection(asyncio.Protocol):
         self._timers: list[asyncio.TimerHandle] = []
         self._backlog = 0
         self.gone: asyncio.Future[None] = self._loop.create_future()
+        port.joined(self)
 
     def connection_made(self, transport: asyncio.BaseTransport) -> None:
         """Start the conversation."""
         if isinstance(transport, asyncio.Transport):
             self._transport = transport
-        self._port.joined(self)
+        if self._port.closing:
+            self.abort()
 
     def data_received(self, data: bytes) -> None:
         """Feed the session and let it answer, unless it is still busy with an earlier request."""
