@@ -232,7 +232,7 @@ class RunContext:
 
     async def _measure(self, settle_time_s: float, dwell_time_s: float, readings: int) -> Measurement:
         await self._sleep(settle_time_s)
-        measured = await measure(self._devices, self._air, self._clock, self._sleep, dwell_time_s, readings)
+        measured = await measure(self._devices, self._air, self._clock, dwell_time_s, readings, self._waited)
         return replace(measured, beam_ok=measured.beam_ok and self._zeroed)
 
     async def _locate(self, tracker: Tracker, settle_time_s: float) -> Location:
@@ -243,8 +243,11 @@ class RunContext:
     async def _sleep(self, duration_s: float) -> None:
         start_s = self._clock.monotonic_s()
         await self._clock.sleep(duration_s)
+        self._waited(self._clock.monotonic_s() - start_s)
+
+    def _waited(self, duration_s: float) -> None:
         if self._step is not None:
-            self._step.time.idle_s += self._clock.monotonic_s() - start_s
+            self._step.time.idle_s += duration_s
 
     async def _ask(self, prompt: Prompt) -> str:
         asked_utc = self._clock.now_utc().isoformat()

@@ -1,7 +1,7 @@
 """Measuring one distance at standstill."""
 
 import statistics
-from collections.abc import Awaitable, Callable
+from collections.abc import Callable
 
 from app.engine.devices import Devices
 from app.engine.waiting import together
@@ -43,9 +43,9 @@ async def measure(
     devices: Devices,
     air: AirCache,
     clock: Clock,
-    sleep: Callable[[float], Awaitable[None]],
     dwell_time_s: float,
     readings: int,
+    waited: Callable[[float], None],
 ) -> Measurement:
     """Average readings spread over a dwell; joints and air are read meanwhile, the beam afterwards.
 
@@ -55,9 +55,9 @@ async def measure(
         devices: of the run.
         air: state of the air.
         clock: of the run.
-        sleep: waits, and keeps account of it.
         dwell_time_s: from the first to the last reading, s.
         readings: how many, at least 1.
+        waited: is told how long the dwell took, s of the clock.
     """
     if readings < 1:
         raise ValueError(f"readings = {readings}; a measurement needs at least 1")
@@ -71,7 +71,9 @@ async def measure(
         for number in range(readings):
             due_s = start_s + number * dwell_interval_s(dwell_time_s, readings)
             if (wait_s := due_s - clock.monotonic_s()) > 0:
-                await sleep(wait_s)
+                await clock.sleep(wait_s)
+            if number == readings - 1:
+                waited(clock.monotonic_s() - start_s)
             taken.append(await devices.interferometer.read())
 
     async def look() -> None:

@@ -14,7 +14,7 @@ class StepTime:
         start_s: when it began.
         total_s: from its beginning to its commit.
         motion_s: inside motions of the robot.
-        idle_s: asleep: settling, and between the readings of a dwell.
+        idle_s: settling, and from the first to the last reading of a dwell.
         points: rows recorded into "points".
     """
 
