@@ -255,17 +255,17 @@ class LineCounter:
                 text = await self._greet_ask(profile.identify.command)
                 match = re.search(profile.identify.reply, text)
                 model = match["model"] if match else ""
+            if self._model not in {None, model}:
+                raise WrongDeviceError(
+                    f"{self._link.where}: after the link was opened again {model!r} answers instead of "
+                    f"{self._model!r}: check the network"
+                )
             text = await self._greet_ask(profile.query.command)
             # A counter that has told its name may have no value to show, as without a beam.
             if not model or not self._is_error(text):
                 self._number(profile.query.command, profile.query.reply, text)
         except (LinkError, ProtocolError) as exc:
             raise self._stranger(exc) from None
-        if self._model not in {None, model}:
-            raise WrongDeviceError(
-                f"{self._link.where}: after the link was opened again {model!r} answers instead of "
-                f"{self._model!r}: check the network"
-            )
         self._model = model
 
     async def _greet_ask(self, command: str) -> str:
