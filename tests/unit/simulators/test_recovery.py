@@ -24,11 +24,14 @@ TAKE_UP_DEG = 5.0
 
 def true_arm() -> TrueArm:
     rng = np.random.default_rng(1)
-    tables = []
-    for nodes_deg in (np.arange(-180.0, 181.0, 20.0), np.arange(-20.0, 161.0, 20.0)):
-        deviations = rng.normal(0.0, 10.0 * MDEG, (2, nodes_deg.size))
-        tables.append(BidirectionalMap(np.deg2rad(nodes_deg), *deviations))
-    return TrueArm(325.02, 224.97, *tables, PLACES, 0.01)
+    theta1 = random_map(rng, np.arange(-180.0, 181.0, 20.0))
+    theta2 = random_map(rng, np.arange(-20.0, 161.0, 20.0))
+    return TrueArm(325.02, 224.97, theta1, theta2, PLACES, 0.01)
+
+
+def random_map(rng: np.random.Generator, nodes_deg: Floats) -> BidirectionalMap:
+    positive, negative = rng.normal(0.0, 10.0 * MDEG, (2, nodes_deg.size))
+    return BidirectionalMap(np.deg2rad(nodes_deg), positive, negative)
 
 
 def measured_lengths(truth: TrueArm, name: str) -> list[tuple[float, float, int, int, float]]:
