@@ -16,6 +16,7 @@ Name = Literal["temperature", "pressure", "humidity"]
 
 _FORMATS: dict[Kind, str] = {"float32": ">f", "int16": ">h", "uint16": ">H", "int32": ">i"}
 _MISSING_INT16 = 0x8000
+_TINY = 1e-30
 
 LIMITS: dict[Name, tuple[float, float, str]] = {
     "temperature": (-40.0, 60.0, "°C"),
@@ -210,7 +211,10 @@ def check_plausible(name: Name, value: float | None, register_map: RegisterMap) 
         ProtocolError: out of the limits; the text names the register and what to check.
     """
     low, high, unit = LIMITS[name]
-    if value is not None and not low <= value <= high:
+    if value is None:
+        return
+    # A round number in the wrong word order is a float next to nothing, which lies within some limits.
+    if not low <= value <= high or 0 < abs(value) < _TINY:
         raise ProtocolError(
             f"{register_map.label(name)} reads {value:.6g} {unit}, outside of {low:g}...{high:g} {unit}: check "
             f"word_order (now {register_map.word_order!r}), address_base, {name}_address, {name}_scale and kind"

@@ -2,8 +2,7 @@
 
 import asyncio
 import socket
-from collections.abc import AsyncIterator
-from contextlib import asynccontextmanager
+from contextlib import AbstractAsyncContextManager
 
 import pytest
 
@@ -12,24 +11,17 @@ from drivers.errors import LinkError
 from drivers.memory import pipe
 from drivers.record import RecordingTransport
 from drivers.tcp import TcpTransport
+from tests.unit.drivers.peers import loopback
 
 
-@asynccontextmanager
-async def server(answer: bytes = b"") -> AsyncIterator[int]:
-    """Listen on a free port of the loopback; answer each chunk, or hang up at the first one."""
+def server(answer: bytes = b"") -> AbstractAsyncContextManager[int]:
+    """Answer each chunk, or hang up at the first one."""
 
     async def serve(reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
         while await reader.read(4096) and answer:
             writer.write(answer)
-        writer.close()
 
-    listener = await asyncio.start_server(serve, "127.0.0.1", 0)
-    try:
-        yield listener.sockets[0].getsockname()[1]
-    finally:
-        listener.close()
-        await listener.wait_closed()
-        await asyncio.sleep(0)
+    return loopback(serve)
 
 
 def free_port() -> int:

@@ -1,0 +1,47 @@
+"""Drivers by name."""
+
+from importlib import metadata
+from typing import Any
+
+import pytest
+
+from drivers import registry
+from drivers.melfa.robot import MelfaR3
+
+ENTRIES = metadata.EntryPoints(
+    [
+        metadata.EntryPoint("melfa-r3", "drivers.melfa.robot:MelfaR3", registry.GROUP),
+        metadata.EntryPoint("line-counter", "drivers.counter.counter:LineCounter", registry.GROUP),
+        metadata.EntryPoint("modbus-air", "drivers.air.modbus_air:ModbusAir", registry.GROUP),
+        metadata.EntryPoint("other", "elsewhere:Thing", "other.group"),
+    ]
+)
+
+
+def installed(entries: metadata.EntryPoints, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Have these entry points installed."""
+
+    def entry_points(**params: Any) -> metadata.EntryPoints:
+        return entries.select(**params)
+
+    monkeypatch.setattr(metadata, "entry_points", entry_points)
+
+
+def test_built_in_drivers_are_found_and_described(monkeypatch: pytest.MonkeyPatch) -> None:
+    installed(ENTRIES, monkeypatch)
+    assert registry.driver_names() == ("line-counter", "melfa-r3", "modbus-air")
+    assert registry.load_driver("melfa-r3") is MelfaR3
+    for name in registry.driver_names():
+        assert registry.load_driver(name).Settings.model_fields
+
+
+def test_an_unknown_driver_names_the_nearest_one(monkeypatch: pytest.MonkeyPatch) -> None:
+    installed(ENTRIES, monkeypatch)
+    with pytest.raises(LookupError, match=r"no driver 'melfa-r4' .* did you mean 'melfa-r3'"):
+        registry.load_driver("melfa-r4")
+
+
+def test_missing_entry_points_are_told(monkeypatch: pytest.MonkeyPatch) -> None:
+    installed(metadata.EntryPoints([]), monkeypatch)
+    with pytest.raises(LookupError, match="installed are none: reinstall the program"):
+        registry.load_driver("melfa-r3")
