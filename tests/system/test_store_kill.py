@@ -135,7 +135,7 @@ def test_a_disk_that_refuses_stops_the_store(tmp_path: Path) -> None:
     assert verify(run.path).problems == ()
 
 
-@pytest.mark.parametrize("share", [0.1, 0.5, 0.9, 0.99])
+@pytest.mark.parametrize("share", [0.3, 0.5, 0.9, 0.99])
 def test_a_torn_log_loses_at_most_its_end(tmp_path: Path, share: float) -> None:
     with child("write", str(tmp_path)) as process:
         run, _ = killed(process, LONGEST_LIFE_S)
@@ -143,12 +143,7 @@ def test_a_torn_log_loses_at_most_its_end(tmp_path: Path, share: float) -> None:
     log = run / "run.sqlite-wal"
     os.truncate(log, int(log.stat().st_size * share))
     (run / "run.sqlite-shm").unlink(missing_ok=True)
-    try:
-        reader = RunReader(run)
-    except StorageError as error:
-        # So little is left that not even the tables are there: that is said, not guessed around.
-        assert "no tables" in str(error)
-        return
+    reader = RunReader(run)
     assert reader.count("steps") <= before
     assert reader.count("search") == reader.count("steps") * ROWS
     assert verify(run).problems == ()
