@@ -63,12 +63,14 @@ async def standstill(
     equal = 0
     try:
         async with asyncio.timeout(timeout_s):
-            while equal < still_polls:
+            while True:
                 running = (await session.state()).running
                 joints = await session.joints()
                 if target and not running and not off_target(joints, target, settings):
                     return joints
                 equal = equal + 1 if joints == last and not running else 1
+                if equal >= still_polls:
+                    return joints
                 last = joints
                 await clock.sleep(settings.poll_s)
     except TimeoutError:
@@ -76,4 +78,3 @@ async def standstill(
             f"{session.where}: the robot does not stand still after {timeout_s:g} s, last joints {last}: press "
             "the emergency stop if it should not be moving"
         ) from None
-    return joints

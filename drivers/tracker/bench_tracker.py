@@ -1,18 +1,36 @@
 """The emulated laser tracker of the emulated bench, reached through its control port: one JSON object a line."""
 
-import asyncio
 import json
 from dataclasses import dataclass
-from typing import Any, Self
+from typing import Any, ClassVar, Self
+
+from pydantic import BaseModel, ConfigDict, Field
 
 from drivers.clock import Clock
 from drivers.endpoint import open_transport
-from drivers.errors import LinkError, LinkTimeoutError, ProtocolError, WrongDeviceError
+from drivers.errors import DeviceError, LinkError, ProtocolError, WrongDeviceError
+from drivers.link import RequestLink
 from drivers.readings import Identity
 from drivers.record import Sink
 from drivers.transport import Transport
 
 _LONGEST_ANSWER_BYTES = 65536
+
+
+class BenchTrackerSettings(BaseModel):
+    """What a cell file may set of the emulated tracker. Times are real seconds.
+
+    Attributes:
+        connect_timeout_s: for connecting.
+        answer_timeout_s: for an answer.
+        quiet_s: silence after which a link counts as drained.
+    """
+
+    model_config = ConfigDict(strict=True, extra="forbid", frozen=True)
+
+    connect_timeout_s: float = Field(default=5.0, gt=0)
+    answer_timeout_s: float = Field(default=5.0, gt=0)
+    quiet_s: float = Field(default=0.02, gt=0)
 
 
 @dataclass(frozen=True)
@@ -30,28 +48,75 @@ class TrackerPosition:
     u_mm: float
 
 
+class ObjectDecoder:
+    """Cuts one JSON object out of the stream: a line that ends in LF."""
+
+    may_end = False
+
+    def __init__(self) -> None:
+        self._buffer = b""
+        self.rest = b""
+
+    def feed(self, data: bytes) -> dict[str, Any] | None:
+        """Take a chunk; return the object when its line is complete.
+
+        Raises:
+            ProtocolError: no JSON object, or the line does not end.
+        """
+        self._buffer += data
+        line, end, self.rest = self._buffer.partition(b"\n")
+        if not end:
+            if len(self._buffer) > _LONGEST_ANSWER_BYTES:
+                raise ProtocolError(f"a line longer than {_LONGEST_ANSWER_BYTES} bytes does not end")
+            return None
+        try:
+            answer = json.loads(line)
+        except (ValueError, RecursionError):
+            answer = None
+        if not isinstance(answer, dict):
+            raise ProtocolError(f"{line[:60]!r} is no JSON object")
+        return answer
+
+    def end(self) -> dict[str, Any]:
+        """Refuse: silence does not end a line.
+
+        Raises:
+            ProtocolError: always.
+        """
+        raise ProtocolError("a line without end")
+
+
 class BenchTracker:
     """Asks the emulated bench where a laser tracker would see the J4 axis.
 
     Args:
         transport: leads to the control port.
-        timeout_s: for an answer, real s.
+        settings: see there.
     """
 
-    def __init__(self, transport: Transport, timeout_s: float = 5.0) -> None:
-        self._transport = transport
-        self._timeout_s = timeout_s
-        self._lock = asyncio.Lock()
-        self._bytes = b""
+    Settings: ClassVar[type[BenchTrackerSettings]] = BenchTrackerSettings
+
+    def __init__(self, transport: Transport, settings: BenchTrackerSettings | None = None) -> None:
+        self._settings = settings or BenchTrackerSettings()
+        self._link = RequestLink(transport, name="tracker", greet=self._greet, quiet_s=self._settings.quiet_s)
+        self._name = ""
 
     @classmethod
-    def at(cls, endpoint: str, clock: Clock, sink: Sink | None = None) -> Self:  # noqa: ARG003 - shape of all drivers
+    def at(
+        cls,
+        endpoint: str,
+        clock: Clock,  # noqa: ARG003 - shape of all drivers
+        sink: Sink | None = None,
+        **settings: Any,
+    ) -> Self:
         """Return a driver for an endpoint; nothing is opened yet.
 
         Raises:
             LinkError: the endpoint is wrong.
+            pydantic.ValidationError: a setting is unknown or wrong.
         """
-        return cls(open_transport(endpoint, connect_timeout_s=5.0, sink=sink))
+        checked = BenchTrackerSettings(**settings)
+        return cls(open_transport(endpoint, connect_timeout_s=checked.connect_timeout_s, sink=sink), checked)
 
     async def connect(self) -> Identity:
         """Open the link and check who answers.
@@ -60,22 +125,13 @@ class BenchTracker:
             WrongDeviceError: it is not the control port of an emulated bench.
             LinkError: unreachable or silent.
         """
-        await self._transport.open()
-        try:
-            name = str((await self._ask("identify")).get("name"))
-        except ProtocolError as error:
-            await self.close()
-            raise WrongDeviceError(
-                f"{error}; the tracker's endpoint has to be the bench's control port"
-            ) from error
-        except LinkError:
-            await self.close()
-            raise
-        return Identity(model=name, firmware="", serial="", simulated="EMULATOR" in name)
+        self._name = ""
+        await self._link.open()
+        return Identity(model=self._name, firmware="", serial="", simulated="EMULATOR" in self._name)
 
     async def close(self) -> None:
         """Disconnect; may be called any number of times."""
-        await self._transport.close()
+        await self._link.close()
 
     async def locate(self) -> TrackerPosition:
         """Return where the tracker sees the J4 axis now.
@@ -84,39 +140,38 @@ class BenchTracker:
             ProtocolError: the answer is no position.
             LinkError: the link is broken or silent.
         """
-        answer = await self._ask("tracker")
+        timeout_s = self._settings.answer_timeout_s
+        answer = await self._link.request(_encode("tracker"), ObjectDecoder, timeout_s, retry=True)
         try:
             return TrackerPosition(*(float(answer[key]) for key in ("x_mm", "y_mm", "u_mm")))
-        except (KeyError, TypeError, ValueError) as error:
-            raise ProtocolError(f"{self._transport.endpoint}: no position in {answer!r}") from error
+        except (KeyError, TypeError, ValueError):
+            self._link.distrust("no position came")
+            raise ProtocolError(
+                f"{self._link.where}: no position in {answer!r}: check that the emulated bench is of the same "
+                "version"
+            ) from None
 
-    async def _ask(self, operation: str) -> dict[str, Any]:
-        async with self._lock:
-            try:
-                async with asyncio.timeout(self._timeout_s):
-                    await self._transport.write(json.dumps({"op": operation}).encode() + b"\n")
-                    return self._parsed(await self._line())
-            except TimeoutError as error:
-                # A late answer must not meet the next question.
-                await self.close()
-                raise LinkTimeoutError(
-                    f"tracker at {self._transport.endpoint}: no answer to {operation!r} in {self._timeout_s:g} s; "
-                    "check that the emulated bench still runs"
-                ) from error
-
-    async def _line(self) -> bytes:
-        while b"\n" not in self._bytes:
-            if len(self._bytes) > _LONGEST_ANSWER_BYTES:
-                raise ProtocolError(f"{self._transport.endpoint}: an answer without end")
-            self._bytes += await self._transport.read()
-        line, _, self._bytes = self._bytes.partition(b"\n")
-        return line
-
-    def _parsed(self, line: bytes) -> dict[str, Any]:
+    async def _greet(self) -> None:
         try:
-            answer = json.loads(line)
-        except ValueError as error:
-            raise ProtocolError(f"{self._transport.endpoint}: {line[:60]!r} is no JSON") from error
-        if not isinstance(answer, dict) or answer.get("ok") is not True:
-            raise ProtocolError(f"{self._transport.endpoint}: the bench refused: {line[:200]!r}")
-        return answer
+            answer = await self._link.exchange(
+                _encode("identify"), ObjectDecoder(), self._settings.answer_timeout_s
+            )
+            name = answer.get("name")
+            if answer.get("ok") is not True or not isinstance(name, str):
+                raise ProtocolError(f"{self._link.where}: 'identify' was answered by {answer!r}")
+        except (LinkError, ProtocolError) as exc:
+            raise self._stranger(exc) from None
+        self._name = name
+
+    def _stranger(self, cause: DeviceError) -> DeviceError:
+        came = self._link.greeting or self._link.last_bytes
+        if not came or self._name:
+            return cause
+        return WrongDeviceError(
+            f"{self._link.where}: no emulated bench answers here, first bytes {came!r}: the tracker's endpoint has "
+            f"to be the bench's control port; {cause}"
+        )
+
+
+def _encode(operation: str) -> bytes:
+    return json.dumps({"op": operation}).encode() + b"\n"
