@@ -7,12 +7,14 @@ from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 from app.cell.model import Cell
 from app.errors import ConfigError, LinkFailedError
 from simulators.config import EmulationConfig, ReflectorPlace
 
 _READY_TIMEOUT_S = 20.0
+_LONGEST_ANSWER_BYTES = 1 << 20
 _DEVICES = ("robot", "interferometer", "environment", "control")
 
 
@@ -102,6 +104,31 @@ async def emulator_process(
         yield EmulatorProcess(await _endpoints(process), process)
     finally:
         await _end(process)
+
+
+async def fetch_truth(control: str) -> dict[str, Any]:
+    """Return the true arm of an emulated bench, as a result document.
+
+    Args:
+        control: endpoint of its control port.
+
+    Raises:
+        LinkFailedError: the control port does not answer.
+    """
+    host, _, port = control.removeprefix("tcp://").rpartition(":")
+    try:
+        async with asyncio.timeout(_READY_TIMEOUT_S):
+            reader, writer = await asyncio.open_connection(host, int(port), limit=_LONGEST_ANSWER_BYTES)
+            try:
+                writer.write(b'{"op": "truth"}\n')
+                answer = json.loads(await reader.readline())
+            finally:
+                writer.close()
+                await writer.wait_closed()
+    except (OSError, TimeoutError, ValueError) as error:
+        raise LinkFailedError(f"the emulated bench at {control} does not tell its truth: {error}") from error
+    truth: dict[str, Any] = answer["truth"]
+    return truth
 
 
 async def _endpoints(process: asyncio.subprocess.Process) -> dict[str, str]:

@@ -15,6 +15,7 @@ from app.files.points_csv import PointRow, to_points
 from app.files.result_json import Result, result_of
 from app.store.reader import RunReader
 from app.version import SOFTWARE
+from calibration.budget import RadialBudget
 from calibration.identification import Identification, identify
 from calibration.layout import ModelName
 from procedures.bench import Bench
@@ -43,7 +44,7 @@ def run_rows(readers: Sequence[RunReader]) -> list[PointRow]:
     rows: list[PointRow] = []
     for reader in readers:
         first = 1 + max((row.segment for row in rows), default=-1)
-        sigma_mm = 1e-3 * cell_of_run(reader).uncertainty.distance_um
+        sigma_mm = 1e-3 * cell_of_run(reader).uncertainty.white_um
         points = reader.points()
         if not points:
             raise UsageError(f"{reader.path.name} holds no points; identify needs runs of open-loop")
@@ -67,13 +68,27 @@ def _row(point: Mapping[str, object], first_segment: int, sigma_mm: float | None
     )
 
 
-def identify_rows(rows: list[PointRow], bench: Bench, model: ModelName) -> Identification:
+def radial_budget(cell: Cell) -> RadialBudget:
+    """Return the radial error motions that a cell file states."""
+    stated = cell.uncertainty
+    return RadialBudget(
+        1e-3 * stated.radial_j1_um,
+        1e-3 * stated.radial_j2_um,
+        1e-3 * stated.radial_j4_um,
+        stated.radial_orders,
+    )
+
+
+def identify_rows(
+    rows: list[PointRow], bench: Bench, model: ModelName, radial: RadialBudget | None
+) -> Identification:
     """Identify an arm from distances.
 
     Args:
         rows: distances in measuring order.
         bench: nodes, nominal links and rough reflectors.
         model: which model.
+        radial: radial error motions beyond each row's sigma_mm; None for none.
 
     Raises:
         CalibrationError: the points cannot determine the model; the text names what is missing.
@@ -82,7 +97,7 @@ def identify_rows(rows: list[PointRow], bench: Bench, model: ModelName) -> Ident
     points = to_points(rows, places)
     nodes = np.deg2rad(bench.nodes1_deg), np.deg2rad(bench.nodes2_deg)
     rough = np.array([places[name] for name in points.reflector_names])
-    return identify(points, model, *nodes, bench.arm.link1_mm, bench.arm.link2_mm, rough)
+    return identify(points, model, *nodes, bench.arm.link1_mm, bench.arm.link2_mm, rough, radial)
 
 
 def identified_result(identified: Identification, bench: Bench, sources: list[str]) -> Result:

@@ -43,6 +43,10 @@ class DistanceModel:
         jacobian[rows, self.layout.dead_path.start + self.points.dead_path] = -1.0
         return jacobian
 
+    def beam_unit(self, parameters: Floats) -> Floats:
+        """Return the unit vectors from reflector to arm, shape (n, 2)."""
+        return self._beam(parameters)[1]
+
     def start(self, link1_mm: float, link2_mm: float, reflectors_mm: Floats) -> Floats:
         """Return starting values: nominal arm, rough reflectors, dead paths that fit them.
 

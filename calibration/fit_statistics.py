@@ -28,8 +28,10 @@ class LackOfFit:
         systematic_um: standard deviation of the systematic part of a distance, µm.
         pure_um: standard deviation of the pure scatter, µm.
         ratio: F, mean square of the lack over the mean square of the scatter.
-        probability: of a ratio this large when the model is complete.
-        inflation: what the variance of a white error has to be multiplied with to cover the systematic part.
+        expected_ratio: F that the stated systematic contributors let expect; 1 when none are stated.
+        probability: of a ratio this large when the model is complete and errors are white.
+        probability_stated: of a ratio this large when the stated systematic contributors act too.
+        excess: mean square of the lack over what the stated contributors let expect.
     """
 
     dof_model: int
@@ -37,13 +39,20 @@ class LackOfFit:
     systematic_um: float
     pure_um: float
     ratio: float
+    expected_ratio: float
     probability: float
-    inflation: float
+    probability_stated: float
+    excess: float
 
     @property
     def significant(self) -> bool:
         """The model lacks something that the repeats show."""
         return self.probability < SIGNIFICANCE
+
+    @property
+    def explained(self) -> bool:
+        """The stated systematic contributors account for it."""
+        return self.probability_stated >= SIGNIFICANCE
 
 
 @dataclass(frozen=True)
@@ -56,7 +65,8 @@ class FitStatistics:
         dof: degrees of freedom.
         rms_um: rms of the residuals, µm.
         sigma0_um: standard deviation of a distance estimated from the fit, µm.
-        chi2_reduced: χ² / dof for the stated uncertainties; None when none were stated.
+        chi2_reduced: χ² / dof for the stated white uncertainties; None when none were stated.
+        chi2_expected: what the stated uncertainties, systematic ones included, let expect.
         chi2_probability: of a χ² this large; None when no uncertainties were stated.
         lack_of_fit: test against repeats; None when too few poses are repeated.
         variance_factor: what the covariance of the stated uncertainties was multiplied with.
@@ -69,86 +79,157 @@ class FitStatistics:
     rms_um: float
     sigma0_um: float
     chi2_reduced: float | None
+    chi2_expected: float
     chi2_probability: float | None
     lack_of_fit: LackOfFit | None
     variance_factor: float
     iterations: int
 
 
-def fit_statistics(
-    points: Points, residuals_mm: Floats, jacobian: Floats, free: int, iterations: int
-) -> FitStatistics:
-    """Judge a fit.
+@dataclass(frozen=True)
+class WeightedFit:
+    """A fit in units of the stated white uncertainties (of 1 mm when none are stated).
 
-    Args:
+    Attributes:
         points: what was measured, n rows.
-        residuals_mm: predicted minus measured, shape (n,).
-        jacobian: derivatives of the residuals, shape (n, p).
+        residuals: weighted residuals, shape (n,).
+        jacobian: weighted Jacobian, shape (n, p).
+        effects: weighted effects of systematic contributors that the fit leaves over, shape (n, m).
         free: number of free parameters.
         iterations: steps of the solver.
     """
-    dof = len(points) - free
-    weights = np.ones(len(points)) if points.sigma_mm is None else 1.0 / points.sigma_mm
-    weighted = residuals_mm * weights
-    variance = float(weighted @ weighted) / dof
+
+    points: Points
+    residuals: Floats
+    jacobian: Floats
+    effects: Floats
+    free: int
+    iterations: int
+
+    @property
+    def weights(self) -> Floats:
+        """Reciprocal standard uncertainties, shape (n,)."""
+        return point_weights(self.points)
+
+
+def point_weights(points: Points) -> Floats:
+    """Return reciprocal standard uncertainties, 1/mm, shape (n,); ones when none are stated."""
+    return np.ones(len(points)) if points.sigma_mm is None else 1.0 / points.sigma_mm
+
+
+def fit_statistics(fit: WeightedFit) -> FitStatistics:
+    """Judge a fit."""
+    points, dof = fit.points, len(fit.points) - fit.free
+    square = float(fit.residuals @ fit.residuals)
+    expected = _Expected.of(dof, fit.effects)
     stated = points.sigma_mm is not None
-    probability = float(stats.chi2.sf(variance * dof, dof)) if stated else None
-    lack = lack_of_fit(points, residuals_mm, jacobian, free)
+    probability = expected.probability(square) if stated else None
+    lack = lack_of_fit(fit)
+    weights = fit.weights
     return FitStatistics(
         n_points=len(points),
-        n_parameters=free,
+        n_parameters=fit.free,
         dof=dof,
-        rms_um=1e3 * float(np.sqrt(np.mean(residuals_mm**2))),
-        sigma0_um=1e3 * float(np.sqrt(variance / np.mean(weights**2))),
-        chi2_reduced=variance if stated else None,
+        rms_um=1e3 * float(np.sqrt(np.mean((fit.residuals / weights) ** 2))),
+        sigma0_um=1e3 * float(np.sqrt(square / dof / np.mean(weights**2))),
+        chi2_reduced=square / dof if stated else None,
+        chi2_expected=expected.mean / dof,
         chi2_probability=probability,
         lack_of_fit=lack,
-        variance_factor=_variance_factor(variance, probability, lack),
-        iterations=iterations,
+        variance_factor=_variance_factor(square / dof, expected.mean / dof, probability, lack),
+        iterations=fit.iterations,
     )
 
 
-def _variance_factor(variance: float, probability: float | None, lack: LackOfFit | None) -> float:
+def _variance_factor(
+    variance: float, expected: float, probability: float | None, lack: LackOfFit | None
+) -> float:
     """Return the factor that keeps the stated uncertainties honest.
 
     Stated uncertainties stand unless the χ² test rejects them; without any, the fit's own scatter is taken. A
-    significant lack of fit is common to the repeats of a pose, so it does not average out over them.
+    lack of fit that nothing stated explains is common to the repeats of a pose and does not average out.
     """
-    factor = variance if probability is None or probability < SIGNIFICANCE else 1.0
-    if lack is not None and lack.significant:
-        factor = max(factor, lack.inflation)
+    factor = 1.0
+    if probability is None:
+        factor = variance
+    elif probability < SIGNIFICANCE:
+        factor = variance / expected
+    if lack is not None and lack.significant and not lack.explained:
+        factor = max(factor, lack.excess)
     return factor
 
 
-def lack_of_fit(points: Points, residuals_mm: Floats, jacobian: Floats, free: int) -> LackOfFit | None:
+@dataclass(frozen=True)
+class _Expected:
+    """A sum of squares of white and systematic errors: its mean and its effective degrees of freedom."""
+
+    mean: float
+    dof: float
+
+    @classmethod
+    def of(cls, dof: int, effects: Floats) -> "_Expected":
+        """Return what `dof` white errors and projected effects of shape (n, m) let expect (Satterthwaite)."""
+        inner = effects.T @ effects
+        mean = dof + float(np.trace(inner))
+        return cls(mean, mean**2 / (dof + 2.0 * float(np.trace(inner)) + float(np.sum(inner**2))))
+
+    def minus(self, part: "_Expected", dof: int, inner: Floats) -> "_Expected":
+        """Return the expectation of the difference of two nested sums of squares."""
+        mean = self.mean - part.mean
+        spread = dof + 2.0 * float(np.trace(inner)) + float(np.sum(inner**2))
+        return _Expected(mean, mean**2 / spread)
+
+    def probability(self, square: float) -> float:
+        """Return the probability of a sum of squares this large."""
+        return float(stats.chi2.sf(square * self.dof / self.mean, self.dof))
+
+
+def lack_of_fit(fit: WeightedFit) -> LackOfFit | None:
     """Test a fit against repeated poses.
 
     Returns:
         None when fewer than 10 degrees of freedom remain for the scatter, or when the fit is exact.
     """
-    group = _pose_groups(points)
-    weights = np.ones(len(points)) if points.sigma_mm is None else 1.0 / points.sigma_mm
-    weighted = residuals_mm * weights
-    pure, rank = _within_groups(weighted, jacobian * weights[:, None], weights, group)
-    dof_pure = len(points) - rank
-    dof_model = rank - free
+    within, rank = _within_poses(fit)
+    pure, pure_effects = within[:, 0], within[:, 1:]
+    dof_pure, dof_model = len(fit.points) - rank, rank - fit.free
     if dof_pure < 10 or dof_model < 1:
         return None
     pure_square = float(pure @ pure) / dof_pure
-    lack_square = max(float(weighted @ weighted - pure @ pure), 0.0) / dof_model
-    if pure_square <= (_EXACT_MM * float(np.mean(weights))) ** 2:
+    if pure_square <= (_EXACT_MM * float(np.mean(fit.weights))) ** 2:
         return None
+    whole = _Expected.of(len(fit.points) - fit.free, fit.effects)
+    scatter = _Expected.of(dof_pure, pure_effects)
+    inner = fit.effects.T @ fit.effects - pure_effects.T @ pure_effects
+    lack = whole.minus(scatter, dof_model, inner)
+    lack_square = max(float(fit.residuals @ fit.residuals - pure @ pure), 0.0) / dof_model
+    return _judged(fit, lack_square, pure_square, (dof_model, dof_pure), lack, scatter)
+
+
+def _judged(
+    fit: WeightedFit,
+    lack_square: float,
+    pure_square: float,
+    dofs: tuple[int, int],
+    lack: _Expected,
+    scatter: _Expected,
+) -> LackOfFit:
+    dof_model, dof_pure = dofs
     ratio = lack_square / pure_square
-    per_pose = len(points) / (int(group.max()) + 1)
-    unit_um = 1e3 / float(np.sqrt(np.mean(weights**2)))
+    expected_ratio = (lack.mean / dof_model) / (scatter.mean / dof_pure)
+    poses = int(_pose_groups(fit.points).max()) + 1
+    unit_um = 1e3 / float(np.sqrt(np.mean(fit.weights**2)))
+    systematic = max(lack_square - pure_square, 0.0) * poses / len(fit.points)
     return LackOfFit(
         dof_model=dof_model,
         dof_pure=dof_pure,
-        systematic_um=unit_um * float(np.sqrt(max(lack_square - pure_square, 0.0) / per_pose)),
+        systematic_um=unit_um * float(np.sqrt(systematic)),
         pure_um=unit_um * float(np.sqrt(pure_square)),
         ratio=ratio,
+        expected_ratio=expected_ratio,
         probability=float(stats.f.sf(ratio, dof_model, dof_pure)),
-        inflation=lack_square,
+        probability_stated=float(stats.f.sf(ratio / expected_ratio, lack.dof, scatter.dof)),
+        excess=lack_square * dof_model / lack.mean,
     )
 
 
@@ -160,14 +241,21 @@ def _pose_groups(points: Points) -> Ints:
     return np.ravel(group).astype(np.int64)
 
 
-def _within_groups(residuals: Floats, jacobian: Floats, weights: Floats, group: Ints) -> tuple[Floats, int]:
-    """Return the residuals that neither the groups' levels nor the model explain, and that model's rank."""
-    stacked = np.column_stack([jacobian, residuals])
+def _within_poses(fit: WeightedFit) -> tuple[Floats, int]:
+    """Return what neither the poses' own levels nor the model explain, and the rank of both together.
+
+    Returns:
+        Residuals in the first column, systematic effects in the others, shape (n, 1 + m); and the rank.
+    """
+    group, weights = _pose_groups(fit.points), fit.weights
+    stacked = np.column_stack([fit.jacobian, fit.residuals, fit.effects])
     norm = np.bincount(group, weights**2)
     levels = np.stack([np.bincount(group, weights * column) for column in stacked.T], axis=1) / norm[:, None]
     within = stacked - weights[:, None] * levels[group]
-    scale = np.linalg.norm(jacobian, axis=0)
-    left, values, _ = linalg.svd(within[:, :-1] / np.where(scale > 0.0, scale, 1.0), full_matrices=False)
+    n_parameters = fit.jacobian.shape[1]
+    scale = np.linalg.norm(fit.jacobian, axis=0)
+    model = within[:, :n_parameters] / np.where(scale > 0.0, scale, 1.0)
+    left, values, _ = linalg.svd(model, full_matrices=False)
     left = left[:, values > 1e-9]
-    pure = within[:, -1] - left @ (left.T @ within[:, -1])
-    return pure, int(group.max()) + 1 + left.shape[1]
+    rest = within[:, n_parameters:]
+    return rest - left @ (left.T @ rest), int(group.max()) + 1 + left.shape[1]

@@ -4,11 +4,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from calibration.budget import RadialBudget, radial_effects
 from calibration.distance_model import DistanceModel, distance_model
 from calibration.errors import InsufficientPointsError
-from calibration.fit_statistics import FitStatistics, fit_statistics
+from calibration.fit_statistics import FitStatistics, WeightedFit, fit_statistics, point_weights
 from calibration.layout import Layout, ModelName
-from calibration.least_squares import minimise
+from calibration.least_squares import Solution, minimise
 from calibration.observability import require_identifiable
 from calibration.points import Points, without_short_segments
 from calibration.types import Floats
@@ -50,6 +51,7 @@ def identify(
     link1_mm: float,
     link2_mm: float,
     reflectors_mm: Floats,
+    radial: RadialBudget | None = None,
 ) -> Identification:
     """Identify the arm from distances.
 
@@ -61,6 +63,7 @@ def identify(
         link1_mm: nominal length of link 1, mm.
         link2_mm: nominal length of link 2, mm.
         reflectors_mm: rough places of points.reflector_names, mm, shape (reflectors, 2).
+        radial: radial error motions, which widen the uncertainties beyond points.sigma_mm; None for none.
 
     Raises:
         MapRangeError: a point lies outside the nodes.
@@ -75,19 +78,42 @@ def identify(
     layout = Layout(model, *nodes, used.reflector_names, used.dead_paths)
     _require_points(used, layout)
     distances = distance_model(layout, used)
-    return _solve(distances, distances.start(link1_mm, link2_mm, rough), rejected)
-
-
-def _solve(distances: DistanceModel, start: Floats, rejected: list[str]) -> Identification:
-    layout, points = distances.layout, distances.points
-    weights = np.ones(len(points)) if points.sigma_mm is None else 1.0 / points.sigma_mm
+    start = distances.start(link1_mm, link2_mm, rough)
     basis = layout.gauge_basis()
-    solution = minimise(distances.residuals, distances.jacobian, start, basis, weights)
+    solution = minimise(distances.residuals, distances.jacobian, start, basis, point_weights(used))
     if not solution.factor.regular.all():
-        require_identifiable(layout, solution.jacobian * weights[:, None], basis)
-    fit = fit_statistics(points, solution.residuals, solution.jacobian, basis.shape[1], solution.iterations)
-    covariance = fit.variance_factor * (basis @ solution.factor.covariance() @ basis.T)
+        require_identifiable(layout, solution.jacobian * point_weights(used)[:, None], basis)
+    return _judge(distances, solution, radial, rejected)
+
+
+def _judge(
+    distances: DistanceModel, solution: Solution, radial: RadialBudget | None, rejected: list[str]
+) -> Identification:
+    """Attach statistics and covariance to a solution."""
+    points, layout, weights = distances.points, distances.layout, point_weights(distances.points)
+    basis = layout.gauge_basis()
+    white = basis @ solution.factor.covariance() @ basis.T
+    jacobian = solution.jacobian * weights[:, None]
+    effects = _effects(distances, solution, radial) * weights[:, None]
+    # How the systematic contributors shift the estimate, and what of them stays in the residuals.
+    shifts = white @ (jacobian.T @ effects)
+    weighted = WeightedFit(
+        points,
+        solution.residuals * weights,
+        jacobian,
+        effects - jacobian @ shifts,
+        basis.shape[1],
+        solution.iterations,
+    )
+    fit = fit_statistics(weighted)
+    covariance = fit.variance_factor * (white + shifts @ shifts.T)
     return Identification(layout, solution.parameters, covariance, points, solution.residuals, fit, rejected)
+
+
+def _effects(distances: DistanceModel, solution: Solution, radial: RadialBudget | None) -> Floats:
+    if radial is None:
+        return np.zeros((len(distances.points), 0))
+    return radial_effects(distances.points, distances.beam_unit(solution.parameters), radial)
 
 
 def _require_points(points: Points, layout: Layout) -> None:

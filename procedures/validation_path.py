@@ -47,12 +47,14 @@ class PathPlan:
         bench: what it was made from.
         run_in: joint target from which the first point is approached.
         points: commands in order, there and back.
-        duration_s: expected time.
+        passes: how often the whole way is driven.
+        duration_s: expected time of all passes.
     """
 
     bench: Bench
     run_in: Joints
     points: tuple[PathPoint, ...]
+    passes: int
     duration_s: float
 
 
@@ -63,6 +65,7 @@ def plan_path(
     y_to_mm: float = 500.0,
     step_mm: float = 10.0,
     hand: Hand = "right",
+    passes: int = 1,
 ) -> PathPlan:
     """Plan the paper's path, there and back.
 
@@ -73,6 +76,7 @@ def plan_path(
         y_to_mm: other end.
         step_mm: largest distance between points.
         hand: "right" has θ2 >= 0.
+        passes: how often the whole way is driven.
 
     Raises:
         OutOfReachError: a point of the path is out of reach.
@@ -94,7 +98,7 @@ def plan_path(
         for p, t, d in zip(xy, np.rad2deg(theta), directions, strict=True)
     )
     start: Joints = (float(run_in[0]), float(run_in[1]), bench.arm.j3_mm, 0.0)
-    return PathPlan(bench, start, points, _duration_s(np.rad2deg(theta), bench))
+    return PathPlan(bench, start, points, passes, passes * _duration_s(np.rad2deg(theta), bench))
 
 
 def states_of_approach(theta_rad: NDArray[np.float64], first: int) -> NDArray[np.int64]:
@@ -144,6 +148,7 @@ class PathParams(BaseModel):
     y_to_mm: float = Field(500.0, allow_inf_nan=False, description="other end, mm")
     step_mm: float = Field(10.0, gt=0.0, le=500.0, description="largest distance between points, mm")
     hand: Hand = Field("right", description="right has θ2 >= 0")
+    passes: int = Field(1, ge=1, le=100, description="how often the whole way is driven")
 
 
 class ValidationPath:
@@ -157,7 +162,7 @@ class ValidationPath:
 
     def plan(self, bench: Bench, params: PathParams) -> PathPlan:
         """Plan the path; see plan_path."""
-        return plan_path(bench, params.x_mm, params.y_from_mm, params.y_to_mm, params.step_mm, params.hand)
+        return plan_path(bench, **params.model_dump())
 
     async def run(self, ctx: Context, plan: PathPlan) -> None:
         """Drive and locate.
@@ -166,11 +171,16 @@ class ValidationPath:
             ctx: the bench; it has an independent instrument.
             plan: what plan_path returned.
         """
-        await ctx.step("run-in", "approach the first point", lambda: _run_in(ctx, plan))
-        for number, point in enumerate(plan.points):
-            title = f"x {point.x_mm:g} mm, y {point.y_mm:g} mm"
-            await ctx.step(f"path/{number:04d}", title, partial(_locate, ctx, plan, point))
-            ctx.progress(number + 1, len(plan.points), f"path point {number + 1}/{len(plan.points)}")
+        total = plan.passes * len(plan.points)
+        for pass_number in range(plan.passes):
+            title = f"pass {pass_number + 1}: approach the first point"
+            await ctx.step(f"run-in/{pass_number}", title, lambda: _run_in(ctx, plan))
+            for number, point in enumerate(plan.points):
+                title = f"x {point.x_mm:g} mm, y {point.y_mm:g} mm"
+                step_id = f"path/{pass_number}/{number:04d}"
+                await ctx.step(step_id, title, partial(_locate, ctx, plan, point, pass_number))
+                done = pass_number * len(plan.points) + number + 1
+                ctx.progress(done, total, f"path point {done}/{total}")
 
     async def teardown(self, ctx: Context) -> None:
         """Leave the arm where it stands."""
@@ -181,7 +191,7 @@ async def _run_in(ctx: Context, plan: PathPlan) -> Row:
     return {}
 
 
-async def _locate(ctx: Context, plan: PathPlan, point: PathPoint) -> Row:
+async def _locate(ctx: Context, plan: PathPlan, point: PathPoint, pass_number: int) -> Row:
     await ctx.move((point.theta1_deg, point.theta2_deg, plan.bench.arm.j3_mm, 0.0))
     found = await ctx.locate(plan.bench.timing.settle_time_s)
     ctx.record(
@@ -196,6 +206,7 @@ async def _locate(ctx: Context, plan: PathPlan, point: PathPoint) -> Row:
             "x_meas_mm": found.x_mm,
             "y_meas_mm": found.y_mm,
             "u_mm": found.u_mm,
+            "pass_number": pass_number,
         },
     )
     return {"x_meas_mm": found.x_mm, "y_meas_mm": found.y_mm}

@@ -1,5 +1,6 @@
 """Shape of the cell file, version 1. The unit is part of every key; unknown keys are refused."""
 
+import math
 from itertools import pairwise
 from typing import Annotated, Literal, Self
 
@@ -94,7 +95,7 @@ class Optics(Section):
     """[optics]: the beam and what stands in its way."""
 
     acceptance_mm: Positive = 1.0
-    max_miss_mm: Positive = 0.3
+    max_miss_mm: Positive = 0.2
     field_half_angle_deg: Annotated[float, Field(gt=0.0, le=90.0, allow_inf_nan=False)] = 80.0
     column_radius_mm: NotNegative = 110.0
     column_margin_mm: NotNegative = 5.0
@@ -143,10 +144,25 @@ class Measurement(Section):
 
 
 class Uncertainty(Section):
-    """[uncertainty]: what a distance is good for."""
+    """[uncertainty]: what a distance is good for; the defaults are Table 2 of the SCARA paper."""
 
-    # Table 2 of the SCARA paper: 10 µm laser length and repeatability, 12 µm radial error motions, 0.31 µm aim.
-    distance_um: Positive = 15.6
+    repeatability_um: Positive = 10.0
+    laser_um: NotNegative = 0.22
+    aim_um: NotNegative = 0.31
+    radial_j1_um: NotNegative = 5.0
+    radial_j2_um: NotNegative = 5.0
+    radial_j4_um: NotNegative = 10.0
+    radial_orders: Annotated[int, Field(ge=1, le=20)] = 5
+
+    @property
+    def white_um(self) -> float:
+        """Standard uncertainty of what differs from distance to distance, µm."""
+        return math.hypot(self.repeatability_um, self.laser_um, self.aim_um)
+
+    @property
+    def distance_um(self) -> float:
+        """Standard uncertainty of a single distance, radial error motions included, µm."""
+        return math.hypot(self.white_um, self.radial_j1_um, self.radial_j2_um, self.radial_j4_um)
 
 
 class Cell(Section):

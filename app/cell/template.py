@@ -45,7 +45,7 @@ endpoint = "tcp://127.0.0.1:10099"
 
 [optics]
 acceptance_mm = 1.0                     # the cat's eye returns the beam up to this miss of its centre
-max_miss_mm = 0.3                       # the plan splits its moves so that the beam stays this close
+max_miss_mm = 0.2                       # the plan splits its moves so that the beam stays this close
 field_half_angle_deg = 80.0
 column_radius_mm = 110.0                # the robot's base hides the reflector behind it
 column_margin_mm = 5.0
@@ -75,5 +75,12 @@ readings = 10                           # spread over the dwell time
 take_up_deg = 1.0                       # overshoot at every reversal; larger than any backlash
 
 [uncertainty]
-distance_um = 15.6                      # standard uncertainty of a distance (Table 2 of the SCARA paper)
+# Standard uncertainties (k = 1) of a distance, Table 2 of the SCARA paper; the defaults are these very figures.
+repeatability_um = 10.0                 # differs from arrival to arrival
+laser_um = 0.22                         # wavelength, its correction, change of the air
+aim_um = 0.31                           # beam direction: cosine error
+# Radial error motions are functions of the axis angle: they repeat, so they do not average out.
+radial_j1_um = 5.0
+radial_j2_um = 5.0
+radial_j4_um = 10.0
 """

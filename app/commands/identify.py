@@ -1,5 +1,6 @@
 """identify: from distances to an arm."""
 
+from dataclasses import dataclass
 from pathlib import Path
 
 from app.cell.bench import bench_of
@@ -7,11 +8,19 @@ from app.cell.load import load_cell
 from app.commands.output import emit, emit_json, say, table
 from app.errors import UsageError
 from app.files.points_csv import PointRow, read_points_csv
-from app.files.result_json import Result, write_result
-from app.identifying import bench_of_runs, identified_result, identify_rows, run_rows
+from app.files.result_json import Fit, LackOfFitPart, Result, write_result
+from app.identifying import (
+    bench_of_runs,
+    cell_of_run,
+    identified_result,
+    identify_rows,
+    radial_budget,
+    run_rows,
+)
 from app.runs_folder import runs_folder
 from app.store.catalog import resolve_run
 from app.store.reader import RunReader
+from calibration.budget import RadialBudget
 from calibration.layout import ModelName
 from procedures.bench import Bench
 
@@ -29,13 +38,14 @@ def identify_command(
     as_json: bool,
 ) -> None:
     """Identify and write the result."""
-    rows, bench, sources = _load(run, points, cell, runs)
-    identified = identify_rows(rows, bench, model)
+    source = _load(run, points, cell, runs)
+    bench = source.bench
+    identified = identify_rows(source.rows, bench, model, source.radial)
     if uncertainty == "monte-carlo":
         from calibration.monte_carlo import with_monte_carlo
 
         identified = with_monte_carlo(identified, draws, seed)
-    result = identified_result(identified, bench, sources)
+    result = identified_result(identified, bench, source.names)
     write_result(result, output)
     if as_json:
         emit_json(
@@ -51,9 +61,15 @@ def identify_command(
     say(f"{output} written")
 
 
-def _load(
-    run: list[str], points: Path | None, cell: Path | None, runs: Path | None
-) -> tuple[list[PointRow], Bench, list[str]]:
+@dataclass(frozen=True)
+class _Source:
+    rows: list[PointRow]
+    bench: Bench
+    radial: RadialBudget | None
+    names: list[str]
+
+
+def _load(run: list[str], points: Path | None, cell: Path | None, runs: Path | None) -> _Source:
     if bool(run) == (points is not None):
         raise UsageError("give either runs, or --points FILE with --cell FILE")
     if points is not None:
@@ -63,13 +79,15 @@ def _load(
             )
         loaded = load_cell(cell)
         rows = read_points_csv(points, [reflector.name for reflector in loaded.cell.reflector])
-        return rows, bench_of(loaded.cell), [points.name]
+        # A points file states its uncertainties itself, in the column sigma_mm.
+        return _Source(rows, bench_of(loaded.cell), None, [points.name])
     root = runs_folder(runs)
     readers = [RunReader(resolve_run(root, text)) for text in run]
     for reader in readers:
         if reader.status != "complete":
             say(f"warning: {reader.path.name} is {reader.status}; identifying from what it holds")
-    return run_rows(readers), bench_of_runs(readers, root), [reader.path.name for reader in readers]
+    radial = radial_budget(cell_of_run(readers[0]))
+    return _Source(run_rows(readers), bench_of_runs(readers, root), radial, [r.path.name for r in readers])
 
 
 def summary_table(result: Result, bench: Bench) -> str:
@@ -94,6 +112,13 @@ def summary_table(result: Result, bench: Bench) -> str:
     return table(["parameter", "unit", "nominal", "identified", "u (k=1)"], rows)
 
 
+def _cause(fit: Fit, lack: LackOfFitPart) -> str:
+    if lack.explained:
+        expected = f"F = {lack.expected_ratio:.2f}"
+        return f"the stated radial error motions let expect {expected}; they are in the uncertainties"
+    return f"nothing stated explains it; uncertainties were widened {fit.variance_factor**0.5:.2f} times"
+
+
 def verdicts(result: Result) -> list[str]:
     """Return plain sentences about the fit."""
     fit = result.fit
@@ -103,12 +128,14 @@ def verdicts(result: Result) -> list[str]:
     ]
     if fit.chi2_reduced is not None and fit.chi2_probability is not None:
         agrees = "agrees with" if fit.chi2_probability >= 0.01 else "exceeds"
-        texts.append(f"scatter {agrees} the stated uncertainty: χ²/dof = {fit.chi2_reduced:.3f}")
+        texts.append(
+            f"scatter {agrees} what the stated uncertainties let expect: χ²/dof = {fit.chi2_reduced:.3f}, "
+            f"expected {fit.chi2_expected:.3f}"
+        )
     if fit.lack_of_fit is not None and fit.lack_of_fit.significant:
         lack = fit.lack_of_fit
         texts.append(
             f"LACK OF FIT: repeats of a pose scatter by {lack.pure_um:.1f} µm, but the model misses poses by "
-            f"{lack.systematic_um:.1f} µm systematically (F = {lack.ratio:.2f}); uncertainties were widened "
-            f"{fit.variance_factor**0.5:.2f} times"
+            f"{lack.systematic_um:.1f} µm systematically (F = {lack.ratio:.2f}); " + _cause(fit, lack)
         )
     return texts + [f"rejected: {text}" for text in fit.rejected]

@@ -62,8 +62,11 @@ class LackOfFitPart(_Part):
     systematic_um: float
     pure_um: float
     ratio: float
+    expected_ratio: float
     probability: float
+    probability_stated: float
     significant: bool
+    explained: bool
 
 
 class Fit(_Part):
@@ -78,6 +81,7 @@ class Fit(_Part):
     rejected: list[str]
     null_directions: list[list[str]]
     chi2_reduced: float | None = None
+    chi2_expected: float = 1.0
     chi2_probability: float | None = None
     variance_factor: float = 1.0
     lack_of_fit: LackOfFitPart | None = None
@@ -254,6 +258,7 @@ def _fit(fit: FitStatistics, rejected: list[str]) -> Fit:
         rejected=rejected,
         null_directions=[],
         chi2_reduced=fit.chi2_reduced,
+        chi2_expected=fit.chi2_expected,
         chi2_probability=fit.chi2_probability,
         variance_factor=fit.variance_factor,
         lack_of_fit=None
@@ -262,8 +267,11 @@ def _fit(fit: FitStatistics, rejected: list[str]) -> Fit:
             systematic_um=lack.systematic_um,
             pure_um=lack.pure_um,
             ratio=lack.ratio,
+            expected_ratio=lack.expected_ratio,
             probability=lack.probability,
+            probability_stated=lack.probability_stated,
             significant=lack.significant,
+            explained=lack.explained,
         ),
     )
 

@@ -48,7 +48,7 @@ def test_origin_of_every_value(tmp_path: Path) -> None:
         ("settle_time_s", "settle_time", ["unknown key; did you mean settle_time_s?"]),
         ("acceptance_mm = 1.0", "acceptance_mm = true", ["optics.acceptance_mm", "True"]),
         ("acceptance_mm = 1.0", "acceptance_mm = nan", ["optics.acceptance_mm", "finite"]),
-        ("max_miss_mm = 0.3", "max_miss_mm = 1.5", ["has to be below acceptance_mm"]),
+        ("max_miss_mm = 0.2", "max_miss_mm = 1.5", ["has to be below acceptance_mm"]),
         ("-120.0", "-145.0", ["measurement.theta1_deg", "nodes have to increase strictly; -145 follows -140"]),
         ('name = "P2"', 'name = "P1"', ["two reflectors are called P1"]),
         ("override_cap_percent = 20", "override_cap_percent = 120", ["override_cap_percent", "100"]),

@@ -1,0 +1,22 @@
+"""report: one self-contained page about a run or a result."""
+
+from pathlib import Path
+
+from app.commands.output import say
+from app.reporting import require_html, result_report, run_report
+from app.runs_folder import runs_folder
+from app.store.catalog import resolve_run
+from app.store.reader import RunReader
+
+
+def report_command(source: str, output: Path, runs: Path | None) -> None:
+    """Write the page."""
+    require_html(output)
+    direct = Path(source)
+    if direct.is_file():
+        result_report(direct, output)
+    else:
+        root = runs_folder(runs)
+        path = resolve_run(root, source)
+        run_report(RunReader(path), path.parent, output)
+    say(f"{output} written")

@@ -1,0 +1,167 @@
+"""The whole job on emulated hardware over real sockets."""
+
+import json
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from app.cell.load import LoadedCell, load_cell
+from app.cell.template import TEMPLATE
+from app.emulation import EmulatorProcess, emulator_process, fetch_truth
+from app.engine.announcer import Publish
+from app.engine.host import RunOutcome
+from app.errors import CatseyeError, UsageError
+from app.exitcode import ExitCode
+from app.files.atomic import write_atomically
+from app.files.points_csv import points_csv
+from app.files.result_json import Result, write_result
+from app.identifying import (
+    MODELS,
+    bench_of_runs,
+    identified_result,
+    identify_rows,
+    radial_budget,
+    run_rows,
+)
+from app.path_rows import path_measurement
+from app.procedure_list import load_procedure, parse_params
+from app.running import carry_out, plan_run
+from app.store.reader import RunReader
+from app.truth import TruthComparison, compare_with_truth
+from app.validation import PathValidation, validate_on_path
+from calibration.layout import ModelName
+
+_PORTS = ("10001", "10002", "10502", "10099")
+_JOBS: tuple[tuple[str, tuple[str, ...]], ...] = (
+    ("reflector-search", ()),
+    ("open-loop", ()),
+    ("validation-path", ("passes=5",)),
+)
+    ("reflector-search", ()),
+    ("open-loop", ()),
+    ("validation-path", ("passes=5",)),
+)
+
+
+class DemoInterruptedError(CatseyeError):
+    """A run of the demo did not complete."""
+
+    def __init__(self, outcome: RunOutcome) -> None:
+        super().__init__(f"the demo ends here: run {outcome.path.name} is {outcome.status}: {outcome.text}")
+        self.exit_code = outcome.exit_code  # type: ignore[misc] # the run's own code, not one of the class
+
+
+@dataclass(frozen=True)
+class DemoResult:
+    """Everything that the demo found.
+
+    Attributes:
+        folder: where its files are.
+        runs: run folders by procedure.
+        results: results by model.
+        truth: identified against true values.
+        validation: both models on the validation path.
+    """
+
+    folder: Path
+    runs: dict[str, Path]
+    results: dict[ModelName, Result]
+    truth: TruthComparison
+    validation: PathValidation
+
+
+async def measure(
+    folder: Path, speed: float, seed: int, truth: Path | None, publish: Callable[[str], Publish]
+) -> dict[str, Path]:
+    """Start the emulators, run search, measurement and validation path, keep the truth.
+
+    Args:
+        folder: where everything is written.
+        speed: bench seconds in one real second.
+        seed: of the emulated bench.
+        truth: result JSON with the true arm; None draws one.
+        publish: makes what takes the events of each run.
+
+    Returns:
+        The run folders by procedure.
+
+    Raises:
+        DemoInterruptedError: a run did not complete.
+    """
+    emulated = folder / "emulator.toml"
+    write_atomically(emulated, _with_ports(TEMPLATE, ["0"] * len(_PORTS)))
+    async with emulator_process(emulated, speed, seed, truth) as process:
+        loaded = _live_cell(folder, process)
+        document = await fetch_truth(process.endpoints["control"])
+        write_atomically(folder / "truth.json", json.dumps(document, indent=1) + "\n")
+        runs: dict[str, Path] = {}
+        for name, params in _JOBS:
+            outcome = await _run(loaded, name, list(params), folder / "runs", publish(name), speed)
+            runs[name] = outcome.path
+        return runs
+
+
+async def _run(
+    loaded: LoadedCell, name: str, params: list[str], root: Path, publish: Publish, speed: float
+) -> RunOutcome:
+    procedure = load_procedure(name)
+    planned = plan_run(loaded, procedure, parse_params(procedure.params_type, params), root, "auto")
+    outcome = await carry_out(planned, root, publish, speed=speed)
+    if outcome.exit_code != ExitCode.DONE:
+        raise DemoInterruptedError(outcome)
+    return outcome
+
+
+def evaluate(folder: Path, runs: dict[str, Path]) -> DemoResult:
+    """Identify both models, compare them with the truth and on the validation path; write the files."""
+    measured = RunReader(runs["open-loop"])
+    cell = load_cell(folder / "cell.toml").cell
+    bench = bench_of_runs([measured], folder / "runs")
+    rows = run_rows([measured])
+    write_atomically(folder / "points.csv", points_csv(rows))
+    identified = {model: identify_rows(rows, bench, model, radial_budget(cell)) for model in MODELS}
+    results = {
+        model: identified_result(one, bench, [measured.path.name]) for model, one in identified.items()
+    }
+    for model, result in results.items():
+        write_result(result, folder / f"result-{model}.json")
+    document: dict[str, Any] = json.loads((folder / "truth.json").read_text(encoding="utf-8"))
+    nominal = (bench.arm.link1_mm, bench.arm.link2_mm)
+    path = path_measurement(RunReader(runs["validation-path"]))
+    return DemoResult(
+        folder,
+        runs,
+        results,
+        compare_with_truth(identified["error-map"], document),
+        validate_on_path(path, list(identified.values()), nominal),
+    )
+
+
+def prepare_folder(folder: Path) -> None:
+    """Make the demo's folder.
+
+    Raises:
+        UsageError: it cannot be made.
+    """
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise UsageError(
+            f"{folder}: no folder can be made there: {error.strerror}; choose another --out"
+        ) from error
+
+
+def _live_cell(folder: Path, process: EmulatorProcess) -> LoadedCell:
+    """Write and load the cell file with the ports that the emulators really use."""
+    order = ("robot", "interferometer", "environment", "control")
+    ports = [process.endpoints[device].rpartition(":")[2] for device in order]
+    path = folder / "cell.toml"
+    write_atomically(path, _with_ports(TEMPLATE, ports))
+    return load_cell(path)
+
+
+def _with_ports(text: str, ports: list[str]) -> str:
+    for old, new in zip(_PORTS, ports, strict=True):
+        text = text.replace(f"tcp://127.0.0.1:{old}", f"tcp://127.0.0.1:{new}")
+    return text

@@ -1,0 +1,211 @@
+"""What a report shows, gathered from stored runs and results."""
+
+import json
+from collections.abc import Iterable, Mapping, Sequence
+from datetime import UTC, datetime
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from app.aim import find_aim, search_result
+from app.cell.bench import bench_of
+from app.cell.model import Cell
+from app.demo import DemoResult
+from app.errors import UsageError
+from app.files.atomic import write_atomically
+from app.files.result_json import Result, read_result
+from app.identifying import (
+    MODELS,
+    bench_of_runs,
+    cell_of_run,
+    identified_result,
+    identify_rows,
+    radial_budget,
+    run_rows,
+)
+from app.report.content import (
+    DeviceRecord,
+    EnvironmentSummary,
+    ReportContent,
+    RunRecord,
+    Spread,
+    TruthMap,
+    TruthTables,
+)
+from app.report.page import render_html
+from app.store.reader import RunReader
+from app.truth import gauge_turn_rad, turned_places
+from app.version import SOFTWARE
+from calibration.errors import CalibrationError
+from calibration.identification import Identification
+from procedures.bench import Bench
+
+_TOLD_EVENTS = ("beam-lost", "step-dropped", "run-reopened")
+
+
+def demo_report(result: DemoResult, path: Path) -> None:
+    """Write the report of a demo."""
+    readers = [RunReader(run) for run in result.runs.values()]
+    measured = RunReader(result.runs["open-loop"])
+    bench = bench_of_runs([measured], result.folder / "runs")
+    identified = identify_rows(run_rows([measured]), bench, "error-map", radial_budget(cell_of_run(measured)))
+    document = json.loads((result.folder / "truth.json").read_text(encoding="utf-8"))
+    content = ReportContent(
+        title="catseye demo: error map of an emulated SCARA arm",
+        results=[result.results[model] for model in MODELS],
+        truth=truth_tables(identified, document),
+        validation=result.validation,
+        bench=bench,
+        **_run_parts(readers, cell_of_run(measured)),
+    )
+    write_atomically(path, render_html(content))
+
+
+def run_report(reader: RunReader, root: Path, path: Path) -> None:
+    """Write the report of one run; a measurement is identified with both models."""
+    cell = cell_of_run(reader)
+    results, notes = _identified(reader, root) if reader.points() else ([], [])
+    parts = _run_parts([reader], cell)
+    parts["warnings"] = [*parts["warnings"], *notes]
+    bench = _bench(reader, root, cell)
+    title = f"{reader.meta.get('procedure')} on {cell.name}"
+    write_atomically(path, render_html(ReportContent(title=title, results=results, bench=bench, **parts)))
+
+
+def result_report(source: Path, path: Path) -> None:
+    """Write the report of a result file."""
+    result = read_result(source)
+    content = ReportContent(
+        title=f"Result {source.name}",
+        created_utc=_now(),
+        software=SOFTWARE,
+        simulated=False,
+        results=[result],
+    )
+    write_atomically(path, render_html(content))
+
+
+def truth_tables(identified: Identification, document: dict[str, Any]) -> TruthTables:
+    """Return a truth document in the gauge of an identification."""
+    turn = gauge_turn_rad(identified, document)
+    return TruthTables(
+        link1_mm=document["link1_mm"]["value"],
+        link2_mm=document["link2_mm"]["value"],
+        theta1_map=_truth_map(document["theta1_map"], 1e3 * float(np.rad2deg(turn))),
+        theta2_map=_truth_map(document["theta2_map"], 0.0),
+        reflectors_mm=turned_places(document, turn),
+    )
+
+
+def _truth_map(table: Mapping[str, Any], shift_mdeg: float) -> TruthMap:
+    return TruthMap(
+        table["node_deg"],
+        [value - shift_mdeg for value in table["positive_mdeg"]],
+        [value - shift_mdeg for value in table["negative_mdeg"]],
+    )
+
+
+def _identified(reader: RunReader, root: Path) -> tuple[list[Result], list[str]]:
+    """Return both models as far as the points determine them, and what could not be done."""
+    bench, rows = bench_of_runs([reader], root), run_rows([reader])
+    results, notes = [], []
+    for model in MODELS:
+        try:
+            one = identify_rows(rows, bench, model, radial_budget(cell_of_run(reader)))
+        except CalibrationError as error:
+            notes.append(f"the {model} model could not be identified: {error}")
+            continue
+        results.append(identified_result(one, bench, [reader.path.name]))
+    return results, notes
+
+
+def _bench(reader: RunReader, root: Path, cell: Cell) -> Bench:
+    source = str(reader.meta.get("aim", "cell file"))
+    bench = bench_of(cell)
+    return (
+        bench
+        if source == "cell file" or not (root / source).is_dir()
+        else find_aim(bench, root, source).bench
+    )
+
+
+def _run_parts(readers: Sequence[RunReader], cell: Cell) -> dict[str, Any]:
+    events = [event for reader in readers for event in reader.events()]
+    searches = [found for reader in readers if (found := search_result(reader.path)) is not None]
+    warnings = [str(e.data.get("text")) for e in events if e.kind == "warning"]
+    return {
+        "created_utc": _now(),
+        "software": SOFTWARE,
+        "simulated": any(bool(reader.meta.get("simulated")) for reader in readers),
+        "cell": cell,
+        "search": searches,
+        "warnings": list(dict.fromkeys(warnings)),
+        "events": [f"{e.time_utc[:19]} {e.kind}: {_facts(e.data)}" for e in events if e.kind in _TOLD_EVENTS],
+        "devices": _devices(readers, cell),
+        "environment": _environment([point for reader in readers for point in reader.points()]),
+        "runs": [_run_record(reader) for reader in readers],
+    }
+
+
+def _facts(data: Mapping[str, object]) -> str:
+    return ", ".join(f"{key} {value}" for key, value in data.items())
+
+
+def _devices(readers: Sequence[RunReader], cell: Cell) -> list[DeviceRecord]:
+    endpoints = {
+        "robot": cell.robot.endpoint,
+        "interferometer": cell.interferometer.endpoint,
+        "environment": cell.environment.endpoint,
+        "tracker": "" if cell.tracker is None else cell.tracker.endpoint,
+    }
+    found: dict[str, DeviceRecord] = {}
+    for reader in readers:
+        devices: Any = reader.meta.get("devices") or {}
+        for name, facts in devices.items():
+            found[name] = DeviceRecord(name=name, endpoint=endpoints.get(name, ""), **facts)
+    return list(found.values())
+
+
+def _environment(points: Sequence[Mapping[str, Any]]) -> EnvironmentSummary | None:
+    if not points:
+        return None
+    return EnvironmentSummary(
+        *(
+            _spread(point[key] for point in points)
+            for key in ("temperature_c", "pressure_hpa", "humidity_percent")
+        )
+    )
+
+
+def _spread(values: Iterable[float | None]) -> Spread | None:
+    known = [value for value in values if value is not None]
+    return Spread(min(known), sum(known) / len(known), max(known)) if known else None
+
+
+def _run_record(reader: RunReader) -> RunRecord:
+    events = reader.events()
+    start, end = (datetime.fromisoformat(events[i].time_utc) for i in (0, -1))
+    measured = reader.count("points") or reader.count("path") or reader.count("search")
+    return RunRecord(
+        name=reader.path.name,
+        procedure=str(reader.meta.get("procedure")),
+        status=reader.status,
+        started_utc=events[0].time_utc,
+        duration_s=(end - start).total_seconds(),
+        points=measured or None,
+    )
+
+
+def _now() -> str:
+    return datetime.now(UTC).isoformat(timespec="seconds")
+
+
+def require_html(path: Path) -> None:
+    """Refuse an output that could not be a report.
+
+    Raises:
+        UsageError: the file's name does not end in .html.
+    """
+    if path.suffix.lower() not in {".html", ".htm"}:
+        raise UsageError(f"{path}: a report is an HTML page; write -o {path.with_suffix('.html')}")
