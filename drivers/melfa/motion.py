@@ -75,6 +75,6 @@ async def standstill(
                 await clock.sleep(settings.poll_s)
     except TimeoutError:
         raise LinkTimeoutError(
-            f"{session.where}: the robot does not stand still after {timeout_s:g} s, last joints {last}: press "
-            "the emergency stop if it should not be moving"
+            f"{session.where}: the robot does not stand still after {timeout_s:g} s, last joints {last}: "
+            "check what moves it"
         ) from None

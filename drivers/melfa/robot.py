@@ -12,7 +12,15 @@ from typing import Any, ClassVar, Self
 
 from drivers.clock import Clock
 from drivers.endpoint import open_transport
-from drivers.errors import AlarmError, DeviceError, LinkError, NotArrivedError, ProtocolError, RefusedError
+from drivers.errors import (
+    AlarmError,
+    DeviceError,
+    LinkError,
+    LinkTimeoutError,
+    NotArrivedError,
+    ProtocolError,
+    RefusedError,
+)
 from drivers.link import uninterrupted
 from drivers.melfa import codec
 from drivers.melfa.motion import JOINT_NAMES, VARIABLE, assignment, off_target, standstill
@@ -26,6 +34,7 @@ _DUPLICATE_DEFINITION = 4350
 _CLOSE_TIMEOUT_S = 3.0
 _STILL_POLLS = 3
 _UNSTARTED_POLLS = 25
+_PRESS = "PRESS THE EMERGENCY STOP if the robot moves"
 _LOOK_WHY = "look for a collision, a stop by another source or an alarm before moving again"
 
 
@@ -343,9 +352,10 @@ class MelfaR3:
         if status.alarm_number:
             raise AlarmError(f"{session.where}: {status.alarm_text}", status.alarm_number) from lost
         was = "was still moving" if status.running else f"stands elsewhere ({off})"
+        slow = "raise move_timeout_s or the override if the motion is only slow; "
         raise NotArrivedError(
             f"{session.where}: the answer to the motion is lost ({lost}); the robot {was} and was told to stop: "
-            f"raise move_timeout_s or the override if the motion is only slow; {_LOOK_WHY}"
+            f"{slow if isinstance(lost, LinkTimeoutError) else ''}{_LOOK_WHY}"
         ) from lost
 
     @property
@@ -359,13 +369,15 @@ class MelfaR3:
             await session.ask("STOP", codec.bare, heal=False)
         except DeviceError as exc:
             await self._stop_any_way(exc)
-        await standstill(
-            session,
-            self._clock,
-            self._settings,
-            timeout_s=self._settings.stop_timeout_s,
-            still_polls=_STILL_POLLS,
-        )
+        timeout_s = self._settings.stop_timeout_s
+        try:
+            await standstill(
+                session, self._clock, self._settings, timeout_s=timeout_s, still_polls=_STILL_POLLS
+            )
+        except DeviceError as exc:
+            raise LinkError(
+                f"{session.where}: STOP was sent, but the standstill is not confirmed: {_PRESS} ({exc})"
+            ) from exc
 
     async def _stop_any_way(self, cause: DeviceError) -> None:
         """Send STOP past whatever the first connection waits for, then again on a connection that is healed."""
@@ -378,6 +390,6 @@ class MelfaR3:
                 failures.append(exc)
         if len(failures) > 2:
             raise LinkError(
-                f"{self._main.where}: STOP could not be sent on any connection: PRESS THE EMERGENCY STOP if the "
-                f"robot moves ({'; '.join(map(str, failures))})"
+                f"{self._main.where}: STOP could not be sent on any connection: {_PRESS} "
+                f"({'; '.join(map(str, failures))})"
             ) from cause
