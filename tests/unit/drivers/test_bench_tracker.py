@@ -35,7 +35,7 @@ class Port:
 @asynccontextmanager
 async def bench(port: Port) -> AsyncIterator[tuple[BenchTracker, Peer]]:
     async with Peer(port.answer, endpoint="memory://control") as peer:
-        settings = BenchTrackerSettings(answer_timeout_s=0.02, quiet_s=0.001)
+        settings = BenchTrackerSettings(answer_timeout_s=0.1, quiet_s=0.001)
         tracker = BenchTracker(peer.transport, settings)
         yield tracker, peer
         await tracker.close()

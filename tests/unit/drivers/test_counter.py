@@ -150,7 +150,7 @@ async def test_a_refused_zero_is_no_zero() -> None:
 
 
 async def test_a_zero_is_not_sent_twice() -> None:
-    async with connected(used=profile(line={"timeout_s": 0.005})) as (counter, device, peer, _):
+    async with connected(used=profile(line={"timeout_s": 0.1})) as (counter, device, peer, _):
         device.lines["Z"] = list
         with pytest.raises(LinkTimeoutError, match="no answer to b'Z"):
             await counter.zero()
@@ -275,8 +275,8 @@ async def test_a_counter_that_has_no_value_without_beam_can_be_connected() -> No
 async def test_a_silent_port_is_a_timeout() -> None:
     device = Counter()
     device.lines["I"] = list
-    async with connected(device, profile(line={"timeout_s": 0.005}), connect=False) as (counter, _, _, _):
-        with pytest.raises(LinkTimeoutError, match=r"no answer to b'I\\r\\n' within 0.005 s"):
+    async with connected(device, profile(line={"timeout_s": 0.1}), connect=False) as (counter, _, _, _):
+        with pytest.raises(LinkTimeoutError, match=r"no answer to b'I\\r\\n' within 0.1 s"):
             await counter.connect()
 
 
@@ -284,13 +284,13 @@ async def test_a_lost_answer_is_asked_for_again_after_healing() -> None:
     answers = iter([["+1.0 mm"], [], ["+2.0 mm"], ["+3.0 mm"]])
     device = Counter()
     device.lines["R"] = lambda: next(answers)
-    async with connected(device, profile(line={"timeout_s": 0.02})) as (counter, _, peer, _):
+    async with connected(device, profile(line={"timeout_s": 0.1})) as (counter, _, peer, _):
         assert (await counter.read()).displacement_mm == 3.0
         assert peer.requests == [b"I\r\n", b"R\r\n", b"R\r\n", b"I\r\n", b"R\r\n", b"R\r\n"]
 
 
 async def test_another_counter_after_healing_is_refused() -> None:
-    async with connected(used=profile(line={"timeout_s": 0.005})) as (counter, device, _, _):
+    async with connected(used=profile(line={"timeout_s": 0.1})) as (counter, device, _, _):
         device.lines["R"] = list
         device.lines["I"] = lambda: ["another counter"]
         with pytest.raises(

@@ -32,7 +32,7 @@ STATE = "QoK;0;20;0;{flags};0;1;;;;;;;;;REP;START;1;0"
 JPOS = "QoKJ1;{:.2f};J2;{:.2f};J3;{:.2f};J4;{:.2f};;****,****;20;0.00;00000000"
 TARGET = (10.0, -20.5, 0.0, 30.25)
 START = (0.0, 0.0, 0.0, 0.0)
-QUICK: dict[str, Any] = {"quiet_s": 0.001, "answer_timeout_s": 0.05}
+QUICK: dict[str, Any] = {"quiet_s": 0.001, "answer_timeout_s": 0.2}
 
 
 class Controller:
@@ -488,7 +488,7 @@ async def test_a_lost_answer_and_a_silent_controller_is_an_error_of_the_link() -
     controller.replies["EXEC2"] = list
     for command in ("STATE", "JPOSF"):
         controller.replies[command] = list
-    async with bench(controller, move_timeout_s=0.01, answer_timeout_s=0.005) as b:
+    async with bench(controller, move_timeout_s=0.01, answer_timeout_s=0.05) as b:
         with pytest.raises(LinkError, match="standstill is not confirmed: PRESS THE EMERGENCY STOP"):
             await b.robot.move_joints(TARGET)
         assert "STOP" in b.said_aside

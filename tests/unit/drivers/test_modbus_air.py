@@ -210,7 +210,7 @@ async def test_client_that_gets_no_answer_opens_the_link_anew() -> None:
         return b"" if silent else registers_of_the_sheet(request)
 
     async with modbus_server(answer) as port:
-        client = RegisterClient("127.0.0.1", port, timeout_s=0.02)
+        client = RegisterClient("127.0.0.1", port, timeout_s=0.2)
         with pytest.raises(
             LinkTimeoutError, match=rf"tcp://127.0.0.1:{port}: no answer to 2 registers.*no byte came"
         ):
@@ -222,7 +222,7 @@ async def test_client_that_gets_no_answer_opens_the_link_anew() -> None:
 
 async def test_client_that_gets_other_bytes_names_them() -> None:
     async with modbus_server(lambda _: b"QeR601000000") as port:
-        client = RegisterClient("127.0.0.1", port, timeout_s=0.02)
+        client = RegisterClient("127.0.0.1", port, timeout_s=0.2)
         with pytest.raises(WrongDeviceError, match=r"no Modbus answer.*QeR601000000"):
             await client.read(3, 0, 2)
         await client.close()
