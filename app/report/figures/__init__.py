@@ -1,0 +1,1 @@
+"""Figures of the report, one module each; a figure becomes SVG text that stands inside the page."""

@@ -1,0 +1,76 @@
+"""The whole page."""
+
+from pathlib import Path
+
+from app.report.content import ReportContent
+from app.report.markup import Html, element, join
+from app.report.numbers import unbroken
+from app.report.path_section import path_section
+from app.report.result_sections import fit_section, map_section, parameter_section, reflector_section
+from app.report.run_sections import (
+    configuration_section,
+    convention_section,
+    incident_section,
+    layout_section,
+    run_section,
+    search_section,
+)
+from app.report.verdict import Statement, verdict
+
+_STYLE = Path(__file__).with_name("report.css")
+
+_SIGNS = {"good": "✓", "bad": "✗", "note": "•"}
+
+
+def render_html(content: ReportContent) -> str:
+    """Return one self-contained page: style and figures inside, no script, nothing loaded.
+
+    Args:
+        content: what to show; parts that are missing are left out.
+    """
+    head = element(
+        "head",
+        Html('<meta charset="utf-8"><meta name="viewport" content="width=device-width, initial-scale=1">'),
+        element("title", content.title),
+        element("style", Html(_STYLE.read_text(encoding="utf-8"))),
+    )
+    page = element(
+        "html", head, element("body", _heading(content), element("main", *_sections(content))), lang="en"
+    )
+    return f"<!DOCTYPE html>\n{page}\n"
+
+
+def _heading(content: ReportContent) -> Html:
+    banner = (
+        element(
+            "p", "SIMULATION: emulated devices. Nothing here was measured on a real arm.", class_="simulation"
+        )
+        if content.simulated
+        else ""
+    )
+    made = f"{content.created_utc} · {content.software}"
+    return element("header", banner, element("h1", content.title), element("p", made, class_="made"))
+
+
+def _sections(content: ReportContent) -> list[Html]:
+    statements = element("ul", *(_statement(one) for one in verdict(content)), class_="verdict")
+    note = element("p", "All uncertainties are standard uncertainties (k = 1).", class_="made")
+    return [
+        element("section", element("h2", "Verdict"), join([statements, note]), id_="verdict"),
+        parameter_section(content),
+        map_section(content),
+        path_section(content),
+        fit_section(content),
+        layout_section(content),
+        reflector_section(content),
+        search_section(content),
+        incident_section(content),
+        run_section(content),
+        convention_section(content),
+        configuration_section(content),
+    ]
+
+
+def _statement(statement: Statement) -> Html:
+    sign = element("span", _SIGNS[statement.kind], class_="sign")
+    return element("li", sign, element("span", unbroken(statement.text)), class_=statement.kind)

@@ -1,0 +1,37 @@
+"""Reversal error of a joint: the map of the negative direction minus that of the positive one."""
+
+import math
+
+import numpy as np
+
+from app.files.result_json import MapTable, Result
+
+
+def reversal_mdeg(table: MapTable) -> list[float]:
+    """Return the reversal error at the nodes, mdeg."""
+    return [n - p for n, p in zip(table.negative_mdeg, table.positive_mdeg, strict=True)]
+
+
+def u_reversal_mdeg(result: Result, joint: int) -> list[float] | None:
+    """Return the standard uncertainties of the reversal error, mdeg; None without a covariance.
+
+    Both directions share the links and the reflectors, so their estimates are correlated.
+
+    Args:
+        result: an error map.
+        joint: 1 or 2.
+    """
+    first, second = result.theta1_map, result.theta2_map
+    if result.covariance is None or first is None or second is None:
+        return None
+    # Order of the arm's parameters: L1, L2, J1 positive, J1 negative, J2 positive, J2 negative.
+    n1, n2 = len(first.node_deg), len(second.node_deg)
+    if len(result.covariance.matrix) != 2 + 2 * n1 + 2 * n2:
+        return None
+    start, size = (2, n1) if joint == 1 else (2 + 2 * n1, n2)
+    matrix = np.array(result.covariance.matrix)
+    positive = np.arange(start, start + size)
+    negative = positive + size
+    variance = matrix[positive, positive] + matrix[negative, negative] - 2.0 * matrix[positive, negative]
+    scale = 1e3 * math.degrees(1.0)
+    return [float(u) for u in scale * np.sqrt(np.maximum(variance, 0.0))]
