@@ -38,10 +38,6 @@ _JOBS: tuple[tuple[str, tuple[str, ...]], ...] = (
     ("open-loop", ()),
     ("validation-path", ("passes=5",)),
 )
-    ("reflector-search", ()),
-    ("open-loop", ()),
-    ("validation-path", ("passes=5",)),
-)
 
 
 class DemoInterruptedError(CatseyeError):
@@ -128,7 +124,7 @@ def evaluate(folder: Path, runs: dict[str, Path]) -> DemoResult:
         write_result(result, folder / f"result-{model}.json")
     document: dict[str, Any] = json.loads((folder / "truth.json").read_text(encoding="utf-8"))
     nominal = (bench.arm.link1_mm, bench.arm.link2_mm)
-    path = path_measurement(RunReader(runs["validation-path"]))
+    path = path_measurement(RunReader(runs["validation-path"]), bench.take_up_deg)
     return DemoResult(
         folder,
         runs,

@@ -21,6 +21,8 @@ class PathMeasurement:
         travel: 1 on the way there, -1 on the way back, shape (n,).
         measured_mm: measured positions in the instrument's frame, shape (n, 2).
         u_mm: standard uncertainty of each measured coordinate, shape (n,).
+        established: rows whose joints have moved at least the take-up angle since their last reversal, shape (n,);
+            before that no direction of approach holds, and no bidirectional map says where the arm stands.
     """
 
     commands: Commands
@@ -28,6 +30,30 @@ class PathMeasurement:
     travel: Ints
     measured_mm: Floats
     u_mm: Floats
+    established: Bools
+
+
+def established_rows(commands: Commands, take_up_rad: float) -> Bools:
+    """Return the rows whose joints have both moved the take-up angle since their last reversal, shape (n,).
+
+    Args:
+        commands: a path in order; its first row was approached with a take-up.
+        take_up_rad: travel after which a direction of approach holds, rad.
+    """
+    first = _travel_since_reversal(commands.theta1_rad, commands.direction1)
+    second = _travel_since_reversal(commands.theta2_rad, commands.direction2)
+    return np.minimum(first, second) >= take_up_rad
+
+
+def _travel_since_reversal(theta_rad: Floats, direction: Ints) -> Floats:
+    """Return how far a joint has moved since its direction changed, rad, infinite before the first change."""
+    steps = np.abs(np.diff(theta_rad, prepend=theta_rad[:1]))
+    way = np.cumsum(steps)
+    turned = np.flatnonzero(np.diff(direction) != 0)
+    # The row before the change is where the joint stood when it turned.
+    at_turn = np.append(-np.inf, way[turned])
+    last = at_turn[np.searchsorted(turned + 1, np.arange(theta_rad.size), side="right")]
+    return np.asarray(way - last, dtype=np.float64)
 
 
 @dataclass(frozen=True)
@@ -51,7 +77,7 @@ class PathValidation:
 
     Attributes:
         path: what was measured.
-        compared: rows that every model predicts, shape (n,).
+        compared: rows with an established approach that every model predicts, shape (n,).
         models: one entry a model, in the order given.
     """
 
@@ -81,7 +107,7 @@ def validate_on_path(
         InsufficientPointsError: fewer than two rows inside the identified range.
     """
     predictions = [predict(one, path.commands, *nominal) for one in identified]
-    compared: Bools = np.logical_and.reduce([prediction.inside for prediction in predictions])
+    compared: Bools = np.logical_and.reduce([path.established, *(one.inside for one in predictions)])
     models = tuple(
         ModelOnPath(
             one.layout.model,

@@ -50,8 +50,8 @@ def draw_truth(seed: int, config: EmulationConfig) -> TrueArm:
     """
     rng = np.random.default_rng([seed, 1])
     link1_mm, link2_mm = rng.normal((config.link1_mm, config.link2_mm), 0.03)
-    theta1 = _draw_map(rng, config.j1_deg, 0.0, (9.0, 11.0, 8.0))
-    theta2 = _draw_map(rng, config.j2_deg, -5.5, (6.0, 10.0, 8.0))
+    theta1 = _draw_map(rng, config.j1_deg, 0.0, (9.0, 12.0, 9.0))
+    theta2 = _draw_map(rng, config.j2_deg, -5.5, (6.0, 11.0, 9.0))
     theta40_deg = rng.normal(0.0, 1.0)
     reflectors = _draw_reflectors(seed, config)
     return TrueArm(link1_mm, link2_mm, theta1, theta2, reflectors, float(np.deg2rad(theta40_deg)))
@@ -75,7 +75,7 @@ def _draw_map(
         smooth_mdeg += amplitude_mdeg * np.sin(order * nodes + rng.uniform(0.0, 2.0 * np.pi))
     # A strain wave gear repeats its error twice in a turn of the motor: a high order of the joint's angle.
     smooth_mdeg += 0.7 * np.sin(50.0 * nodes + rng.uniform(0.0, 2.0 * np.pi))
-    backlash_mdeg = rng.uniform(16.0, 20.0) + np.sin(nodes + rng.uniform(0.0, 2.0 * np.pi))
+    backlash_mdeg = rng.uniform(19.0, 23.0) + np.sin(nodes + rng.uniform(0.0, 2.0 * np.pi))
     to_rad = np.pi / 180e3
     return BidirectionalMap(
         nodes, to_rad * (smooth_mdeg - backlash_mdeg / 2.0), to_rad * (smooth_mdeg + backlash_mdeg / 2.0)

@@ -63,8 +63,9 @@ def _path_lines(result: DemoResult) -> list[str]:
     header = ["model", "E_YY rms µm", "E_XY rms µm", "2-D rms µm", "max µm"]
     rows = [_model_row(model) for model in validation.models]
     lines = table(header, rows).splitlines()
+    compared = int(validation.compared.sum())
     lines.append(
-        f"{int(validation.compared.sum())} points compared, {left_out} left out (θ2 beyond the identified nodes)"
+        f"{compared} points compared, {left_out} left out (θ2 beyond the nodes, or a joint just reversed)"
     )
     if validation.ratio is not None:
         lines.append(f"the error map leaves {validation.ratio:.2f} of the conventional model's error")

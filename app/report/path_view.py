@@ -112,7 +112,9 @@ def _reason(validation: PathValidation, error_map: Result | None, row: int) -> s
         )
         if table is not None and _beyond(float(np.rad2deg(theta[row])), table)
     ]
-    return f"{' and '.join(beyond)} beyond the nodes: not predicted" if beyond else "not predicted"
+    if beyond:
+        return f"{' and '.join(beyond)} beyond the nodes: not predicted"
+    return "not predicted" if validation.path.established[row] else "a joint has just reversed: not compared"
 
 
 def _beyond(theta_deg: float, table: MapTable) -> bool:

@@ -199,7 +199,8 @@ def path(along: str = "y") -> PathMeasurement:
     commands = Commands(theta1, theta2, *states)
     noise = np.random.default_rng(3).normal(0.0, 0.012, xy.shape)
     travel = np.where(np.arange(way.size) < way.size // 2, 1, -1)
-    return PathMeasurement(commands, xy, travel, _seen(commands) + noise, np.full(way.size, 0.0085))
+    seen, u_mm = _seen(commands) + noise, np.full(way.size, 0.0085)
+    return PathMeasurement(commands, xy, travel, seen, u_mm, np.ones(way.size, dtype=np.bool_))
 
 
 def _seen(commands: Commands) -> Floats:
