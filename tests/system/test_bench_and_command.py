@@ -1,0 +1,88 @@
+"""One terminal emulates, another examines, measures, identifies and reports: the README's way."""
+
+import json
+import re
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+from tests.system.command import SPEED, Emulated, catseye, emulated, last_run
+
+
+@pytest.fixture(scope="module")
+def bench(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Emulated]:
+    with emulated(tmp_path_factory.mktemp("bench"), "--seed", "5") as running:
+        yield running
+
+
+def test_doctor_finds_every_device(bench: Emulated) -> None:
+    done = catseye("doctor", bench.cell, "--json", cwd=bench.cell.parent)
+    assert done.returncode == 0, done.stderr
+    devices = json.loads(done.stdout)["devices"]
+    assert [row["device"] for row in devices] == ["robot", "interferometer", "environment", "tracker"]
+    assert all(row["ok"] and row["simulated"] for row in devices)
+    assert "RH-3FRH5515" in devices[0]["identity"]
+
+
+def test_doctor_says_what_to_do_about_an_alarm(bench: Emulated) -> None:
+    bench.ask(op="fault", name="alarm", number=50)
+    done = catseye("doctor", bench.cell, cwd=bench.cell.parent)
+    bench.ask(op="fault", name="clear_faults")
+    assert done.returncode == 3
+    assert "alarm 50" in done.stdout
+    assert "robot" in done.stderr
+
+
+def test_dry_run_tells_steps_and_time_and_touches_no_device(bench: Emulated) -> None:
+    done = catseye("run", "open-loop", "--cell", bench.cell, "--dry-run", "--json", cwd=bench.cell.parent)
+    assert done.returncode == 0, done.stderr
+    table = json.loads(done.stdout)
+    assert sum(step["measurements"] for step in table["steps"]) > 1000
+    assert 900 < table["total_s"] < 3600
+    assert "nothing was moved" in done.stderr
+    moves = [entry for entry in bench.ask(op="log", device="robot")["entries"] if entry["kind"] == "motion"]
+    assert moves == []
+
+
+def test_from_search_to_report(bench: Emulated) -> None:
+    folder = bench.cell.parent
+    searched = catseye(
+        "run", "reflector-search", "--cell", bench.cell, "--speed", SPEED, "--json", cwd=folder
+    )
+    assert searched.returncode == 0, searched.stderr
+    events = [json.loads(line) for line in searched.stdout.splitlines()]
+    assert events[0]["event"] == "run-started"
+    assert (events[-1]["event"], events[-1]["status"], events[-1]["exit_code"]) == (
+        "run-ended",
+        "complete",
+        0,
+    )
+    one = ["--param", 'reflectors=["P1"]']
+    measured = catseye("run", "open-loop", "--cell", bench.cell, "--speed", SPEED, *one, cwd=folder)
+    assert measured.returncode == 0, measured.stderr
+    assert "aim from" in measured.stderr
+    run = last_run(folder, "open-loop")
+    assert catseye("verify", run, cwd=folder).returncode == 0
+    for command, output in (
+        (["export", run, "--format", "csv"], "points.csv"),
+        (["export", run, "--format", "json"], "points.json"),
+        (["identify", run], "result.json"),
+        (["report", run], "run.html"),
+    ):
+        done = catseye(*command, "-o", output, cwd=folder)
+        assert done.returncode == 0, done.stderr
+    again = ["identify", "--points", "points.csv", "--cell", "cell.toml", "-o", "again.json"]
+    assert catseye(*again, cwd=folder).returncode == 0
+    assert catseye("report", "result.json", "-o", "result.html", cwd=folder).returncode == 0
+    check_files(folder)
+
+
+def check_files(folder: Path) -> None:
+    result = json.loads((folder / "result.json").read_text())
+    again = json.loads((folder / "again.json").read_text())
+    assert result["link1_mm"]["value"] == pytest.approx(again["link1_mm"]["value"], abs=1e-6)
+    for name in ("run.html", "result.html"):
+        page = (folder / name).read_text()
+        assert "<svg" in page
+        assert not re.findall(r'(?:src|href)="https?:', page)

@@ -1,0 +1,83 @@
+"""The emulated bench is no kinder than reality: what the plan leaves out, the measurement shows."""
+
+import json
+from collections.abc import Iterator
+from typing import Any
+
+import numpy as np
+import pytest
+
+from calibration.types import Floats
+from tests.system.command import SPEED, Emulated, catseye, emulated, last_run
+
+FEW_NODES = {
+    "theta1_deg = [-140.0, -120.0, -100.0, -80.0, -60.0, -40.0, -20.0, 0.0, 20.0, 40.0, 60.0]": (
+        "theta1_deg = [-80.0, -60.0, -40.0, -20.0]"
+    ),
+    "theta2_deg = [0.0, 20.0, 40.0, 60.0, 80.0, 100.0, 120.0, 140.0]": "theta2_deg = [20.0, 50.0, 80.0, 110.0]",
+}
+
+
+@pytest.fixture(scope="module")
+def bench(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Emulated]:
+    folder = tmp_path_factory.mktemp("honest")
+    with emulated(folder, "--seed", "3", edit=FEW_NODES) as running:
+        searched = catseye("run", "reflector-search", "--cell", running.cell, "--speed", SPEED, cwd=folder)
+        assert searched.returncode == 0, searched.stderr
+        yield running
+
+
+def measure(bench: Emulated, *params: str) -> dict[str, Any]:
+    folder = bench.cell.parent
+    options = [part for text in params for part in ("--param", text)]
+    done = catseye("run", "open-loop", "--cell", bench.cell, "--speed", SPEED, *options, cwd=folder)
+    assert done.returncode == 0, done.stderr
+    shown = catseye("show", last_run(folder, "open-loop"), "--json", cwd=folder)
+    facts: dict[str, Any] = json.loads(shown.stdout)
+    return facts
+
+
+def lost(facts: dict[str, Any]) -> int:
+    return sum(event["kind"] == "beam-lost" for event in facts["events"])
+
+
+def reversal_mdeg(bench: Emulated, facts: dict[str, Any]) -> Floats:
+    folder = bench.cell.parent
+    output = folder / "result.json"
+    done = catseye("identify", facts["run"], "-o", output, cwd=folder)
+    assert done.returncode == 0, done.stderr
+    table = json.loads(output.read_text())["theta2_map"]
+    difference: Floats = np.array(table["negative_mdeg"]) - np.array(table["positive_mdeg"])
+    return difference
+
+
+def true_reversal_mdeg(bench: Emulated) -> Floats:
+    table = bench.ask(op="truth")["truth"]["theta2_map"]
+    both = np.array(table["negative_mdeg"]) - np.array(table["positive_mdeg"])
+    at_nodes: Floats = np.interp([20.0, 50.0, 80.0, 110.0], table["node_deg"], both)
+    return at_nodes
+
+
+def test_planned_tracking_keeps_the_beam_on_every_move(bench: Emulated) -> None:
+    facts = measure(bench)
+    assert lost(facts) == 0
+    assert facts["counts"]["points"] == 3 * 8 * 8
+
+
+def test_point_to_point_without_subdivision_breaks_the_beam(bench: Emulated) -> None:
+    facts = measure(bench, "subdivide=false", 'reflectors=["P2"]')
+    assert lost(facts) > 40
+
+
+def test_identified_reversal_is_the_true_one_with_take_up(bench: Emulated) -> None:
+    found = reversal_mdeg(bench, measure(bench))
+    assert found == pytest.approx(true_reversal_mdeg(bench), abs=2.5)
+
+
+def test_reversal_without_take_up_shifts_the_map(bench: Emulated) -> None:
+    found = reversal_mdeg(bench, measure(bench, "take_up=false"))
+    true = true_reversal_mdeg(bench)
+    # The sweep turns at the first and the last node: the second visit stays on the flank of the first.
+    assert np.abs(found[[0, -1]]).max() < 5.0
+    assert np.abs(found[1:-1] - true[1:-1]).max() < 2.5
+    assert true.min() > 15.0
