@@ -1,0 +1,255 @@
+"""The paper's bench written down by hand, geometry of its own, and a context that plays an ideal arm."""
+
+import math
+from collections.abc import Awaitable, Callable
+from dataclasses import dataclass, field, replace
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from procedures.bench import Arm, Bench, Optics, Reflector, Timing
+from procedures.context import Json, Location, Measurement, Prompt, Row
+from procedures.devices import Joints
+
+LINK1_MM, LINK2_MM = 325.0, 225.0
+NODES1_DEG = tuple(-140.0 + 20.0 * i for i in range(11))
+NODES2_DEG = tuple(20.0 * i for i in range(8))
+PLACES = {"P1": (650.0, -400.0), "P2": (680.0, 0.0), "P3": (640.0, 380.0)}
+
+Floats = NDArray[np.float64]
+
+
+def bench(
+    nodes1_deg: tuple[float, ...] = NODES1_DEG,
+    nodes2_deg: tuple[float, ...] = NODES2_DEG,
+    places: dict[str, tuple[float, float]] | None = None,
+    j4_limits_deg: tuple[float, float] = (-360.0, 360.0),
+) -> Bench:
+    """Return the paper's bench."""
+    reflectors = tuple(
+        Reflector(name, x, y, math.degrees(math.atan2(-y, -x)))
+        for name, (x, y) in (PLACES if places is None else places).items()
+    )
+    return Bench(
+        name="lab-1",
+        arm=Arm(
+            link1_mm=LINK1_MM,
+            link2_mm=LINK2_MM,
+            j1_limits_deg=(-170.0, 170.0),
+            j2_limits_deg=(-145.0, 145.0),
+            j4_limits_deg=j4_limits_deg,
+            j3_mm=12.5,
+            speed_deg_s=(420.0, 720.0, 3000.0),
+            acceleration_deg_s2=(2000.0, 4000.0, 15000.0),
+            override_percent=20.0,
+        ),
+        optics=Optics(
+            acceptance_mm=1.0,
+            max_miss_mm=0.2,
+            field_half_angle_deg=80.0,
+            column_radius_mm=110.0,
+            column_margin_mm=5.0,
+            beam_min_mm=50.0,
+            beam_max_mm=5000.0,
+            theta40_deg=0.0,
+        ),
+        timing=Timing(settle_time_s=0.5, dwell_time_s=0.25, readings=4),
+        reflectors=reflectors,
+        nodes1_deg=nodes1_deg,
+        nodes2_deg=nodes2_deg,
+        take_up_deg=1.0,
+    )
+
+
+def with_optics(base: Bench, **values: float) -> Bench:
+    """Return a bench with other optics."""
+    return replace(base, optics=replace(base.optics, **values))
+
+
+def arm_xy(theta1_deg: float, theta2_deg: float) -> tuple[float, float]:
+    """Return where the J4 axis stands."""
+    a, b = math.radians(theta1_deg), math.radians(theta1_deg + theta2_deg)
+    return LINK1_MM * math.cos(a) + LINK2_MM * math.cos(b), LINK1_MM * math.sin(a) + LINK2_MM * math.sin(b)
+
+
+def clearance_mm(start: tuple[float, float], end: tuple[float, float]) -> float:
+    """Return the distance of the origin from a straight line between two points."""
+    dx, dy = end[0] - start[0], end[1] - start[1]
+    length = math.hypot(dx, dy)
+    along = -(start[0] * dx + start[1] * dy) / length
+    if along <= 0.0:
+        return math.hypot(*start)
+    if along >= length:
+        return math.hypot(*end)
+    return abs(start[0] * dy - start[1] * dx) / length
+
+
+def miss_along(start: Joints, end: Joints, place: tuple[float, float], parts: int = 60) -> Floats:
+    """Return the beam's distance from a place along a straight joint move, zero direction 0, mm."""
+    share = np.linspace(0.0, 1.0, parts + 1)
+    one, two, _, four = (np.radians(a + share * (b - a)) for a, b in zip(start, end, strict=True))
+    x = LINK1_MM * np.cos(one) + LINK2_MM * np.cos(one + two)
+    y = LINK1_MM * np.sin(one) + LINK2_MM * np.sin(one + two)
+    beam = one + two + four
+    ahead = (place[0] - x) * np.cos(beam) + (place[1] - y) * np.sin(beam)
+    aside = np.abs((place[1] - y) * np.cos(beam) - (place[0] - x) * np.sin(beam))
+    return np.asarray(np.where(ahead > 0.0, aside, np.inf), dtype=np.float64)
+
+
+@dataclass(frozen=True)
+class StillAir:
+    """Air that never changes."""
+
+    temperature_c: float | None = 21.5
+    pressure_hpa: float | None = 1002.0
+    humidity_percent: float | None = 44.0
+
+
+@dataclass(frozen=True)
+class BeamState:
+    """State of the beam."""
+
+    beam_ok: bool
+    beam_lost: bool
+    signal: float
+    overspeed: bool = False
+    laser_ready: bool = True
+
+
+@dataclass
+class IdealContext:
+    """A context whose arm goes exactly where it is sent.
+
+    Attributes:
+        places: where the reflectors really are.
+        theta40_deg: the beam's true zero direction.
+        acceptance_mm: largest miss at which the beam returns.
+        j4_limits_deg: a move beyond them fails the test.
+        j4_error_deg: what J4 is wrong by at a pose (J1, J2).
+        blocked: poses from which nothing returns.
+        breaks_at: numbers of measurements, from 1, before which the count is lost for a moment.
+        dark_at: numbers of measurements that see no beam, whatever else holds.
+        stored: results of steps that are done.
+    """
+
+    places: dict[str, tuple[float, float]] = field(default_factory=lambda: dict(PLACES))
+    theta40_deg: float = 0.0
+    acceptance_mm: float = 1.0
+    j4_limits_deg: tuple[float, float] = (-360.0, 360.0)
+    j4_error_deg: Callable[[float, float], float] = lambda _one, _two: 0.0
+    blocked: Callable[[Joints], bool] = lambda _pose: False
+    breaks_at: set[int] = field(default_factory=set)
+    dark_at: set[int] = field(default_factory=set)
+    stored: dict[str, Row] = field(default_factory=dict)
+    pose: Joints = (0.0, 0.0, 12.5, 0.0)
+    moves: list[Joints] = field(default_factory=list)
+    rows: list[tuple[str, Row]] = field(default_factory=list)
+    events: list[tuple[str, dict[str, Json]]] = field(default_factory=list)
+    warnings: list[str] = field(default_factory=list)
+    told: list[tuple[float, float, str]] = field(default_factory=list)
+    ran: list[str] = field(default_factory=list)
+    waits: list[tuple[float, float, int]] = field(default_factory=list)
+    zeros: int = 0
+    measurements: int = 0
+    lost: bool = True
+    zero_mm: float = 0.0
+
+    def length_mm(self) -> float | None:
+        """Return the length of the returning beam, None when nothing returns."""
+        if self.blocked(self.pose):
+            return None
+        one, two, _, four = self.pose
+        x, y = arm_xy(one, two)
+        world = math.radians(one + two + four + self.theta40_deg + self.j4_error_deg(one, two))
+        for px, py in self.places.values():
+            ahead = (px - x) * math.cos(world) + (py - y) * math.sin(world)
+            aside = abs((py - y) * math.cos(world) - (px - x) * math.sin(world))
+            if ahead > 0.0 and aside <= self.acceptance_mm:
+                return math.hypot(px - x, py - y)
+        return None
+
+    async def step(self, step_id: str, title: str, action: Callable[[], Awaitable[Row]]) -> Row:
+        """Run a step once."""
+        assert title
+        if step_id in self.stored:
+            return self.stored[step_id]
+        self.ran.append(step_id)
+        result = await action()
+        self.stored[step_id] = result
+        return result
+
+    def record(self, table: Literal["points", "search", "path"], row: Row) -> None:
+        """Keep a row."""
+        self.rows.append((table, row))
+
+    async def checkpoint(self) -> None:
+        """Nothing stops here."""
+
+    async def move(self, target: Joints) -> None:
+        """Stand at the target at once."""
+        low, high = self.j4_limits_deg
+        assert low <= target[3] <= high, f"J4 {target[3]} outside {low}…{high}"
+        self.pose = target
+        self.moves.append(target)
+        if self.length_mm() is None:
+            self.lost = True
+
+    async def joints(self) -> Joints:
+        """Return the pose."""
+        return self.pose
+
+    async def measure(self, settle_time_s: float, dwell_time_s: float, readings: int) -> Measurement:
+        """Return the distance of the ideal arm."""
+        self.waits.append((settle_time_s, dwell_time_s, readings))
+        self.measurements += 1
+        if self.measurements in self.breaks_at:
+            self.lost = True
+        length = None if self.measurements in self.dark_at else self.length_mm()
+        ok = length is not None and not self.lost
+        return Measurement(
+            displacement_mm=(length or 0.0) - self.zero_mm,
+            spread_mm=0.0001,
+            readings=readings,
+            signal=0.75 if ok else 0.0,
+            beam_ok=ok,
+            reported=self.pose,
+            air=StillAir(),
+            time_utc="2026-01-02T03:04:05+00:00",
+            duration_s=dwell_time_s,
+        )
+
+    async def beam(self) -> BeamState:
+        """Return the state of the beam."""
+        there = self.length_mm() is not None
+        return BeamState(there, self.lost, 0.75 if there else 0.0)
+
+    async def zero(self) -> None:
+        """Begin a new count."""
+        length = self.length_mm()
+        self.zeros += 1
+        self.lost = length is None
+        self.zero_mm = length or 0.0
+
+    async def locate(self, settle_time_s: float) -> Location:
+        """Return the true position, shifted as another instrument's frame is."""
+        self.waits.append((settle_time_s, 0.0, 0))
+        x, y = arm_xy(self.pose[0], self.pose[1])
+        return Location(x + 1000.0, y - 500.0, 0.004)
+
+    async def ask(self, prompt: Prompt) -> str:
+        """Nobody is there."""
+        raise AssertionError(f"nobody answers {prompt.id}")
+
+    async def event(self, kind: str, **data: Json) -> None:
+        """Keep an event."""
+        self.events.append((kind, data))
+
+    async def warn(self, text: str, **data: Json) -> None:
+        """Keep a warning."""
+        assert not data
+        self.warnings.append(text)
+
+    def progress(self, done: float, total: float, text: str = "") -> None:
+        """Keep the progress."""
+        self.told.append((done, total, text))
