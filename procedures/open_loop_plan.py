@@ -14,6 +14,7 @@ from procedures.approach import (
 from procedures.bench import Bench, Reflector
 from procedures.devices import Joints
 from procedures.errors import PlanError
+from procedures.free_way import require_free_way
 from procedures.motion_time import move_time_s
 from procedures.tracking import Track, aimed_along, plan_track
 
@@ -102,7 +103,7 @@ def plan_open_loop(
 
     Raises:
         PlanLimitError: a joint, take-up included, or J4 leaves its limits.
-        PlanError: a reflector is hidden from too many points, or unknown.
+        PlanError: a reflector is hidden from too many points, stands in the arm's way, or is unknown.
     """
     commands = bidirectional_sequence(bench.nodes1_deg, bench.nodes2_deg)
     stops = (
@@ -114,6 +115,7 @@ def plan_open_loop(
     plans = tuple(
         _reflector_plan(stops, bench, reflector, subdivide) for reflector in _chosen(bench, reflectors)
     )
+    require_free_way(np.array([[stop.theta1_deg, stop.theta2_deg] for stop in stops]), bench)
     return OpenLoopPlan(bench, plans, tuple(text for plan in plans for text in _warnings(plan)))
 
 
