@@ -58,28 +58,38 @@ async def find_return(
         j4_limits_deg: limits of J4; offsets beyond them are left out.
 
     Returns:
-        The window, or None when the beam does not return anywhere in the range. J4 stands at the middle.
+        The window, with J4 at its middle; or None when the beam does not return anywhere in the range, or when
+        a limit of J4 cuts the window off, so that its middle cannot be known.
     """
     low, high = j4_limits_deg
     for offset in scan_offsets_deg(half_range_deg, 1.4 * half_window):
         j4 = pose[3] + offset
         if low <= j4 <= high and await _returns_at(ctx, pose, j4):
-            return await _centre(ctx, pose, j4, half_window)
+            return await _centre(ctx, pose, j4, half_window, j4_limits_deg)
     return None
 
 
-async def _centre(ctx: Context, pose: Joints, hit_deg: float, half_window: float) -> ReturnWindow:
-    upper = await _edge(ctx, pose, hit_deg, half_window)
-    lower = await _edge(ctx, pose, hit_deg, -half_window)
+async def _centre(
+    ctx: Context, pose: Joints, hit_deg: float, half_window: float, j4_limits_deg: tuple[float, float]
+) -> ReturnWindow | None:
+    upper = await _edge(ctx, pose, hit_deg, half_window, j4_limits_deg)
+    lower = await _edge(ctx, pose, hit_deg, -half_window, j4_limits_deg)
+    if upper is None or lower is None:
+        return None
     await ctx.move((*pose[:3], 0.5 * (lower + upper)))
     return ReturnWindow(lower, upper, (await ctx.beam()).signal)
 
 
-async def _edge(ctx: Context, pose: Joints, hit_deg: float, stride: float) -> float:
-    """Return the J4 angle at which the return ends on the side that the stride's sign points to."""
-    inside, outside = hit_deg, hit_deg + stride
+async def _edge(
+    ctx: Context, pose: Joints, hit_deg: float, stride: float, j4_limits_deg: tuple[float, float]
+) -> float | None:
+    """Return the J4 angle at which the return ends on the side of the stride's sign; None beyond the limits."""
+    low, high = j4_limits_deg
+    inside, outside = hit_deg, min(max(hit_deg + stride, low), high)
     while await _returns_at(ctx, pose, outside):
-        inside, outside = outside, outside + stride
+        if outside in (low, high):
+            return None
+        inside, outside = outside, min(max(outside + stride, low), high)
     while abs(outside - inside) > _EDGE_RESOLUTION_DEG:
         middle = 0.5 * (inside + outside)
         if await _returns_at(ctx, pose, middle):

@@ -34,8 +34,8 @@ class _Sighting:
 
     @property
     def offset_deg(self) -> float:
-        """What the rough aim was wrong by."""
-        return self.j4_deg - self.pose.j4_deg
+        """What the rough aim was wrong by, -180...180."""
+        return (self.j4_deg - self.pose.j4_deg + 180.0) % 360.0 - 180.0
 
 
 class SearchParams(BaseModel):
@@ -98,8 +98,8 @@ async def _look(ctx: Context, plan: SearchPlan, pose: SearchPose, known: list[_S
     same = [sighting.offset_deg for sighting in known if sighting.pose.reflector == pose.reflector]
     expected = same or [sighting.offset_deg for sighting in known] or [0.0]
     half_range = plan.later_half_range_deg if known else plan.half_range_deg
-    start = (pose.theta1_deg, pose.theta2_deg, bench.arm.j3_mm, pose.j4_deg + sum(expected) / len(expected))
-    await ctx.move(start)
+    aim_deg = _on_a_branch(pose.j4_deg + sum(expected) / len(expected), bench.arm.j4_limits_deg)
+    start = (pose.theta1_deg, pose.theta2_deg, bench.arm.j3_mm, aim_deg)
     half_window = half_window_deg(bench.optics.acceptance_mm, pose.beam_mm)
     window = await find_return(ctx, start, half_range, half_window, bench.arm.j4_limits_deg)
     if window is None:
@@ -120,6 +120,13 @@ async def _look(ctx: Context, plan: SearchPlan, pose: SearchPose, known: list[_S
     }
     ctx.record("search", row)
     return {"found": True, "j4_deg": window.centre_deg}
+
+
+def _on_a_branch(j4_deg: float, limits_deg: tuple[float, float]) -> float:
+    """Return J4 by whole turns inside its limits; unchanged where none fits, and the scan starts beside it."""
+    low, high = limits_deg
+    fitting = [j4_deg + turn for turn in (0.0, 360.0, -360.0) if low <= j4_deg + turn <= high]
+    return fitting[0] if fitting else j4_deg
 
 
 async def _solve(ctx: Context, plan: SearchPlan, sightings: list[_Sighting]) -> Row:
