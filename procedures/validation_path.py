@@ -143,10 +143,11 @@ class PathParams(BaseModel):
 
     model_config = ConfigDict(frozen=True, extra="forbid", strict=True)
 
-    x_mm: float = Field(200.0, allow_inf_nan=False, description="where the path runs, mm")
-    y_from_mm: float = Field(-500.0, allow_inf_nan=False, description="first end, mm")
-    y_to_mm: float = Field(500.0, allow_inf_nan=False, description="other end, mm")
-    step_mm: float = Field(10.0, gt=0.0, le=500.0, description="largest distance between points, mm")
+    # The bounds hold for any arm; whether this one reaches is found out by the plan.
+    x_mm: float = Field(200.0, ge=-5000.0, le=5000.0, description="where the path runs, mm")
+    y_from_mm: float = Field(-500.0, ge=-5000.0, le=5000.0, description="first end, mm")
+    y_to_mm: float = Field(500.0, ge=-5000.0, le=5000.0, description="other end, mm")
+    step_mm: float = Field(10.0, ge=0.1, le=500.0, description="largest distance between points, mm")
     hand: Hand = Field("right", description="right has θ2 >= 0")
     passes: int = Field(1, ge=1, le=100, description="how often the whole way is driven")
 

@@ -1,0 +1,160 @@
+"""The validation path: its commands, its directions, what is recorded."""
+
+import math
+import re
+from dataclasses import replace
+from itertools import pairwise
+
+import numpy as np
+import pytest
+
+from calibration.errors import OutOfReachError
+from procedures.errors import PlanLimitError
+from procedures.motion_time import move_time_s
+from procedures.validation_path import (
+    PathParams,
+    PathPlan,
+    ValidationPath,
+    plan_path,
+    states_of_approach,
+)
+from tests.unit.procedures.benches import IdealContext, arm_xy, bench
+
+
+def test_the_papers_path_runs_there_and_back() -> None:
+    plan = plan_path(bench())
+    assert len(plan.points) == 202
+    assert {point.x_mm for point in plan.points} == {200.0}
+    y = [point.y_mm for point in plan.points]
+    assert (y[0], y[100], y[101], y[201]) == (-500.0, 500.0, 500.0, -500.0)
+    assert np.diff(y[:101]) == pytest.approx(np.full(100, 10.0))
+    assert y[101:] == y[100::-1]
+
+
+@pytest.mark.parametrize("hand", ["right", "left"])
+def test_every_command_reaches_its_position_with_the_chosen_hand(hand: str) -> None:
+    plan = ValidationPath().plan(bench(), PathParams.model_validate({"hand": hand}))
+    for point in plan.points:
+        assert arm_xy(point.theta1_deg, point.theta2_deg) == pytest.approx((point.x_mm, point.y_mm), abs=1e-9)
+        assert (point.theta2_deg >= 0.0) == (hand == "right")
+
+
+def directions_by_rule(angles: list[float], first: int) -> list[int]:
+    """Return the sign of each change from the row before; no change keeps the state."""
+    states = [first]
+    for before, now in pairwise(angles):
+        states.append(states[-1] if abs(now - before) < 1e-7 else (1 if now > before else -1))
+    return states
+
+
+def test_directions_follow_the_rule_of_the_path_file() -> None:
+    plan = plan_path(bench())
+    for angles, states in (
+        ([p.theta1_deg for p in plan.points], [p.direction1 for p in plan.points]),
+        ([p.theta2_deg for p in plan.points], [p.direction2 for p in plan.points]),
+    ):
+        assert states == directions_by_rule(angles, states[0])
+        assert set(states) == {1, -1}
+
+
+def test_a_joint_at_rest_keeps_its_state() -> None:
+    angles = np.radians([0.0, 1.0, 1.0, 0.5, 0.5, 0.5, 0.75])
+    assert states_of_approach(angles, 1).tolist() == [1, 1, 1, -1, -1, -1, 1]
+    assert states_of_approach(angles[1:3], -1).tolist() == [-1, -1]
+
+
+def test_the_run_in_gives_the_first_point_its_direction() -> None:
+    plan = plan_path(bench())
+    first = plan.points[0]
+    for angle, run_in, state in (
+        (first.theta1_deg, plan.run_in[0], first.direction1),
+        (first.theta2_deg, plan.run_in[1], first.direction2),
+    ):
+        assert angle - run_in == pytest.approx(state * 1.0)
+    assert plan.run_in[2:] == (12.5, 0.0)
+
+
+def test_the_first_direction_is_that_of_the_first_motion() -> None:
+    plan = plan_path(bench())
+    assert plan.points[0].direction1 == (1 if plan.points[1].theta1_deg > plan.points[0].theta1_deg else -1)
+    assert plan.points[0].direction2 == (1 if plan.points[1].theta2_deg > plan.points[0].theta2_deg else -1)
+
+
+def test_a_path_behind_the_arm_does_not_jump_by_a_turn() -> None:
+    wide = replace(bench(), arm=replace(bench().arm, j1_limits_deg=(-400.0, 400.0)))
+    plan = plan_path(wide, x_mm=-300.0, y_from_mm=-300.0, y_to_mm=300.0)
+    steps = np.diff([point.theta1_deg for point in plan.points])
+    assert float(np.abs(steps).max()) < 10.0
+
+
+def test_a_point_out_of_reach_is_named() -> None:
+    with pytest.raises(OutOfReachError, match=r"x = 200 mm, y = -600 mm\) is out of reach"):
+        plan_path(bench(), y_from_mm=-600.0)
+    with pytest.raises(OutOfReachError, match="radii from 100 to 550 mm"):
+        plan_path(bench(), x_mm=10.0, y_from_mm=-80.0, y_to_mm=80.0)
+
+
+def test_limits_violated_by_the_path_or_its_run_in_are_named() -> None:
+    plan = plan_path(bench(), y_to_mm=-400.0)
+    angles = [point.theta1_deg for point in plan.points]
+    # Beyond the first point the limit leaves room for the path but not for the run-in.
+    assert plan.points[0].direction1 == -1
+    assert max(angles) == angles[0]
+    tight = replace(bench(), arm=replace(bench().arm, j1_limits_deg=(-170.0, angles[0] + 0.5)))
+    with pytest.raises(PlanLimitError, match=r"the path needs J1 = .*outside its limits.*the other hand"):
+        plan_path(tight, y_to_mm=-400.0)
+    folded = replace(bench(), arm=replace(bench().arm, j2_limits_deg=(-100.0, 100.0)))
+    with pytest.raises(PlanLimitError, match="the path needs J2"):
+        plan_path(folded)
+
+
+def test_a_path_too_long_to_plan_is_refused_by_its_parameters() -> None:
+    for values in (
+        {"y_to_mm": 1e12},
+        {"x_mm": -1e9},
+        {"step_mm": 1e-9},
+        {"step_mm": math.nan},
+        {"passes": 0},
+    ):
+        with pytest.raises(ValueError, match=re.escape(next(iter(values)))):
+            PathParams.model_validate(values)
+
+
+def small() -> PathPlan:
+    return plan_path(bench(), y_from_mm=-20.0, y_to_mm=20.0, step_mm=20.0, passes=2)
+
+
+async def test_every_point_of_every_pass_is_recorded_with_its_own_measurement() -> None:
+    context, plan = IdealContext(), small()
+    await ValidationPath().run(context, plan)
+    await ValidationPath().teardown(context)
+    rows = [row for table, row in context.rows if table == "path"]
+    assert [row["pass_number"] for row in rows] == [0] * 6 + [1] * 6
+    assert [row["y_mm"] for row in rows[:6]] == [-20.0, 0.0, 20.0, 20.0, 0.0, -20.0]
+    for row in rows:
+        assert row["x_meas_mm"] == pytest.approx(1200.0)
+        assert row["y_meas_mm"] == pytest.approx(row["y_mm"] - 500.0)  # type: ignore[operator] # a number
+        assert row["u_mm"] == 0.004
+    assert context.told[-1][:2] == (12, 12)
+    assert context.moves.count(plan.run_in) == 2
+    assert set(context.waits) == {(0.5, 0.0, 0)}
+
+
+async def test_points_that_are_stored_are_not_measured_again() -> None:
+    first = IdealContext()
+    await ValidationPath().run(first, small())
+    again = IdealContext(stored=dict(list(first.stored.items())[:5]))
+    await ValidationPath().run(again, small())
+    assert again.ran == list(first.stored)[5:]
+
+
+def test_moves_last_as_long_as_their_slowest_joint() -> None:
+    arm = replace(
+        bench().arm,
+        speed_deg_s=(100.0, 200.0, 400.0),
+        acceleration_deg_s2=(200.0,) * 3,
+        override_percent=50.0,
+    )
+    travel = np.array([[100.0, 0.0, 0.0], [0.0, -2.0, 0.0], [0.0, 0.0, 0.0], [12.5, 0.0, -400.0]])
+    # 50 deg/s: 0.25 s up, 0.25 s down, 87.5 deg between; below full speed 2·sqrt(2/200); 200 deg/s: 1 s up and down.
+    assert move_time_s(arm, travel) == pytest.approx([2.25, 0.2, 0.0, 3.0])
