@@ -22,6 +22,10 @@ class Clock(Protocol):
         ...
 
 
+_TIMER_STEP_S = 0.0012
+"""Timers of the event loop wake up to a millisecond late; the last stretch is waited for without one."""
+
+
 class SystemClock:
     """Real time, or bench time that runs faster by a factor.
 
@@ -41,5 +45,9 @@ class SystemClock:
         return datetime.now(UTC)
 
     async def sleep(self, duration_s: float) -> None:
-        """Wait for bench seconds."""
-        await asyncio.sleep(duration_s / self.speed)
+        """Wait for bench seconds, to a few microseconds of real time."""
+        loop = asyncio.get_running_loop()
+        end_s = loop.time() + duration_s / self.speed
+        await asyncio.sleep(max(0.0, end_s - loop.time() - _TIMER_STEP_S))
+        while loop.time() < end_s:  # noqa: ASYNC110 - a timer is too coarse here
+            await asyncio.sleep(0)

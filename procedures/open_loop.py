@@ -104,14 +104,12 @@ class _ReflectorCampaign:
         async def action() -> Row:
             for target in visit.moves:
                 await self._ctx.move(target)
-            if not visit.tracked:
-                await self._begin_segment()
-            measured = await self._measure()
-            if not measured.beam_ok:
-                recovered = await self._recover(visit)
-                if recovered is None:
-                    return {"measured": False, "segment": self._segment}
-                measured = recovered
+            measured = await (self._measure() if visit.tracked else self._measure_anew(visit))
+            if visit.tracked and measured is not None and not measured.beam_ok:
+                await self._tell_lost(visit)
+                measured = await self._measure_anew(visit)
+            if measured is None or not measured.beam_ok:
+                return {"measured": False, "segment": self._segment}
             self._record(visit, measured)
             return {"measured": True, "segment": self._segment, "displacement_mm": measured.displacement_mm}
 
@@ -121,24 +119,22 @@ class _ReflectorCampaign:
         timing = self._bench.timing
         return await self._ctx.measure(timing.settle_time_s, timing.dwell_time_s, timing.readings)
 
-    async def _begin_segment(self) -> None:
-        await self._ctx.zero()
-        self._segment += 1
-
-    async def _recover(self, visit: Visit) -> Measurement | None:
-        """Find the beam again near the aim, begin a new segment and measure; None when it is not there."""
-        target = visit.moves[-1]
-        await self._ctx.event(
-            "beam-lost", reflector=self._reflector.name, point=visit.command.index, segment=self._segment
-        )
-        if not (await self._ctx.beam()).beam_ok and not await self._found_near(target, visit.beam_mm):
+    async def _measure_anew(self, visit: Visit) -> Measurement | None:
+        """Find the beam at or near the aim, begin a new segment and measure; None when it is not there."""
+        found = (await self._ctx.beam()).beam_ok or await self._found_near(visit.moves[-1], visit.beam_mm)
+        if not found:
             await self._ctx.warn(
                 f"no beam at {self._title(visit)}: the point is left out; check what stands in the beam's way"
             )
             return None
-        await self._begin_segment()
-        measured = await self._measure()
-        return measured if measured.beam_ok else None
+        await self._ctx.zero()
+        self._segment += 1
+        return await self._measure()
+
+    async def _tell_lost(self, visit: Visit) -> None:
+        await self._ctx.event(
+            "beam-lost", reflector=self._reflector.name, point=visit.command.index, segment=self._segment
+        )
 
     async def _found_near(self, target: Joints, beam_mm: float) -> bool:
         optics = self._bench.optics

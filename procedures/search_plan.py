@@ -13,6 +13,9 @@ from procedures.tracking import aimed_j4
 
 Floats = NDArray[np.float64]
 
+_GRID = 13
+"""Angles of each joint that a search pose is chosen from."""
+
 _SEPARATION_MARGIN_DEG = 2.0
 """Two reflectors seen from a pose have to be further apart than the scan and this."""
 
@@ -74,16 +77,17 @@ def plan_search(
     if poses < 4:
         raise PlanError(f"a search needs at least 4 poses a reflector, not {poses}")
     nodes = np.deg2rad([[one, two] for one in bench.nodes1_deg for two in bench.nodes2_deg])
+    candidates = _grid(bench)
     chosen: list[SearchPose] = []
     positions = []
     for reflector in bench.reflectors:
-        seen = _seen(nodes, bench, reflector)
-        positions.append(_positions(seen, bench))
+        positions.append(_positions(_seen(nodes, bench, reflector), bench))
+        seen = _seen(candidates, bench, reflector)
         usable = seen[_apart(seen, bench, reflector, half_range_deg)]
         if len(usable) < poses:
             raise PlanError(
                 f"reflector {reflector.name} at ({reflector.x_mm:g}, {reflector.y_mm:g}) mm can be told from the "
-                f"others at only {len(usable)} nodes, {poses} are needed: check its place in the cell file, the "
+                f"others at only {len(usable)} of {len(candidates)} poses, {poses} are needed: check its place, the "
                 "column and its field, or ask for fewer poses or a smaller half_range_deg"
             )
         chosen += [
@@ -92,6 +96,14 @@ def plan_search(
     nearest = min(pose.beam_mm for pose in chosen)
     later = min(half_range_deg, float(np.rad2deg(2.0 * rough_place_mm / nearest)))
     return SearchPlan(bench, bench.reflectors, tuple(chosen), half_range_deg, later, tuple(positions))
+
+
+def _grid(bench: Bench) -> Floats:
+    """Return poses all over the range of the nodes, rad, shape (n, 2)."""
+    first, second = (
+        np.linspace(nodes[0], nodes[-1], _GRID) for nodes in (bench.nodes1_deg, bench.nodes2_deg)
+    )
+    return np.deg2rad(np.stack(np.meshgrid(first, second, indexing="ij"), axis=-1).reshape(-1, 2))
 
 
 def _positions(theta_rad: Floats, bench: Bench) -> Floats:

@@ -6,6 +6,9 @@ from collections.abc import Callable
 
 from simulators.bench.bench import Bench
 
+_TIMER_STEP_S = 0.002
+"""Timers of the event loop wake up to a millisecond late; the last stretch is waited for without one."""
+
 
 class TimeKeeper:
     """Maps wall time to bench time and wakes those who wait for a moment of bench time.
@@ -37,8 +40,7 @@ class TimeKeeper:
 
     def sync(self) -> float:
         """Advance the bench to this moment; return the bench time, s."""
-        wall_s, bench_s = self._anchor
-        self.bench.advance_to(bench_s + (self._clock() - wall_s) * self._speed)
+        self.bench.advance_to(self._now_s())
         return self.bench.time_s
 
     def changed(self) -> None:
@@ -62,17 +64,24 @@ class TimeKeeper:
             else:
                 self.sync()
 
+    def _now_s(self) -> float:
+        wall_s, bench_s = self._anchor
+        return bench_s + (self._clock() - wall_s) * self._speed
+
     async def _elapses(self, due_s: float) -> bool:
         """Return True when the moment has come, False when something changed before."""
         wall_s, bench_s = self._anchor
         delay_s = wall_s + (due_s - bench_s) / self._speed - self._clock()
-        waiter: asyncio.Future[None] = asyncio.get_running_loop().create_future()
+        loop = asyncio.get_running_loop()
+        end_s = loop.time() + delay_s
+        waiter: asyncio.Future[None] = loop.create_future()
         self._waiters.add(waiter)
         try:
-            async with asyncio.timeout(max(0.0, delay_s)):
-                await waiter
-        except TimeoutError:
-            return True
+            await asyncio.wait([waiter], timeout=max(0.0, delay_s - _TIMER_STEP_S))
+            # The bulk of the motion is calculated while there is still time.
+            self.bench.advance_to(min(due_s, self._now_s()))
+            while loop.time() < end_s and not waiter.done():  # noqa: ASYNC110 - a timer is too coarse here
+                await asyncio.sleep(0)
         finally:
             self._waiters.discard(waiter)
-        return False
+        return not waiter.done()

@@ -43,6 +43,7 @@ class RunControl:
         state: where the run stands.
         ending: why the run ends early, raised by every further checkpoint; None while it goes on.
         reports: how each halt ended.
+        changes: counts the transitions so far.
     """
 
     def __init__(
@@ -51,6 +52,7 @@ class RunControl:
         self.state = State.IDLE
         self.ending: CatseyeError | None = None
         self.reports: list[HaltReport] = []
+        self.changes = 0
         self._clock = clock
         self._on_change = on_change
         self._limits = limits or HaltLimits()
@@ -200,6 +202,7 @@ class RunControl:
     def _apply(self, event: Event, reason: str) -> None:
         result = transition(self.state, event)
         self.state = result.state
+        self.changes += 1
         for effect in result.effects:
             self._do(effect, event, reason)
         self._changed.set()

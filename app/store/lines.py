@@ -62,6 +62,9 @@ class JsonLines:
         self._file.close()
 
 
+_PRINTABLE = bytes(byte if 32 <= byte < 127 else ord(".") for byte in range(256))
+
+
 class WireLog(JsonLines):
     """What went over the wires."""
 
@@ -73,7 +76,7 @@ class WireLog(JsonLines):
             direction: "tx" is sent, "rx" is received.
             data: the bytes, as they went.
         """
-        text = "".join(chr(byte) if 32 <= byte < 127 else "." for byte in data)
+        text = data.translate(_PRINTABLE).decode("ascii")
         self.write(device=device, direction=direction, hex=data.hex(), text=text)
 
 

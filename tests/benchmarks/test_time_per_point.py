@@ -1,0 +1,77 @@
+"""Software time per measured point over the emulator: everything but motion, settling and dwell, at real speed."""
+
+import json
+import statistics
+from datetime import datetime
+from pathlib import Path
+
+from app.cell.load import load_cell
+from app.engine.host import RunOutcome
+from app.procedure_list import load_procedure, parse_params
+from app.running import carry_out, plan_run
+from app.store.reader import RunReader
+from tests.system.command import Emulated, emulated
+
+FEW_NODES = {
+    "theta1_deg = [-140.0, -120.0, -100.0, -80.0, -60.0, -40.0, -20.0, 0.0, 20.0, 40.0, 60.0]": (
+        "theta1_deg = [-60.0, -40.0]"
+    ),
+    "theta2_deg = [0.0, 20.0, 40.0, 60.0, 80.0, 100.0, 120.0, 140.0]": "theta2_deg = [20.0, 40.0, 60.0]",
+}
+
+
+async def measured_slice(bench: Emulated, root: Path) -> RunOutcome:
+    """Run a slice of the paper's measurement at real speed, aimed by a search."""
+    loaded = load_cell(bench.cell)
+    search, measure = load_procedure("reflector-search"), load_procedure("open-loop")
+    bench.ask(op="speed", value=400.0)
+    planned = plan_run(loaded, search, parse_params(search.params_type, []), root, "none")
+    assert (await carry_out(planned, root, lambda _event: None, speed=400.0)).exit_code == 0
+    bench.ask(op="speed", value=1.0)
+    params = parse_params(measure.params_type, ['reflectors=["P2"]'])
+    planned = plan_run(loaded, measure, params, root, "auto")
+    return await carry_out(planned, root, lambda _event: None)
+
+
+def motions(run: Path) -> list[tuple[datetime, float]]:
+    """Return when each motion ended and how long it took, s: from its command to the controller's answer."""
+    found: list[tuple[datetime, float]] = []
+    sent: datetime | None = None
+    for line in (run / "wire.log").read_text().splitlines():
+        row = json.loads(line)
+        if row["device"] != "robot":
+            continue
+        at = datetime.fromisoformat(row["t"])
+        if row["direction"] == "tx":
+            sent = at if "EXEC2=" in row["text"] else None
+        elif sent is not None:
+            found.append((at, (at - sent).total_seconds()))
+            sent = None
+    return found
+
+
+def software_ms(outcome: RunOutcome) -> list[float]:
+    """Return what each point took beyond motion, settling and dwell; the first point's way is not one of them."""
+    ended = motions(outcome.path)
+    times = {time.step_id: time.total_s for time in outcome.step_times}
+    rest_s = 0.5 + 0.5
+    found = []
+    for step in RunReader(outcome.path).steps()[1:]:
+        start, done = datetime.fromisoformat(step.started_utc), datetime.fromisoformat(step.done_utc)
+        moving_s = sum(duration for at, duration in ended if start <= at <= done)
+        found.append(1e3 * (times[step.step_id] - moving_s - rest_s))
+    return found
+
+
+async def test_software_time_of_a_point(tmp_path: Path) -> None:
+    with emulated(tmp_path, edit=FEW_NODES) as bench:
+        outcome = await measured_slice(bench, tmp_path / "runs")
+    assert outcome.exit_code == 0
+    excess = software_ms(outcome)
+    median, largest = statistics.median(excess), max(excess)
+    figure = (
+        f"software time per point: median {median:.1f} ms, largest {largest:.1f} ms of {len(excess)} points"
+    )
+    print(f"\n{figure} (limit 10 ms)")  # noqa: T201 - the figure
+    assert len(excess) == 23
+    assert median <= 10.0
