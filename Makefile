@@ -1,6 +1,8 @@
 # Everything starts here: `make demo` and `make test` set up all they need in .venv.
 PYTHON ?= python3
 BIN := .venv/bin
+# Small matrices: threads of the linear algebra wait for one another on busy machines.
+export OMP_NUM_THREADS ?= 1
 
 .PHONY: demo test lint types contracts unit bench clean help
 

@@ -3,6 +3,7 @@
 Each command imports what it needs when it runs: help and completion stay fast.
 """
 
+import os
 import sys
 from pathlib import Path
 from typing import Annotated, Any, Literal
@@ -260,6 +261,8 @@ def report(
 
 def main() -> None:
     """Run the command line; every error becomes a sentence on stderr and an exit code."""
+    # The matrices are small: threads of the linear algebra would wait for one another and for busy cores.
+    os.environ.setdefault("OMP_NUM_THREADS", "1")
     try:
         cli()
     except Exception as error:  # noqa: BLE001 - the outermost frame: what arrives here is told and ends the process

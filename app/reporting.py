@@ -48,18 +48,25 @@ def demo_report(result: DemoResult, path: Path) -> None:
     """Write the report of a demo."""
     readers = [RunReader(run) for run in result.runs.values()]
     measured = RunReader(result.runs["open-loop"])
-    bench = bench_of_runs([measured], result.folder / "runs")
-    identified = identify_rows(run_rows([measured]), bench, "error-map", radial_budget(cell_of_run(measured)))
-    document = json.loads((result.folder / "truth.json").read_text(encoding="utf-8"))
     content = ReportContent(
         title="catseye demo: error map of an emulated SCARA arm",
         results=[result.results[model] for model in MODELS],
-        truth=truth_tables(identified, document),
+        truth=demo_truth(result),
         validation=result.validation,
-        bench=bench,
+        bench=bench_of_runs([measured], result.folder / "runs"),
         **_run_parts(readers, cell_of_run(measured)),
     )
     write_atomically(path, render_html(content))
+
+
+def demo_truth(result: DemoResult) -> TruthTables:
+    """Return the true arm of a demo in the gauge of its error map."""
+    measured = RunReader(result.runs["open-loop"])
+    bench = bench_of_runs([measured], result.folder / "runs")
+    radial = radial_budget(cell_of_run(measured))
+    identified = identify_rows(run_rows([measured]), bench, "error-map", radial)
+    document = json.loads((result.folder / "truth.json").read_text(encoding="utf-8"))
+    return truth_tables(identified, document)
 
 
 def run_report(reader: RunReader, root: Path, path: Path) -> None:

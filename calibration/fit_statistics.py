@@ -14,6 +14,9 @@ SIGNIFICANCE = 0.01
 _EXACT_MM = 1e-9
 """Scatter below this is rounding, not measurement."""
 
+_RANK_SQUARED = 1e-12
+"""Squared singular values below this share of the largest count as zero."""
+
 
 @dataclass(frozen=True)
 class LackOfFit:
@@ -235,10 +238,13 @@ def _judged(
 
 def _pose_groups(points: Points) -> Ints:
     """Return the number of each point's (reflector, dead path, θ1, θ2), shape (n,)."""
-    angles = np.round(np.stack([points.commands.theta1_rad, points.commands.theta2_rad], axis=1), 9)
-    keys = np.column_stack([points.reflector, points.dead_path, angles])
-    _, group = np.unique(keys, axis=0, return_inverse=True)
-    return np.ravel(group).astype(np.int64)
+    key = np.zeros(len(points), dtype=np.int64)
+    commands = points.commands
+    columns = (np.round(commands.theta1_rad, 9), np.round(commands.theta2_rad, 9), points.dead_path)
+    for column in (points.reflector, *columns):
+        values, number = np.unique(column, return_inverse=True)
+        key = key * values.size + number
+    return np.asarray(np.unique(key, return_inverse=True)[1], dtype=np.int64)
 
 
 def _within_poses(fit: WeightedFit) -> tuple[Floats, int]:
@@ -249,13 +255,21 @@ def _within_poses(fit: WeightedFit) -> tuple[Floats, int]:
     """
     group, weights = _pose_groups(fit.points), fit.weights
     stacked = np.column_stack([fit.jacobian, fit.residuals, fit.effects])
-    norm = np.bincount(group, weights**2)
-    levels = np.stack([np.bincount(group, weights * column) for column in stacked.T], axis=1) / norm[:, None]
-    within = stacked - weights[:, None] * levels[group]
+    within = stacked - weights[:, None] * _levels(stacked * weights[:, None], weights**2, group)[group]
     n_parameters = fit.jacobian.shape[1]
     scale = np.linalg.norm(fit.jacobian, axis=0)
     model = within[:, :n_parameters] / np.where(scale > 0.0, scale, 1.0)
-    left, values, _ = linalg.svd(model, full_matrices=False)
-    left = left[:, values > 1e-9]
     rest = within[:, n_parameters:]
-    return rest - left @ (left.T @ rest), int(group.max()) + 1 + left.shape[1]
+    values, vectors = linalg.eigh(model.T @ model)
+    known = values > _RANK_SQUARED * values[-1]
+    directions = vectors[:, known] / np.sqrt(values[known])
+    explained = model @ (directions @ (directions.T @ (model.T @ rest)))
+    return rest - explained, int(group.max()) + 1 + int(known.sum())
+
+
+def _levels(weighted: Floats, squares: Floats, group: Ints) -> Floats:
+    """Return the weighted means of columns over groups, shape (groups, columns)."""
+    order = np.argsort(group, kind="stable")
+    starts = np.flatnonzero(np.diff(group[order], prepend=-1))
+    sums = np.add.reduceat(weighted[order], starts, axis=0)
+    return np.asarray(sums / np.add.reduceat(squares[order], starts)[:, None], dtype=np.float64)
