@@ -39,7 +39,7 @@ def path_section(content: ReportContent) -> Html:
         "Validation path",
         paragraphs(_measured(validation, axis)),
         _comparison(validation),
-        bullets(_gap_text(gap, axis) for gap in left_out) if left_out else "",
+        bullets(_gap_texts(left_out, axis)) if left_out else "",
         deviations,
         vectors,
     )
@@ -99,6 +99,10 @@ def _row(model: ModelOnPath, reference_um: float) -> list[str]:
     ]
 
 
-def _gap_text(gap: Gap, axis: PathAxis) -> str:
+def _gap_texts(left_out: list[Gap], axis: PathAxis) -> list[str]:
+    """Return a sentence for each reason, with all its stretches."""
     name = axis.label.removesuffix(" / mm")
-    return f"{name} {fixed(gap.low_mm, 0)} … {fixed(gap.high_mm, 0)} mm: {gap.reason}."
+    stretches: dict[str, list[str]] = {}
+    for gap in left_out:
+        stretches.setdefault(gap.reason, []).append(f"{fixed(gap.low_mm, 0)} … {fixed(gap.high_mm, 0)}")
+    return [f"{name} {', '.join(parts)} mm: {reason}." for reason, parts in stretches.items()]
