@@ -61,7 +61,7 @@ def demo(
         "catseye-demo"
     ),
     speed: Speed = 400.0,
-    seed: Seed = 1,
+    seed: Seed = 2,
     truth: Truth = None,
     as_json: AsJson = False,
 ) -> None:
@@ -116,7 +116,7 @@ def config_schema(
 
 
 @cli.command()
-def emulate(file: CellFile, speed: Speed = 1.0, seed: Seed = 1, truth: Truth = None) -> None:
+def emulate(file: CellFile, speed: Speed = 1.0, seed: Seed = 2, truth: Truth = None) -> None:
     """Emulate every device of a cell file on its endpoints until Ctrl-C.
 
     One JSON line per endpoint is printed when it is ready; port 0 picks a free port.

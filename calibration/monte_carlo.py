@@ -4,31 +4,49 @@ from dataclasses import replace
 
 import numpy as np
 
+from calibration.budget import RadialBudget, radial_effects
 from calibration.distance_model import distance_model
 from calibration.identification import Identification
 from calibration.least_squares import minimise
+from calibration.types import Floats
 
 
-def with_monte_carlo(identified: Identification, draws: int, seed: int) -> Identification:
+def with_monte_carlo(
+    identified: Identification, draws: int, seed: int, radial: RadialBudget | None = None
+) -> Identification:
     """Return an identification whose covariance comes from repeated draws.
 
-    White errors of the stated standard uncertainty are added to the distances that the identified arm predicts; the
-    fit's variance factor widens them as it widens the Jacobian covariance.
+    White errors of the stated standard uncertainty, and radial error motions where they are stated, are added to the
+    distances that the identified arm predicts; the fit's variance factor widens them as it widens the Jacobian
+    covariance.
 
     Args:
         identified: what the solver returned.
         draws: how many draws, at least 2.
         seed: of the draws.
+        radial: the radial error motions that the identification was made with; None for none.
     """
     points, fit = identified.points, identified.fit
-    sigma_mm = (1.0 if points.sigma_mm is None else points.sigma_mm) * np.sqrt(fit.variance_factor)
+    widened = np.sqrt(fit.variance_factor)
+    sigma_mm = (1.0 if points.sigma_mm is None else points.sigma_mm) * widened
+    effects = widened * _radial_effects(identified, radial)
     ideal = points.displacement_mm + identified.residuals_mm
     basis = identified.layout.gauge_basis()
     weights = np.ones(len(points)) if points.sigma_mm is None else 1.0 / points.sigma_mm
     rng = np.random.default_rng(seed)
     found = np.empty((draws, identified.layout.size))
     for k in range(draws):
-        noisy = replace(points, displacement_mm=ideal + sigma_mm * rng.standard_normal(len(points)))
+        white = sigma_mm * rng.standard_normal(len(points))
+        noisy = replace(
+            points, displacement_mm=ideal + white + effects @ rng.standard_normal(effects.shape[1])
+        )
         model = distance_model(identified.layout, noisy)
         found[k] = minimise(model.residuals, model.jacobian, identified.parameters, basis, weights).parameters
     return replace(identified, covariance=np.cov(found, rowvar=False))
+
+
+def _radial_effects(identified: Identification, radial: RadialBudget | None) -> Floats:
+    if radial is None:
+        return np.zeros((len(identified.points), 0))
+    model = distance_model(identified.layout, identified.points)
+    return radial_effects(identified.points, model.beam_unit(identified.parameters), radial)

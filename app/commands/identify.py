@@ -44,7 +44,7 @@ def identify_command(
     if uncertainty == "monte-carlo":
         from calibration.monte_carlo import with_monte_carlo
 
-        identified = with_monte_carlo(identified, draws, seed)
+        identified = with_monte_carlo(identified, draws, seed, source.radial)
     result = identified_result(identified, bench, source.names)
     write_result(result, output)
     if as_json:
