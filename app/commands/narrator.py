@@ -1,10 +1,12 @@
 """The events of a run, told to a person on stderr or to a program on stdout."""
 
+import os
+
 from app.commands.output import emit_json, say
 from app.commands.progress import ProgressBar
 from procedures.context import Json
 
-_STATES_WORTH_TELLING = {"HELD", "STOPPING", "STOPPED", "ABORTING", "ABORTED", "SUSPENDED"}
+_STATES_WORTH_TELLING = {"STOPPING", "STOPPED", "ABORTING", "ABORTED", "SUSPENDED"}
 
 
 class Narrator:
@@ -32,6 +34,8 @@ class Narrator:
                 self._say(f"error: {event['text']}")
             case "prompt":
                 self._say(f"question {event['id']}: {event['text']}")
+            case "state" if event.get("state") == "HELD" and "reason" in event:
+                self._say(f"HELD: Ctrl-C again stops the run; kill -USR1 {os.getpid()} lets it go on")
             case "state" if event.get("state") in _STATES_WORTH_TELLING and "reason" in event:
                 self._say(f"{event['state']}: {event['reason']}")
             case "run-ended":
