@@ -57,7 +57,7 @@ async def test_connecting_tells_who_is_there() -> None:
         assert identity.model == "line counter: EMULATOR line counter 1"
         assert identity.simulated
         assert counter.notes == ()
-        assert counter.compensated == "none"
+        assert counter.compensated == "instrument"
         assert peer.requests == [b"I\r\n", b"R\r\n"]
 
 
