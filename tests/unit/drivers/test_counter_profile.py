@@ -71,7 +71,7 @@ def test_every_value_of_the_distax_template_asks_to_be_confirmed() -> None:
 
 
 def test_the_distax_template_differs_from_the_default_in_its_claims_only() -> None:
-    claims = {"title", "remark", "confirmed"}
+    claims = {"title", "remark", "confirmed", "compensated"}
     assert load_profile("distax").model_dump(exclude=claims) == load_profile("default").model_dump(
         exclude=claims
     )
