@@ -80,6 +80,7 @@ class _ReflectorCampaign:
         self._reflector = part.reflector
         self._segment = -1
         self._lost_in_a_row = 0
+        self._j4_deg = 0.0
 
     async def visit(self, visit: Visit) -> None:
         """Go to a point and measure it."""
@@ -104,11 +105,12 @@ class _ReflectorCampaign:
         async def action() -> Row:
             for target in visit.moves:
                 await self._ctx.move(target)
+            self._j4_deg = visit.moves[-1][3]
             measured = await (self._measure() if visit.tracked else self._measure_anew(visit))
             if visit.tracked and measured is not None and not measured.beam_ok:
                 await self._tell_lost(visit)
                 measured = await self._measure_anew(visit)
-            if measured is None or not measured.beam_ok:
+            if measured is None:
                 return {"measured": False, "segment": self._segment}
             self._record(visit, measured)
             return {"measured": True, "segment": self._segment, "displacement_mm": measured.displacement_mm}
@@ -120,16 +122,19 @@ class _ReflectorCampaign:
         return await self._ctx.measure(timing.settle_time_s, timing.dwell_time_s, timing.readings)
 
     async def _measure_anew(self, visit: Visit) -> Measurement | None:
-        """Find the beam at or near the aim, begin a new segment and measure; None when it is not there."""
+        """Find the beam at or near the aim, begin a new segment and measure; None when it is not to be had."""
         found = (await self._ctx.beam()).beam_ok or await self._found_near(visit.moves[-1], visit.beam_mm)
-        if not found:
-            await self._ctx.warn(
-                f"no beam at {self._title(visit)}: the point is left out; check what stands in the beam's way"
-            )
-            return None
-        await self._ctx.zero()
-        self._segment += 1
-        return await self._measure()
+        if found:
+            await self._ctx.zero()
+            self._segment += 1
+            measured = await self._measure()
+            if measured.beam_ok:
+                return measured
+        what = "the beam does not last" if found else "no beam"
+        await self._ctx.warn(
+            f"{what} at {self._title(visit)}: the point is left out; check what stands in the beam's way"
+        )
+        return None
 
     async def _tell_lost(self, visit: Visit) -> None:
         await self._ctx.event(
@@ -145,7 +150,10 @@ class _ReflectorCampaign:
             half_window_deg(optics.acceptance_mm, beam_mm),
             self._bench.arm.j4_limits_deg,
         )
-        return window is not None
+        if window is None:
+            return False
+        self._j4_deg = window.centre_deg
+        return True
 
     def _record(self, visit: Visit, measured: Measurement) -> None:
         command, target, reported = visit.command, visit.moves[-1], measured.reported
@@ -157,7 +165,7 @@ class _ReflectorCampaign:
                 "theta1_deg": command.theta1_deg,
                 "theta2_deg": command.theta2_deg,
                 "j3_mm": target[2],
-                "j4_deg": target[3],
+                "j4_deg": self._j4_deg,
                 "reported1_deg": reported[0],
                 "reported2_deg": reported[1],
                 "reported3_mm": reported[2],
