@@ -109,7 +109,7 @@ def _records(path: Path) -> Iterator[tuple[int, Mapping[str, str]]]:
     lines = _lines(path)
     header: list[str] | None = None
     for number, line in lines:
-        cells = next(csv.reader([line]))
+        cells = _cells(path, number, line)
         if header is None:
             header = [cell.strip() for cell in cells]
             _require_columns(path, number, header)
@@ -121,6 +121,13 @@ def _records(path: Path) -> Iterator[tuple[int, Mapping[str, str]]]:
         yield number, {name: cell.strip() for name, cell in zip(header, cells, strict=True)}
     if header is None:
         raise UsageError(f"{path}: is empty; the first line has to be the header {','.join(COLUMNS)}")
+
+
+def _cells(path: Path, number: int, line: str) -> list[str]:
+    try:
+        return next(csv.reader([line]))
+    except csv.Error as error:
+        raise UsageError(f"{path}:{number}: a value is too long for a points file: {error}") from error
 
 
 def _lines(path: Path) -> Iterator[tuple[int, str]]:

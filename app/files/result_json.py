@@ -4,10 +4,10 @@ import json
 import math
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Annotated, Literal
+from typing import Annotated, Literal, Self
 
 import numpy as np
-from pydantic import BaseModel, ConfigDict, Field, ValidationError
+from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
 
 from app.errors import UsageError
 from app.files.atomic import write_atomically
@@ -23,6 +23,17 @@ class _Part(BaseModel):
     model_config = ConfigDict(frozen=True, extra="ignore")
 
 
+class _Columns(_Part):
+    """Columns of a table."""
+
+    @model_validator(mode="after")
+    def _equally_long(self) -> Self:
+        lengths = {name: len(getattr(self, name)) for name in type(self).model_fields}
+        if len(set(lengths.values())) > 1:
+            raise ValueError(f"the columns differ in length: {lengths}")
+        return self
+
+
 class Estimate(_Part):
     """A value with its standard uncertainty (k = 1)."""
 
@@ -30,7 +41,7 @@ class Estimate(_Part):
     u: Finite
 
 
-class MapTable(_Part):
+class MapTable(_Columns):
     """A bidirectional map at its nodes."""
 
     node_deg: list[Finite]
@@ -101,7 +112,7 @@ class Covariance(_Part):
     matrix: list[list[float]]
 
 
-class Residuals(_Part):
+class Residuals(_Columns):
     """Residual (predicted minus measured) of each distance, as columns."""
 
     reflector: list[str]

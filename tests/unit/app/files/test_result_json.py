@@ -1,0 +1,163 @@
+"""Result JSON: there and back, refusal of what is no result; files written whole or not at all."""
+
+import json
+import math
+from collections.abc import Callable
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from app.errors import StorageError, UsageError
+from app.files.atomic import write_atomically
+from app.files.result_json import Result, read_result, result_of, result_text, write_result
+from calibration.identification import identify
+from tests.unit.calibration.paper import (
+    MDEG,
+    NODES1_DEG,
+    NODES2_DEG,
+    NOMINAL_REFLECTORS,
+    paper_points,
+    random_truth,
+)
+
+
+@cache
+def result(model: str = "error-map") -> Result:
+    nodes = np.deg2rad(NODES1_DEG), np.deg2rad(NODES2_DEG)
+    points = paper_points(random_truth(3), sigma_mm=0.0156)
+    found = identify(
+        points,
+        "conventional" if model == "conventional" else "error-map",
+        *nodes,
+        325.0,
+        225.0,
+        NOMINAL_REFLECTORS,
+    )
+    return result_of(found, (325.0, 225.0), ["run-1"], "catseye 0", "2026-01-02T03:04:05+00:00")
+
+
+@pytest.mark.parametrize("model", ["conventional", "error-map"])
+def test_a_result_is_read_as_it_was_written(tmp_path: Path, model: str) -> None:
+    write_result(result(model), tmp_path / "r.json")
+    assert read_result(tmp_path / "r.json") == result(model)
+
+
+def test_units_and_names_are_those_of_the_format() -> None:
+    document, truth = json.loads(result_text(result())), random_truth(3)
+    assert document["format"] == "catseye-result/1"
+    assert document["gauge"] == "mean of theta1 map = 0"
+    assert document["link1_mm"]["value"] == pytest.approx(truth.link1_mm, abs=1e-9)
+    assert document["theta1_map"]["node_deg"] == NODES1_DEG
+    for name, table in (("theta1_map", truth.map1), ("theta2_map", truth.map2)):
+        for key, sign in (("positive_mdeg", 1), ("negative_mdeg", -1)):
+            assert document[name][key] == pytest.approx([v / MDEG for v in table[sign]], abs=1e-6)
+            assert all(u > 0.3 for u in document[name][f"u_{key}"])
+    assert document["reflectors"][1]["name"] == "P2"
+    assert document["reflectors"][1]["x_mm"]["value"] == pytest.approx(truth.reflectors[1, 0], abs=1e-6)
+    assert document["dead_paths"][2]["reflector"] == "P3"
+    assert (document["fit"]["n_points"], document["fit"]["n_parameters"]) == (1056, 48)
+    assert document["fit"]["dof"] == 1056 - 48
+    assert "theta20_mdeg" not in document
+
+
+def test_the_conventional_model_has_an_offset_and_no_maps() -> None:
+    document = json.loads(result_text(result("conventional")))
+    assert set(document["theta20_mdeg"]) == {"value", "u"}
+    assert "theta1_map" not in document
+    assert len(document["covariance"]["matrix"]) == 3
+
+
+def without(*path: str) -> Callable[[Any], None]:
+    def change(document: Any) -> None:
+        for key in path[:-1]:
+            document = document[key]
+        del document[path[-1]]
+
+    return change
+
+
+def replaced(value: object, *path: str) -> Callable[[Any], None]:
+    def change(document: Any) -> None:
+        for key in path[:-1]:
+            document = document[key]
+        document[path[-1]] = value
+
+    return change
+
+
+@pytest.mark.parametrize(
+    ("change", "part"),
+    [
+        (without("link1_mm"), "link1_mm: Field required"),
+        (replaced("catseye-result/2", "format"), "format"),
+        (replaced("spline", "model"), "model"),
+        (replaced(math.nan, "link1_mm", "value"), "link1_mm.value"),
+        (replaced("long", "link2_mm", "u"), "link2_mm.u"),
+        (replaced([0.0], "theta1_map", "positive_mdeg"), "theta1_map"),
+        (without("theta2_map", "node_deg"), "theta2_map.node_deg"),
+        (replaced([1.0, 2.0], "residuals", "residual_um"), "residuals"),
+    ],
+)
+def test_a_file_that_is_no_result_is_refused_with_the_key(
+    tmp_path: Path, change: Callable[[Any], None], part: str
+) -> None:
+    document = json.loads(result_text(result()))
+    change(document)
+    path = tmp_path / "r.json"
+    path.write_text(json.dumps(document), encoding="utf-8")
+    with pytest.raises(UsageError) as caught:
+        read_result(path)
+    assert f"{path}: is no catseye-result/1 file" in str(caught.value)
+    assert part in str(caught.value)
+
+
+def test_keys_of_later_versions_are_left_aside(tmp_path: Path) -> None:
+    document = {**json.loads(result_text(result())), "colour": "blue"}
+    (tmp_path / "r.json").write_text(json.dumps(document), encoding="utf-8")
+    assert read_result(tmp_path / "r.json") == result()
+
+
+def test_files_that_cannot_be_read_are_told(tmp_path: Path) -> None:
+    with pytest.raises(UsageError, match="there is no such file"):
+        read_result(tmp_path / "none.json")
+    with pytest.raises(UsageError, match="cannot be read"):
+        read_result(tmp_path)
+    (tmp_path / "r.json").write_bytes(b"\xff\xfe")
+    with pytest.raises(UsageError, match="cannot be read"):
+        read_result(tmp_path / "r.json")
+    (tmp_path / "r.json").write_text('{"format": ', encoding="utf-8")
+    with pytest.raises(UsageError, match="Invalid JSON"):
+        read_result(tmp_path / "r.json")
+
+
+def test_a_file_is_written_whole_over_an_old_one(tmp_path: Path) -> None:
+    path = tmp_path / "r.txt"
+    path.write_text("old and longer", encoding="utf-8")
+    write_atomically(path, "µm\n")
+    assert path.read_bytes() == b"\xc2\xb5m\n"
+    assert [p.name for p in tmp_path.iterdir()] == ["r.txt"]
+
+
+@pytest.mark.parametrize("name", ["absent/r.txt", "folder", "x" * 300])
+def test_a_place_that_takes_no_file_leaves_nothing_behind(tmp_path: Path, name: str) -> None:
+    (tmp_path / "folder").mkdir()
+    with pytest.raises(StorageError, match=r"cannot be written: .*check the folder"):
+        write_atomically(tmp_path / name, "text")
+    assert [p.name for p in tmp_path.rglob("*")] == ["folder"]
+
+
+def test_a_disk_that_refuses_leaves_the_old_file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    path = tmp_path / "r.txt"
+    path.write_text("old", encoding="utf-8")
+
+    def refuse(_fd: int) -> None:
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr("os.fsync", refuse)
+    with pytest.raises(StorageError, match=r"r\.txt: cannot be written: No space left"):
+        write_atomically(path, "new")
+    assert path.read_text(encoding="utf-8") == "old"
+    assert [p.name for p in tmp_path.iterdir()] == ["r.txt"]
