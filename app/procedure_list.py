@@ -65,7 +65,7 @@ def load_procedure(name: str) -> Runnable:
         return cast(Runnable, entry.load()())
     names = procedure_names()
     close = difflib.get_close_matches(name, names, n=1, cutoff=0.4)
-    meant = f"; did you mean {close[0]}?" if close else ""
+    meant = f"; did you mean {close[0]}?" if close else "."
     raise UsageError(f"there is no procedure {name!r}{meant} Installed are: {', '.join(names)}")
 
 
