@@ -19,10 +19,12 @@ class Aim:
     Attributes:
         bench: the bench, aimed.
         source: name of the search run, or "cell file".
+        simulated: whether that search was made on emulated devices; None without a search.
     """
 
     bench: Bench
     source: str
+    simulated: bool | None = None
 
 
 def find_aim(bench: Bench, root: Path, wanted: str = "auto") -> Aim:
@@ -31,20 +33,26 @@ def find_aim(bench: Bench, root: Path, wanted: str = "auto") -> Aim:
     Args:
         bench: as the cell file describes it.
         root: folder of all runs.
-        wanted: "auto" takes the newest complete search of this cell, "none" the cell file's rough places,
-            anything else names a search run.
+        wanted: "auto" takes the newest complete search of this cell with these rough places, "none" the cell
+            file's rough places, anything else names a search run.
 
     Raises:
-        UsageError: the named run is no complete search of this cell.
+        UsageError: the named run is no complete search, or one of other reflectors.
     """
     if wanted == "none":
         return Aim(bench, "cell file")
     if wanted == "auto":
-        found = _newest(root, bench.name)
+        found = _newest(root, bench)
         return Aim(bench, "cell file") if found is None else _aimed(bench, found)
     path = resolve_run(root, wanted)
-    if _solution(RunReader(path)) is None:
+    reader = RunReader(path)
+    if _solution(reader) is None:
         raise UsageError(f"{path.name} is no complete reflector search; search first: catseye run {SEARCH}")
+    if not _same_places(bench, reader):
+        raise UsageError(
+            f"{path.name} searched reflectors at other rough places than the cell file's: search again, or plan with "
+            "--search none"
+        )
     return _aimed(bench, path)
 
 
@@ -53,21 +61,30 @@ def search_result(path: Path) -> dict[str, Any] | None:
     return _solution(RunReader(path))
 
 
-def _newest(root: Path, cell: str) -> Path | None:
+def _newest(root: Path, bench: Bench) -> Path | None:
     for run in reversed(list_runs(root)):
         if run.procedure == SEARCH and run.status == "complete":
             reader = RunReader(run.path)
-            if reader.meta.get("cell") == cell and _solution(reader) is not None:
+            if reader.meta.get("cell") == bench.name and _solution(reader) and _same_places(bench, reader):
                 return run.path
     return None
 
 
+def _same_places(bench: Bench, reader: RunReader) -> bool:
+    """Return whether a search looked for the reflectors of this bench where this bench's cell file has them."""
+    configuration: Any = reader.meta.get("configuration") or {}
+    searched = {row["name"]: (row["x_mm"], row["y_mm"]) for row in configuration.get("reflector", ())}
+    return searched == {reflector.name: (reflector.x_mm, reflector.y_mm) for reflector in bench.reflectors}
+
+
 def _aimed(bench: Bench, path: Path) -> Aim:
-    solution = _solution(RunReader(path))
+    reader = RunReader(path)
+    solution = _solution(reader)
     if solution is None:
         raise UsageError(f"{path.name} holds no result of a search")
     places = {place["name"]: (place["x_mm"], place["y_mm"]) for place in solution["reflectors"]}
-    return Aim(bench.aimed(places, solution["theta40_deg"]), path.name)
+    simulated = bool(reader.meta.get("simulated"))
+    return Aim(bench.aimed(places, solution["theta40_deg"]), path.name, simulated)
 
 
 def _solution(reader: RunReader) -> dict[str, Any] | None:

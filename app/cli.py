@@ -4,6 +4,7 @@ Each command imports what it needs when it runs: help and completion stay fast.
 """
 
 import os
+import signal
 import sys
 from pathlib import Path
 from typing import Annotated, Any, Literal
@@ -48,7 +49,9 @@ AsJson = Annotated[bool, typer.Option("--json", help="machine-readable output on
 Runs = Annotated[
     Path | None, typer.Option("--runs", help="folder of all runs [$CATSEYE_RUNS, else ./catseye-runs]")
 ]
-Speed = Annotated[float, typer.Option(min=0.001, help="bench seconds in one real second; emulators only")]
+Speed = Annotated[
+    float, typer.Option(min=0.001, max=1e6, help="bench seconds in one real second; emulators only")
+]
 Seed = Annotated[int, typer.Option(min=0, help="of everything random in the emulated bench")]
 Truth = Annotated[
     Path | None, typer.Option(help="result JSON with the emulated arm's true links, maps, reflectors")
@@ -106,17 +109,25 @@ def config_show(file: CellFile, as_json: AsJson = False) -> None:
 @config.command("schema")
 def config_schema(
     file: Annotated[
-        Path | None, typer.Argument(metavar="[FILE]", help="write to this file instead of stdout")
+        Path | None, typer.Argument(metavar="[FILE]", help="a cell file; one schema fits all")
     ] = None,
 ) -> None:
-    """Print the JSON schema of the cell file, for editors."""
+    """Print the JSON schema of the cell file on stdout, for editors."""
     from app.commands.config import schema_command
 
     schema_command(file)
 
 
 @cli.command()
-def emulate(file: CellFile, speed: Speed = 1.0, seed: Seed = 2, truth: Truth = None) -> None:
+def emulate(
+    file: CellFile,
+    speed: Speed = 1.0,
+    seed: Seed = 2,
+    truth: Truth = None,
+    end_with_stdin: Annotated[
+        bool, typer.Option(help="end when stdin closes, for programs that start it")
+    ] = False,
+) -> None:
     """Emulate every device of a cell file on its endpoints until Ctrl-C.
 
     One JSON line per endpoint is printed when it is ready; port 0 picks a free port.
@@ -125,7 +136,7 @@ def emulate(file: CellFile, speed: Speed = 1.0, seed: Seed = 2, truth: Truth = N
     """
     from app.commands.emulate import emulate_command
 
-    emulate_command(file, speed, seed, truth)
+    emulate_command(file, speed, seed, truth, end_with_stdin)
 
 
 @cli.command()
@@ -265,7 +276,9 @@ def main() -> None:
     os.environ.setdefault("OMP_NUM_THREADS", "1")
     try:
         cli()
-    except Exception as error:  # noqa: BLE001 - the outermost frame: what arrives here is told and ends the process
+    except (Exception, KeyboardInterrupt) as error:  # noqa: BLE001 - the outermost frame tells and ends the process
+        # The process is ending anyway; another Ctrl-C must not cut the sentence short.
+        signal.signal(signal.SIGINT, signal.SIG_IGN)
         from app.failure import tell
 
         sys.exit(tell(error))

@@ -1,17 +1,23 @@
 """The whole job on emulated hardware over real sockets."""
 
+import asyncio
 import json
-from collections.abc import Callable
+import signal
+import tomllib
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 from app.cell.load import LoadedCell, load_cell
+from app.cell.model import Cell
 from app.cell.template import TEMPLATE
-from app.emulation import EmulatorProcess, emulator_process, fetch_truth
+from app.emulation import EmulatorProcess, emulation_config, emulator_process, fetch_truth
 from app.engine.announcer import Publish
 from app.engine.host import RunOutcome
-from app.errors import CatseyeError, UsageError
+from app.engine.signals import loop_signals
+from app.errors import CatseyeError, InterruptedRunError, TerminatedRunError, UsageError
 from app.exitcode import ExitCode
 from app.files.atomic import write_atomically
 from app.files.points_csv import points_csv
@@ -26,11 +32,12 @@ from app.identifying import (
 )
 from app.path_rows import path_measurement
 from app.procedure_list import load_procedure, parse_params
-from app.running import carry_out, plan_run
+from app.running import PlannedRun, carry_out, plan_run
 from app.store.reader import RunReader
 from app.truth import TruthComparison, compare_with_truth
 from app.validation import PathValidation, validate_on_path
 from calibration.layout import ModelName
+from simulators.truth import load_truth
 
 _PORTS = ("10001", "10002", "10502", "10099")
 _JOBS: tuple[tuple[str, tuple[str, ...]], ...] = (
@@ -41,11 +48,46 @@ _JOBS: tuple[tuple[str, tuple[str, ...]], ...] = (
 
 
 class DemoInterruptedError(CatseyeError):
-    """A run of the demo did not complete."""
+    """A run of the demo did not complete.
+
+    Args:
+        outcome: how it ended.
+    """
 
     def __init__(self, outcome: RunOutcome) -> None:
         super().__init__(f"the demo ends here: run {outcome.path.name} is {outcome.status}: {outcome.text}")
-        self.exit_code = outcome.exit_code  # type: ignore[misc] # the run's own code, not one of the class
+        self.outcome = outcome
+
+
+class _Signals:
+    """Delivers signals to the run under way, and ends the demo between runs."""
+
+    def __init__(self) -> None:
+        self._demo = asyncio.current_task()
+        self._run: Callable[[int], None] | None = None
+        self.ended_by: int | None = None
+
+    def deliver(self, number: int) -> None:
+        """Take a signal of the process."""
+        if self._run is not None:
+            self._run(number)
+        elif number != signal.SIGUSR1 and self._demo is not None:
+            self.ended_by = number
+            self._demo.cancel()
+
+    @contextmanager
+    def to_run(self, on_signal: Callable[[int], None]) -> Iterator[None]:
+        """Let a run have the signals while it is under way."""
+        self._run = on_signal
+        try:
+            yield
+        finally:
+            self._run = None
+
+    def error(self) -> CatseyeError:
+        """Return what the signal between two runs means."""
+        text = "the demo was ended between two runs; no robot was moving"
+        return InterruptedRunError(text) if self.ended_by == signal.SIGINT else TerminatedRunError(text)
 
 
 @dataclass(frozen=True)
@@ -84,7 +126,27 @@ async def measure(
 
     Raises:
         DemoInterruptedError: a run did not complete.
+        InterruptedRunError: Ctrl-C between two runs.
+        TerminatedRunError: SIGTERM or SIGHUP between two runs.
     """
+    signals = _Signals()
+    with loop_signals(signals.deliver):
+        try:
+            return await _measure(folder, speed, seed, truth, publish, signals)
+        except asyncio.CancelledError:
+            if signals.ended_by is None:
+                raise
+            raise signals.error() from None
+
+
+async def _measure(
+    folder: Path,
+    speed: float,
+    seed: int,
+    truth: Path | None,
+    publish: Callable[[str], Publish],
+    signals: _Signals,
+) -> dict[str, Path]:
     emulated = folder / "emulator.toml"
     write_atomically(emulated, _with_ports(TEMPLATE, ["0"] * len(_PORTS)))
     async with emulator_process(emulated, speed, seed, truth) as process:
@@ -93,20 +155,19 @@ async def measure(
         write_atomically(folder / "truth.json", json.dumps(document, indent=1) + "\n")
         runs: dict[str, Path] = {}
         for name, params in _JOBS:
-            outcome = await _run(loaded, name, list(params), folder / "runs", publish(name), speed)
+            planned = _planned(loaded, name, list(params), folder / "runs")
+            outcome = await carry_out(
+                planned, folder / "runs", publish(name), speed=speed, install_signals=signals.to_run
+            )
+            if outcome.exit_code != ExitCode.DONE:
+                raise DemoInterruptedError(outcome)
             runs[name] = outcome.path
         return runs
 
 
-async def _run(
-    loaded: LoadedCell, name: str, params: list[str], root: Path, publish: Publish, speed: float
-) -> RunOutcome:
+def _planned(loaded: LoadedCell, name: str, params: list[str], root: Path) -> PlannedRun:
     procedure = load_procedure(name)
-    planned = plan_run(loaded, procedure, parse_params(procedure.params_type, params), root, "auto")
-    outcome = await carry_out(planned, root, publish, speed=speed)
-    if outcome.exit_code != ExitCode.DONE:
-        raise DemoInterruptedError(outcome)
-    return outcome
+    return plan_run(loaded, procedure, parse_params(procedure.params_type, params), root, "auto")
 
 
 def evaluate(folder: Path, runs: dict[str, Path]) -> DemoResult:
@@ -134,12 +195,15 @@ def evaluate(folder: Path, runs: dict[str, Path]) -> DemoResult:
     )
 
 
-def prepare_folder(folder: Path) -> None:
-    """Make the demo's folder.
+def prepare_folder(folder: Path, seed: int, truth: Path | None) -> None:
+    """Look at the truth file, then make the demo's folder.
 
     Raises:
-        UsageError: it cannot be made.
+        EmulatorError: the truth file cannot be used; nothing is written.
+        UsageError: the folder cannot be made.
     """
+    if truth is not None:
+        load_truth(truth, emulation_config(Cell.model_validate(tomllib.loads(TEMPLATE)), 1.0, seed, truth))
     try:
         folder.mkdir(parents=True, exist_ok=True)
     except OSError as error:

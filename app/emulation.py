@@ -3,11 +3,12 @@
 import asyncio
 import json
 import sys
+import tempfile
 from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, BinaryIO
 
 from app.cell.model import Cell
 from app.errors import ConfigError, LinkFailedError
@@ -89,21 +90,24 @@ async def emulator_process(
     arguments = ["emulate", str(cell_path), "--speed", f"{speed:g}", "--seed", str(seed)]
     if truth is not None:
         arguments += ["--truth", str(truth)]
-    process = await asyncio.create_subprocess_exec(
-        sys.executable,
-        "-m",
-        "app",
-        *arguments,
-        stdin=asyncio.subprocess.DEVNULL,
-        stdout=asyncio.subprocess.PIPE,
-        stderr=asyncio.subprocess.PIPE,
-        # A Ctrl-C in the terminal goes to the program, which stops the robot before the emulator ends.
-        start_new_session=True,
-    )
-    try:
-        yield EmulatorProcess(await _endpoints(process), process)
-    finally:
-        await _end(process)
+    with tempfile.TemporaryFile() as said:
+        process = await asyncio.create_subprocess_exec(
+            sys.executable,
+            "-m",
+            "app",
+            *arguments,
+            "--end-with-stdin",
+            # The pipe closes with this process, however it ends, and the emulator with the pipe.
+            stdin=asyncio.subprocess.PIPE,
+            stdout=asyncio.subprocess.PIPE,
+            stderr=said,
+            # A Ctrl-C in the terminal goes to the program, which stops the robot before the emulator ends.
+            start_new_session=True,
+        )
+        try:
+            yield EmulatorProcess(await _endpoints(process, said), process)
+        finally:
+            await _end(process)
 
 
 async def fetch_truth(control: str) -> dict[str, Any]:
@@ -131,17 +135,18 @@ async def fetch_truth(control: str) -> dict[str, Any]:
     return truth
 
 
-async def _endpoints(process: asyncio.subprocess.Process) -> dict[str, str]:
+async def _endpoints(process: asyncio.subprocess.Process, stderr: BinaryIO) -> dict[str, str]:
     found: dict[str, str] = {}
-    stdout, stderr = process.stdout, process.stderr
-    if stdout is None or stderr is None:
-        raise LinkFailedError("the emulator was started without pipes")
+    stdout = process.stdout
+    if stdout is None:
+        raise LinkFailedError("the emulator was started without a pipe")
     try:
         async with asyncio.timeout(_READY_TIMEOUT_S):
             while not set(_DEVICES) <= set(found):
                 line = await stdout.readline()
                 if not line:
-                    said = (await stderr.read()).decode(errors="replace").strip()
+                    stderr.seek(0)
+                    said = stderr.read().decode(errors="replace").strip()
                     raise LinkFailedError(f"the emulator did not start: {said or 'it said nothing'}")
                 served = json.loads(line)
                 found[served["device"]] = served["endpoint"]

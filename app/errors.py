@@ -8,8 +8,9 @@ from typing import ClassVar
 
 from app.exitcode import ExitCode
 from calibration.errors import CalibrationError, MapRangeError, OutOfReachError
-from drivers.errors import AlarmError, DeviceError, ProfileError
+from drivers.errors import AlarmError, DeviceError, NotReadyError, ProfileError
 from procedures.errors import PlanError, PlanLimitError, ProcedureError
+from simulators.errors import EmulatorError
 
 
 class CatseyeError(Exception):
@@ -89,6 +90,8 @@ _FOREIGN: tuple[tuple[type[BaseException], ExitCode], ...] = (
     (PlanError, ExitCode.USAGE),
     (ProcedureError, ExitCode.REJECTED),
     (AlarmError, ExitCode.SAFETY),
+    (NotReadyError, ExitCode.SAFETY),
+    (EmulatorError, ExitCode.USAGE),
     (ProfileError, ExitCode.USAGE),
     (DeviceError, ExitCode.DEVICE),
     (TimeoutError, ExitCode.TIMEOUT),

@@ -25,12 +25,16 @@ def tell(error: BaseException) -> int:
 
 
 def _texts(error: BaseException) -> list[str]:
+    if isinstance(error, KeyboardInterrupt):
+        return ["interrupted"]
     if isinstance(error, BaseExceptionGroup):
         return [text for inner in error.exceptions for text in _texts(inner)]
     return [str(error)]
 
 
 def _is_ours(error: BaseException) -> bool:
+    if isinstance(error, KeyboardInterrupt):
+        return True
     if isinstance(error, BaseExceptionGroup):
         return all(_is_ours(inner) for inner in error.exceptions)
     rooms = {"app", "calibration", "drivers", "procedures", "simulators"}

@@ -1,6 +1,8 @@
 """From stored points to an identified arm."""
 
+import math
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from datetime import UTC, datetime
 from pathlib import Path
 
@@ -18,7 +20,10 @@ from app.version import SOFTWARE
 from calibration.budget import RadialBudget
 from calibration.identification import Identification, identify
 from calibration.layout import ModelName
-from procedures.bench import Bench
+from procedures.bench import Bench, Reflector
+
+_SAME_PLACE_MM = 2.0
+"""Two searches find one and the same place to much better than this."""
 
 MODELS: tuple[ModelName, ...] = ("conventional", "error-map")
 
@@ -107,13 +112,15 @@ def identified_result(identified: Identification, bench: Bench, sources: list[st
 
 
 def bench_of_runs(readers: Sequence[RunReader], root: Path) -> Bench:
-    """Return the bench that runs were made on, with the aim of the first one.
+    """Return the bench that runs were made on, with the reflectors of all of them.
 
     Raises:
-        UsageError: the runs were made with different nodes or arms.
+        UsageError: a run is given twice, or the runs do not belong together: other nodes or arms, one name for
+            reflectors at different places, emulated and real devices.
     """
-    benches = [bench_of(cell_of_run(reader)) for reader in readers]
+    benches = [_aimed_bench(reader, root) for reader in readers]
     first = benches[0]
+    _require_one_world(readers)
     for reader, bench in zip(readers, benches, strict=True):
         same = (bench.arm.link1_mm, bench.arm.link2_mm, bench.nodes1_deg, bench.nodes2_deg)
         if same != (first.arm.link1_mm, first.arm.link2_mm, first.nodes1_deg, first.nodes2_deg):
@@ -121,7 +128,35 @@ def bench_of_runs(readers: Sequence[RunReader], root: Path) -> Bench:
                 f"{reader.path.name} was made with other links or nodes than {readers[0].path.name}; "
                 "identify them one by one"
             )
-    source = str(readers[0].meta.get("aim", "cell file"))
+    return replace(first, reflectors=_all_reflectors(readers, benches))
+
+
+def _aimed_bench(reader: RunReader, root: Path) -> Bench:
+    bench, source = bench_of(cell_of_run(reader)), str(reader.meta.get("aim", "cell file"))
     if source == "cell file" or not (root / source).is_dir():
-        return first
-    return find_aim(first, root, source).bench
+        return bench
+    return find_aim(bench, root, source).bench
+
+
+def _require_one_world(readers: Sequence[RunReader]) -> None:
+    names = [reader.path.resolve() for reader in readers]
+    for name in names:
+        if names.count(name) > 1:
+            raise UsageError(f"{name.name} is given twice; its distances would count as independent repeats")
+    if len({bool(reader.meta.get("simulated")) for reader in readers}) > 1:
+        raise UsageError(
+            "some of the runs were made on emulated devices and some on real ones; do not mix them"
+        )
+
+
+def _all_reflectors(readers: Sequence[RunReader], benches: Sequence[Bench]) -> tuple[Reflector, ...]:
+    found: dict[str, Reflector] = {}
+    for reader, bench in zip(readers, benches, strict=True):
+        for reflector in bench.reflectors:
+            known = found.setdefault(reflector.name, reflector)
+            if math.hypot(known.x_mm - reflector.x_mm, known.y_mm - reflector.y_mm) > _SAME_PLACE_MM:
+                raise UsageError(
+                    f"reflector {reflector.name} stands somewhere else in {reader.path.name} than in "
+                    f"{readers[0].path.name}: a reflector that was moved needs a name of its own"
+                )
+    return tuple(found.values())

@@ -36,6 +36,7 @@ class PlannedRun:
         bench: nominal arm and aim.
         plan: the procedure's own plan.
         aim: where the aim comes from.
+        aim_simulated: whether that was a search on emulated devices; None without a search.
     """
 
     loaded: LoadedCell
@@ -44,6 +45,7 @@ class PlannedRun:
     bench: Bench
     plan: Any
     aim: str
+    aim_simulated: bool | None
 
 
 def plan_run(
@@ -64,7 +66,7 @@ def plan_run(
     """
     aim = find_aim(bench_of(loaded.cell), root, search if procedure.needs_aim else "none")
     plan = procedure.plan(aim.bench, params)
-    return PlannedRun(loaded, procedure, params, aim.bench, plan, aim.source)
+    return PlannedRun(loaded, procedure, params, aim.bench, plan, aim.source, aim.simulated)
 
 
 async def carry_out(
@@ -100,6 +102,7 @@ async def carry_out(
         arm=arm,
         answers=_answers(answers),
         clock_speed=speed,
+        aim_simulated=planned.aim_simulated,
     )
     return await run_procedure(request, device_builder(cell, clock), clock, publish, install_signals)
 

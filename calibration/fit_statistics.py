@@ -100,6 +100,8 @@ class WeightedFit:
         effects: weighted effects of systematic contributors that the fit leaves over, shape (n, m).
         free: number of free parameters.
         iterations: steps of the solver.
+        bidirectional: the model knows directions of approach; otherwise only visits from the same directions are
+            repeats.
     """
 
     points: Points
@@ -108,6 +110,7 @@ class WeightedFit:
     effects: Floats
     free: int
     iterations: int
+    bidirectional: bool = True
 
     @property
     def weights(self) -> Floats:
@@ -220,7 +223,7 @@ def _judged(
     dof_model, dof_pure = dofs
     ratio = lack_square / pure_square
     expected_ratio = (lack.mean / dof_model) / (scatter.mean / dof_pure)
-    poses = int(_pose_groups(fit.points).max()) + 1
+    poses = int(_pose_groups(fit).max()) + 1
     unit_um = 1e3 / float(np.sqrt(np.mean(fit.weights**2)))
     systematic = max(lack_square - pure_square, 0.0) * poses / len(fit.points)
     return LackOfFit(
@@ -236,12 +239,15 @@ def _judged(
     )
 
 
-def _pose_groups(points: Points) -> Ints:
-    """Return the number of each point's (reflector, dead path, θ1, θ2), shape (n,)."""
+def _pose_groups(fit: WeightedFit) -> Ints:
+    """Return the number of what each point repeats: reflector, dead path, θ1, θ2, shape (n,)."""
+    points, commands = fit.points, fit.points.commands
     key = np.zeros(len(points), dtype=np.int64)
-    commands = points.commands
-    columns = (np.round(commands.theta1_rad, 9), np.round(commands.theta2_rad, 9), points.dead_path)
-    for column in (points.reflector, *columns):
+    columns = [points.reflector, points.dead_path]
+    columns += [np.round(commands.theta1_rad, 9), np.round(commands.theta2_rad, 9)]
+    if not fit.bidirectional:
+        columns += [commands.direction1, commands.direction2]
+    for column in columns:
         values, number = np.unique(column, return_inverse=True)
         key = key * values.size + number
     return np.asarray(np.unique(key, return_inverse=True)[1], dtype=np.int64)
@@ -253,7 +259,7 @@ def _within_poses(fit: WeightedFit) -> tuple[Floats, int]:
     Returns:
         Residuals in the first column, systematic effects in the others, shape (n, 1 + m); and the rank.
     """
-    group, weights = _pose_groups(fit.points), fit.weights
+    group, weights = _pose_groups(fit), fit.weights
     stacked = np.column_stack([fit.jacobian, fit.residuals, fit.effects])
     within = stacked - weights[:, None] * _levels(stacked * weights[:, None], weights**2, group)[group]
     n_parameters = fit.jacobian.shape[1]

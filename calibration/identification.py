@@ -104,6 +104,7 @@ def _judge(
         effects - jacobian @ shifts,
         basis.shape[1],
         solution.iterations,
+        bidirectional=layout.model == "error-map",
     )
     fit = fit_statistics(weighted)
     covariance = fit.variance_factor * (white + shifts @ shifts.T)

@@ -9,6 +9,7 @@ from calibration.kinematics import forward, wrap_rad
 from calibration.pointing import beam_direction, visible
 from procedures.bench import Bench, Reflector
 from procedures.errors import PlanError
+from procedures.free_way import require_free_way
 from procedures.tracking import aimed_j4
 
 Floats = NDArray[np.float64]
@@ -93,6 +94,7 @@ def plan_search(
         chosen += [
             _pose(pose, bench, reflector) for pose in usable[_spread(_positions(usable, bench), poses)]
         ]
+    require_free_way(np.array([[pose.theta1_deg, pose.theta2_deg] for pose in chosen]), bench)
     nearest = min(pose.beam_mm for pose in chosen)
     later = min(half_range_deg, float(np.rad2deg(2.0 * rough_place_mm / nearest)))
     return SearchPlan(bench, bench.reflectors, tuple(chosen), half_range_deg, later, tuple(positions))

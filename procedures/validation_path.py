@@ -11,7 +11,8 @@ from calibration.kinematics import Hand, inverse
 from procedures.bench import Bench
 from procedures.context import Context, Row
 from procedures.devices import Joints
-from procedures.errors import PlanLimitError
+from procedures.errors import PlanError, PlanLimitError
+from procedures.free_way import require_free_way
 from procedures.motion_time import move_time_s
 
 _REST_RAD = 1e-9
@@ -81,7 +82,10 @@ def plan_path(
     Raises:
         OutOfReachError: a point of the path is out of reach.
         PlanLimitError: a joint leaves its limits.
+        PlanError: both ends of the path are the same.
     """
+    if y_from_mm == y_to_mm:
+        raise PlanError(f"the path begins and ends at y = {y_from_mm:g} mm; give two different ends")
     count = max(2, int(np.ceil(abs(y_to_mm - y_from_mm) / step_mm)) + 1)
     there = np.linspace(y_from_mm, y_to_mm, count)
     y = np.concatenate([there, there[::-1]])
@@ -93,6 +97,7 @@ def plan_path(
     )
     run_in = np.rad2deg(theta[0]) - bench.take_up_deg * directions[0]
     _require_limits(np.vstack([run_in, np.rad2deg(theta)]), bench)
+    require_free_way(np.vstack([run_in, np.rad2deg(theta)]), bench)
     points = tuple(
         PathPoint(float(p[0]), float(p[1]), float(t[0]), float(t[1]), int(d[0]), int(d[1]))
         for p, t, d in zip(xy, np.rad2deg(theta), directions, strict=True)

@@ -52,7 +52,7 @@ class Robot(Section):
     link1_mm: Positive
     link2_mm: Positive
     j3_mm: Finite = 0.0
-    override_cap_percent: Annotated[float, Field(gt=0.0, le=100.0, allow_inf_nan=False)] = 20.0
+    override_cap_percent: Annotated[float, Field(ge=1.0, le=100.0, allow_inf_nan=False)] = 20.0
     # The sheet gives the speeds of J1, J2, J4 from memory of a catalogue: they serve the time estimate only.
     speed_deg_s: Triple = [420.0, 720.0, 3000.0]
     acceleration_deg_s2: Triple = [2000.0, 4000.0, 15000.0]

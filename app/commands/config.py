@@ -7,8 +7,10 @@ from app.cell.load import load_cell
 from app.cell.model import Cell
 from app.cell.template import TEMPLATE
 from app.commands.output import emit, emit_json, say
-from app.errors import UsageError
+from app.errors import ConfigError, UsageError
 from app.files.atomic import write_atomically
+from app.instruments import device_builder
+from drivers.clock import SystemClock
 
 
 def init_command(file: Path) -> None:
@@ -24,10 +26,23 @@ def init_command(file: Path) -> None:
 def validate_command(file: Path, as_json: bool) -> None:
     """Check a cell file."""
     loaded = load_cell(file)
+    usable = _trouble_with_devices(loaded.cell)
     if as_json:
-        emit_json({"file": str(file), "valid": True, "name": loaded.cell.name, "sha256": loaded.sha256})
+        facts = {"file": str(file), "valid": True, "name": loaded.cell.name, "sha256": loaded.sha256}
+        emit_json({**facts, "warnings": usable})
     else:
         say(f"{file}: cell {loaded.cell.name} is valid")
+    for text in usable:
+        say(f"warning: {text}")
+
+
+def _trouble_with_devices(cell: Cell) -> list[str]:
+    """Return what this installation cannot drive: an unknown driver or profile, a link that it does not have."""
+    try:
+        device_builder(cell, SystemClock())
+    except ConfigError as error:
+        return [str(error)]
+    return []
 
 
 def show_command(file: Path, as_json: bool) -> None:
@@ -49,12 +64,10 @@ def show_command(file: Path, as_json: bool) -> None:
 
 
 def schema_command(file: Path | None) -> None:
-    """Print the JSON schema."""
-    text = json.dumps(Cell.model_json_schema(), indent=2, ensure_ascii=False)
-    if file is None:
-        emit(text)
-    else:
-        write_atomically(file, text + "\n")
+    """Print the JSON schema; a file that is named has to be there, and is left as it is."""
+    if file is not None and not file.is_file():
+        raise UsageError(f"{file}: there is no such file; the schema needs none: catseye config schema")
+    emit(json.dumps(Cell.model_json_schema(), indent=2, ensure_ascii=False))
 
 
 def _flat(value: object, prefix: str = "") -> dict[str, object]:

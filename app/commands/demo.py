@@ -1,24 +1,29 @@
 """demo: the whole job, told as it goes and summed up at the end."""
 
 import asyncio
+import sys
 from pathlib import Path
 
 from app.commands.narrator import Narrator
 from app.commands.output import emit, emit_json, say, table
-from app.demo import DemoResult, evaluate, measure, prepare_folder
+from app.demo import DemoInterruptedError, DemoResult, evaluate, measure, prepare_folder
 from app.engine.announcer import Publish
 from app.validation import ModelOnPath
 
 
 def demo_command(out: Path, speed: float, seed: int, truth: Path | None, as_json: bool) -> None:
     """Measure, evaluate, report, sum up."""
-    prepare_folder(out)
+    prepare_folder(out, seed, truth)
     say(f"emulators at {speed:g} times real speed, seed {seed}; everything is written to {out}")
 
     def narrator(name: str) -> Publish:
         return Narrator(name, as_json=False).publish
 
-    runs = asyncio.run(measure(out, speed, seed, truth, narrator))
+    try:
+        runs = asyncio.run(measure(out, speed, seed, truth, narrator))
+    except DemoInterruptedError as ended:
+        say(f"catseye: {ended}")
+        sys.exit(int(ended.outcome.exit_code))
     say("identifying both models and comparing them with truth and validation path")
     result = evaluate(out, runs)
     say("drawing the report")

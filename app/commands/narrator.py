@@ -24,7 +24,7 @@ class Narrator:
     def publish(self, event: dict[str, Json]) -> None:
         """Tell an event."""
         if self._as_json:
-            emit_json(event)
+            self._emit(event)
         match event["event"]:
             case "progress":
                 self._bar.update(_number(event["done"]), _number(event["total"]), str(event["text"]))
@@ -40,6 +40,17 @@ class Narrator:
                 self._say(f"{event['state']}: {event['reason']}")
             case "run-ended":
                 self._say(f"run {event['status']}: {event['path']}")
+
+    def _emit(self, event: dict[str, Json]) -> None:
+        try:
+            emit_json(event)
+        except OSError:
+            # The engine holds the run when it hears of this; people are still told on stderr.
+            self._as_json = False
+            self._say(
+                f"stdout is gone; the run is held. kill -USR1 {os.getpid()} lets it go on, -TERM ends it"
+            )
+            raise
 
     def _say(self, text: str) -> None:
         self._bar.close()

@@ -3,6 +3,7 @@
 from pathlib import Path
 
 from app.commands.output import say
+from app.errors import UsageError
 from app.reporting import require_html, result_report, run_report
 from app.runs_folder import runs_folder
 from app.store.catalog import resolve_run
@@ -15,6 +16,8 @@ def report_command(source: str, output: Path, runs: Path | None) -> None:
     direct = Path(source)
     if direct.is_file():
         result_report(direct, output)
+    elif direct.suffix.lower() == ".json":
+        raise UsageError(f"{direct}: there is no such file")
     else:
         root = runs_folder(runs)
         path = resolve_run(root, source)

@@ -31,7 +31,8 @@ class Announcer:
         run: the run's name.
         clock: of the run.
         publish: the front end.
-        on_lost: called once when the front end is gone; nothing is published after that.
+        on_lost: called once when the front end is gone; what happens after that is still offered to it, since
+            part of a front end may live on.
     """
 
     def __init__(self, run: str, clock: Clock, publish: Publish, on_lost: Callable[[], None]) -> None:
@@ -43,11 +44,10 @@ class Announcer:
 
     def say(self, kind: Kind, /, **fields: Json) -> None:
         """Publish an event with the time and the run's name."""
-        if self._lost:
-            return
         event: dict[str, Json] = {"t": self._clock.now_utc().isoformat(), "event": kind, "run": self._run}
         try:
             self._publish({**event, **fields})
         except OSError:
-            self._lost = True
-            self._on_lost()
+            if not self._lost:
+                self._lost = True
+                self._on_lost()

@@ -121,14 +121,7 @@ class RunContext:
             LimitError: the target is outside the limits.
             SafetyError: the controller may not move.
         """
-        await self._control.motion(
-            lambda: self._gate.require(target, self._motion_group()), lambda: self._move(target)
-        )
-
-    def _motion_group(self) -> object:
-        """Return what the motions of one attempt at a step share until the run's state changes."""
-        step = self._step
-        return None if step is None else (step.step_id, step.attempt, self._control.changes)
+        await self._control.motion(lambda: self._gate.require(target), lambda: self._move(target))
 
     async def joints(self) -> Joints:
         """Return the reported joints."""

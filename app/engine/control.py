@@ -43,7 +43,6 @@ class RunControl:
         state: where the run stands.
         ending: why the run ends early, raised by every further checkpoint; None while it goes on.
         reports: how each halt ended.
-        changes: counts the transitions so far.
     """
 
     def __init__(
@@ -52,7 +51,6 @@ class RunControl:
         self.state = State.IDLE
         self.ending: CatseyeError | None = None
         self.reports: list[HaltReport] = []
-        self.changes = 0
         self._clock = clock
         self._on_change = on_change
         self._limits = limits or HaltLimits()
@@ -202,7 +200,6 @@ class RunControl:
     def _apply(self, event: Event, reason: str) -> None:
         result = transition(self.state, event)
         self.state = result.state
-        self.changes += 1
         for effect in result.effects:
             self._do(effect, event, reason)
         self._changed.set()
@@ -233,7 +230,9 @@ class RunControl:
             self._halting -= 1
         # An abort during a stop has a halt of its own: the last one to end says where the run stands.
         if self._halting == 0 and self.state not in ENDED:
-            self._apply(Event.ABORTED if self.state == State.ABORTING else Event.STOPPED, "the robot stands")
+            unconfirmed = [report.text for report in self.reports if not report.standstill]
+            reason = unconfirmed[-1] if unconfirmed else "the robot stands"
+            self._apply(Event.ABORTED if self.state == State.ABORTING else Event.STOPPED, reason)
 
     def _drop_command(self) -> None:
         if self._command is not None:

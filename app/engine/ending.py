@@ -7,7 +7,7 @@ from app.engine.control import RunControl
 from app.engine.states import State
 from app.errors import CatseyeError, LimitError, SafetyError, exit_code_of
 from app.exitcode import ExitCode
-from drivers.errors import AlarmError
+from drivers.errors import AlarmError, NotReadyError
 
 EndStatus = Literal["complete", "stopped", "aborted", "failed"]
 
@@ -45,7 +45,7 @@ COMPLETE = Ending("complete", ExitCode.DONE)
 def react(control: RunControl, error: Exception) -> None:
     """Bring the robot to rest after an error: what makes motion unsafe aborts, everything else stops."""
     fault = error if isinstance(error, CatseyeError) else DeviceFaultError(error)
-    if isinstance(error, AlarmError) or (
+    if isinstance(error, (AlarmError, NotReadyError)) or (
         isinstance(error, SafetyError) and not isinstance(error, LimitError)
     ):
         control.abort(fault)
@@ -59,7 +59,8 @@ def ending_of(control: RunControl, error: BaseException) -> Ending:
     code, text = exit_code_of(cause), str(cause) or type(cause).__name__
     troubles = [report.text for report in control.reports if not report.standstill]
     if troubles:
-        return Ending("aborted", ExitCode.SAFETY, "; ".join([text, *troubles]))
+        warning = "PRESS THE EMERGENCY STOP: standstill is not confirmed"
+        return Ending("aborted", ExitCode.SAFETY, "; ".join([warning, text, *troubles]))
     if control.state == State.ABORTED:
         return Ending("aborted", code, text)
     return Ending("stopped" if code == ExitCode.INTERRUPTED else "failed", code, text)

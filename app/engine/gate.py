@@ -62,7 +62,6 @@ class MotionGate:
         self._robot = robot
         self._limits = limits
         self._cap_percent = override_cap_percent
-        self._looked_at: object = None
 
     async def lower_override(self) -> float:
         """Bring the override down to the cap, never up; return what the controller reads back.
@@ -76,28 +75,17 @@ class MotionGate:
         self._require_override(percent)
         return percent
 
-    async def require(self, target: Joints, group: object = None) -> None:
-        """Check that a motion to a target may begin.
-
-        Limits are checked for every motion. The controller is looked at once for a group of motions, which belong
-        to one step and follow one another without a hold; its answers to the motions themselves tell of alarms.
-
-        Args:
-            target: where to.
-            group: what the motion belongs to; None looks afresh.
+    async def require(self, target: Joints) -> None:
+        """Check that a motion to a target may begin; the controller is looked at afresh for every one.
 
         Raises:
             LimitError: the target is outside the limits.
             SafetyError: the controller's state or override forbids motion.
         """
         self._limits.require(target)
-        if group is not None and group == self._looked_at:
-            return
-        self._looked_at = None
         status = await self._robot.status()
         require_ready(status)
         self._require_override(status.override_percent)
-        self._looked_at = group
 
     def _require_override(self, percent: float) -> None:
         # Written so that an override that reads NaN is refused too.

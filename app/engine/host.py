@@ -80,6 +80,7 @@ class RunRequest:
         reserve_bytes: free disk space needed.
         halt_limits: how long a halt may take, real time.
         teardown_limit_s: how long the teardown, and the closing of the devices, may take, real s.
+        aim_simulated: whether the search that the plan aims with was made on emulated devices; None without one.
         clock_speed: bench seconds in one real second; anything but 1 is for emulated devices only.
     """
 
@@ -99,6 +100,7 @@ class RunRequest:
     halt_limits: HaltLimits = field(default_factory=HaltLimits)
     teardown_limit_s: float = 60.0
     clock_speed: float = 1.0
+    aim_simulated: bool | None = None
 
 
 @dataclass(frozen=True)
@@ -203,11 +205,13 @@ class _Run:
         simulated = require_permission(identities, self._request.cell, self._request.arm)
         if not simulated and self._request.clock_speed != 1.0:
             raise UsageError("the devices are real: leave --speed out, real time cannot run faster")
+        self._require_same_world(simulated)
         facts: dict[str, Json] = {"devices": identities_as_json(identities), "simulated": simulated}
         await self._describe(facts, simulated)
         self._control.attach(devices.robot)
         gate = MotionGate(devices.robot, self._request.limits, self._request.override_cap_percent)
         await self._control.command(self._ready(devices, gate))
+        await self._tell_notes(devices)
         operator = Operator(self._clock, self._request.answers, self._request.answerer, simulated=simulated)
         self._context = RunContext(
             devices,
@@ -221,6 +225,23 @@ class _Run:
         )
         self._control.started()
         return self._context
+
+    def _require_same_world(self, simulated: bool) -> None:
+        aim = self._request.aim_simulated
+        if aim is not None and aim != simulated:
+            searched, present = ("emulated", "real") if aim else ("real", "emulated")
+            raise SafetyError(
+                f"the aim comes from a search on {searched} devices and these are {present}: nothing was moved; "
+                "search on this bench first, or plan with --search none"
+            )
+
+    async def _tell_notes(self, devices: Devices) -> None:
+        """Tell what the drivers know about their connections."""
+        for name, device in devices.named().items():
+            for note in getattr(device, "notes", ()):
+                text = f"{name}: {note}"
+                await self._store.event("warning", {"text": text})
+                self._announcer.say("warning", text=text, data={"device": name})
 
     async def _describe(self, facts: dict[str, Json], simulated: bool) -> None:
         stored = RunReader(self._store.path).meta

@@ -205,7 +205,7 @@ def read_result(path: Path) -> Result:
         UsageError: the file is missing or no result; names what is wrong.
     """
     try:
-        return Result.model_validate_json(path.read_text(encoding="utf-8"))
+        result = Result.model_validate_json(path.read_text(encoding="utf-8"))
     except FileNotFoundError as error:
         raise UsageError(f"{path}: there is no such file") from error
     except (OSError, UnicodeDecodeError) as error:
@@ -216,6 +216,9 @@ def read_result(path: Path) -> Result:
             for fault in error.errors()[:5]
         )
         raise UsageError(f"{path}: is no catseye-result/1 file: {faults}") from error
+    if "format" not in result.model_fields_set:
+        raise UsageError(f'{path}: is no catseye-result/1 file: the key "format" is missing')
+    return result
 
 
 def _mdeg(value_rad: float, u_rad: float) -> Estimate:

@@ -1,12 +1,14 @@
 """The demo as a user starts it."""
 
 import json
+import signal
+import subprocess
 import time
 from pathlib import Path
 
 import pytest
 
-from tests.system.command import catseye
+from tests.system.command import catseye, start
 
 
 @pytest.mark.slow
@@ -26,3 +28,46 @@ def test_demo_does_the_whole_job_within_a_minute(tmp_path: Path) -> None:
     assert "SIMULATION" in page
     assert Path(summary["run"], "manifest.json").is_file()
     assert elapsed_s < 60.0
+
+
+def emulators() -> set[str]:
+    listed = subprocess.run(["ps", "-eo", "pid,args"], capture_output=True, text=True, check=True).stdout
+    return {line.split()[0] for line in listed.splitlines() if "-m app emulate" in line}
+
+
+@pytest.mark.parametrize(("number", "code"), [(signal.SIGTERM, 143), (signal.SIGINT, 130)])
+def test_a_demo_ended_between_two_runs_says_so_and_leaves_no_emulator(
+    tmp_path: Path, number: int, code: int
+) -> None:
+    before = emulators()
+    process = start("demo", "--out", tmp_path / "demo", cwd=tmp_path)
+    assert process.stderr is not None
+    for line in process.stderr:
+        if line.startswith("run complete"):
+            break
+    process.send_signal(number)
+    if number == signal.SIGINT:
+        # The first Ctrl-C may have met the next run already and holds it; the second one stops it.
+        for line in process.stderr:
+            if line.startswith("HELD"):
+                process.send_signal(number)
+                break
+    _, stderr = process.communicate(timeout=60)
+    assert process.returncode == code, stderr
+    assert "Traceback" not in stderr
+    assert emulators() <= before
+
+
+def test_an_emulator_ends_with_the_demo_that_was_killed(tmp_path: Path) -> None:
+    before = emulators()
+    process = start("demo", "--out", tmp_path / "demo", cwd=tmp_path)
+    assert process.stderr is not None
+    for line in process.stderr:
+        if line.startswith("reflector-search"):
+            break
+    process.kill()
+    process.communicate(timeout=30)
+    deadline_s = time.monotonic() + 10
+    while emulators() - before and time.monotonic() < deadline_s:
+        time.sleep(0.1)
+    assert emulators() <= before

@@ -406,7 +406,7 @@ async def test_a_lost_front_end_holds_the_run(bench: FakeBench) -> None:
     assert bench.robot.calls.count("move") == 1
     states = [event.data["state"] for event in RunReader(outcome.path).events() if event.kind == "state"]
     assert states[2:] == ["HOLDING", "HELD", "ABORTING", "ABORTED"]
-    assert events[-1] == "step-done"
+    assert events[-1] == "run-ended"
 
 
 async def test_no_run_is_begun_where_it_could_not_be_stored(bench: FakeBench) -> None:
