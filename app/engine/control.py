@@ -171,11 +171,18 @@ class RunControl:
         """
         while True:
             await self.checkpoint()
-            await self.command(gate())
-            if self._motion_permitted:
-                return await self.command(action())
+            moved = await self.command(self._gated(gate, action))
+            if moved:
+                return moved[0]
             if self.state not in _WAITING:
                 raise SafetyError(f"no motion may begin in state {self.state}: the procedure is over")
+
+    async def _gated(
+        self, gate: Callable[[], Coroutine[Any, Any, None]], action: Callable[[], Coroutine[Any, Any, T]]
+    ) -> tuple[T] | tuple[()]:
+        """Look, then move if motion is still permitted; nothing comes back when it is not."""
+        await gate()
+        return (await action(),) if self._motion_permitted else ()
 
     async def halted(self) -> None:
         """Wait until every halt under way has ended."""
