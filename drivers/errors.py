@@ -41,6 +41,13 @@ class AlarmError(RefusedError):
     """The controller is in alarm; motion is over until an operator has cleared it."""
 
 
+class NotReadyError(RefusedError):
+    """The controller refuses to move for a reason that an operator has to look at.
+
+    Drives off, emergency stop, STOP on, pendant enabled, no operation right.
+    """
+
+
 class NotArrivedError(DeviceError):
     """The robot stands somewhere else than it was sent."""
 

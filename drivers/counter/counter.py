@@ -16,6 +16,12 @@ from drivers.readings import CounterReading, CounterStatus, Identity
 from drivers.record import Sink
 from drivers.transport import Transport
 
+_RAW_LENGTHS = (
+    "the lengths are not corrected for the refraction of air (about 270 ppm, 0.27 µm per mm), and this version of "
+    "the program does not correct them either: set the correction in the instrument or do not use the result for "
+    "link lengths"
+)
+
 
 class CounterSettings(BaseModel):
     """What a cell file may set of a line counter. Times are real seconds.
@@ -37,7 +43,8 @@ class LineCounter:
     """Interferometer driver.
 
     A beam that was lost makes every later count worthless until the next zero, so the loss is latched here too,
-    whatever the instrument says afterwards.
+    whatever the instrument says afterwards. A link that was opened again counts as a lost beam: the instrument
+    may have started anew meanwhile, and nothing proves that its count went on.
 
     Args:
         transport: the connection.
@@ -55,6 +62,7 @@ class LineCounter:
         self._profile = profile
         self._link = RequestLink(transport, name=profile.title, greet=self._greet, quiet_s=quiet_s)
         self._model: str | None = None
+        self._was_greeted = False
         self._beam_lost = False
         self._overspeed = False
         self._zero_id = 0
@@ -92,7 +100,9 @@ class LineCounter:
     @property
     def notes(self) -> tuple[str, ...]:
         """What an operator should know about this counter; empty when all is as it should be."""
-        return () if self._profile.confirmed else (self._claim,)
+        claim = "" if self._profile.confirmed else self._claim
+        air = _RAW_LENGTHS if self.compensated == "none" else ""
+        return tuple(filter(None, (claim, air)))
 
     @property
     def compensated(self) -> Literal["none", "instrument"]:
@@ -173,12 +183,14 @@ class LineCounter:
         absent = bits.get("beam_absent", bits["beam_lost"])
         self._beam_lost |= bits["beam_lost"] or absent
         self._overspeed |= bits.get("overspeed", False)
+        # Before the latch is looked at, since this question too may find the link lost.
+        signal = await self._signal(default=0.0 if absent else 1.0)
         return CounterStatus(
             beam_ok=not absent,
             beam_lost=self._beam_lost,
             overspeed=self._overspeed,
             laser_ready=bits.get("laser_ready", True),
-            signal=await self._signal(default=0.0 if absent else 1.0),
+            signal=signal,
         )
 
     async def _signal(self, default: float) -> float:
@@ -248,6 +260,7 @@ class LineCounter:
 
     async def _greet(self) -> None:
         """Ask who is there and for a value, which a stranger does not know."""
+        self._beam_lost |= self._was_greeted
         profile = self._profile
         model = ""
         try:
@@ -267,6 +280,7 @@ class LineCounter:
         except (LinkError, ProtocolError) as exc:
             raise self._stranger(exc) from None
         self._model = model
+        self._was_greeted = True
 
     async def _greet_ask(self, command: str) -> str:
         await self._pause()

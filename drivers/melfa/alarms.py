@@ -160,6 +160,15 @@ _UNKNOWN = Alarm("", "alarm that is not in the table", "see the controller's tro
 _XYZ_FAMILIES = {218, 219}
 
 
+STOP_IS_ON = 5610
+"""A STOP signal is on; also the rejection that ends a motion which STOP interrupts."""
+
+NOT_READY = frozenset(
+    {50, 51, 60, 61, 70, 71, 75, 1680, 1681, 2000, 5000, 5130, STOP_IS_ON, 5630, 6020, 6060}
+)
+"""Rejections that end when somebody at the cell has acted: emergency stop, drives, mode, STOP, right."""
+
+
 def describe(number: int, level: int = 0) -> str:
     """Return what an alarm means and what to do.
 

@@ -1,12 +1,14 @@
 """A MELFA SCARA over the R-protocol of its controller.
 
-Two connections are held. The first one has the operation right and waits for the end of each motion; the second
-one is there for STOP, which must not queue behind that wait. STOP needs no operation right (sheet 1.7).
+Two connections are held. The first one takes the operation right when something is to move and waits for the end
+of each motion; the second one is there for STOP, which must not queue behind that wait. STOP needs no operation
+right (sheet 1.7).
 """
 
 import asyncio
 import contextlib
 import math
+from collections.abc import Awaitable, Callable
 from functools import partial
 from typing import Any, ClassVar, Self
 
@@ -18,11 +20,14 @@ from drivers.errors import (
     LinkError,
     LinkTimeoutError,
     NotArrivedError,
+    NotReadyError,
     ProtocolError,
     RefusedError,
 )
 from drivers.link import uninterrupted
 from drivers.melfa import codec
+from drivers.melfa.alarms import STOP_IS_ON
+from drivers.melfa.codec import Answer, Layout
 from drivers.melfa.motion import JOINT_NAMES, VARIABLE, assignment, off_target, standstill
 from drivers.melfa.session import Session
 from drivers.melfa.settings import MelfaSettings
@@ -37,12 +42,14 @@ _UNSTARTED_POLLS = 25
 _PRESS = "PRESS THE EMERGENCY STOP if the robot moves"
 _LOOK_WHY = "look for a collision, a stop by another source or an alarm before moving again"
 
+_Ask = Callable[[str, Layout], Awaitable[Answer]]
+
 
 class MelfaR3:
     """Robot driver.
 
     Args:
-        transport: connection that holds the operation right.
+        transport: connection that holds the operation right once it is needed.
         stop_transport: connection for STOP; it may lead to another port of the same controller.
         clock: time of the polls.
         settings: see there.
@@ -63,7 +70,10 @@ class MelfaR3:
         self._aside = Session(stop_transport, self._settings, name="robot (stop connection)")
         self._has_aside = False
         self._declared = False
-        self._override = ""
+        self._has_right = False
+        self._override_percent: int | None = None
+        self._stops_begun = 0
+        self._stops_ended = 0
         self._right_note = ""
         self._aside_note = ""
 
@@ -107,12 +117,17 @@ class MelfaR3:
         return tuple(filter(None, (self._right_note, self._aside_note)))
 
     async def connect(self) -> Identity:
-        """Open both connections, recognise the controller, take the operation right.
+        """Open both connections and recognise the controller; nothing but questions is sent.
+
+        The operation right follows with the first command that needs it.
 
         Raises:
             WrongDeviceError: something else answers, or another robot.
             LinkError: unreachable or silent.
         """
+        self._has_right = False
+        self._right_note = ""
+        self._override_percent = None
         opened = await self._main.open()
         try:
             await self._open_aside()
@@ -127,9 +142,11 @@ class MelfaR3:
         )
 
     async def close(self) -> None:
-        """Give the right back and disconnect; may be called any number of times."""
+        """Give the right back if it was taken and disconnect; may be called any number of times."""
         self._has_aside = False
-        for session, commands in ((self._aside, ()), (self._main, ("CNTLOFF",))):
+        farewell = ("CNTLOFF",) if self._has_right else ()
+        self._has_right = False
+        for session, commands in ((self._aside, ()), (self._main, farewell)):
             # A request in flight holds the link until its own time-out; closing does not wait for it.
             with contextlib.suppress(TimeoutError):
                 async with asyncio.timeout(_CLOSE_TIMEOUT_S):
@@ -150,13 +167,17 @@ class MelfaR3:
 
         Raises:
             AlarmError: an alarm is active.
+            NotReadyError: refused for a reason that an operator has to look at.
             RefusedError: refused, or the servo does not follow in time.
             LinkError: lost or silent.
         """
         if on:
+            await self._take_right()
             await self._main.command("SRVON")
         else:
-            # Allowed in every state: also an alarm must not keep the drives on.
+            # Allowed in every state: neither an alarm nor a refused right may keep the drives on unasked.
+            with contextlib.suppress(RefusedError):
+                await self._take_right()
             await self._main.ask("SRVOFF", codec.bare)
         timeout_s = self._settings.servo_timeout_s
         status = await self._main.status()
@@ -185,16 +206,18 @@ class MelfaR3:
         Raises:
             ValueError: outside of 1...100.
             AlarmError: an alarm is active.
+            NotReadyError: refused for a reason that an operator has to look at.
             RefusedError: refused.
             LinkError: lost or silent.
         """
         if not 1 <= percent <= 100:
             raise ValueError(f"override_percent must be from 1 to 100, got {percent}")
         command = f"OVRD={int(percent)}"
+        await self._take_right()
         answer = await self._main.ask(command, codec.free_text)
         if answer.alarm:
             await self._main.raise_alarm(command)
-        self._override = command
+        self._override_percent = int(percent)
         read_back = await self._main.ask("OVRD", codec.free_text, retry=True)
         return codec.parse_number(read_back.payload, "the override")
 
@@ -245,7 +268,8 @@ class MelfaR3:
 
         Raises:
             AlarmError: an alarm came up.
-            RefusedError: refused, nothing moves.
+            NotReadyError: refused for a reason that an operator has to look at.
+            RefusedError: refused, nothing moves; or ended by `stop` (5610).
             NotArrivedError: the robot stands somewhere else.
             LinkError: lost or silent; the robot has been stopped if it was moving.
             ProtocolError: garbage came.
@@ -253,14 +277,21 @@ class MelfaR3:
         """
         if not all(map(math.isfinite, target)):
             raise ValueError(f"joints of a motion must be finite numbers, got {target}")
+        stops_ended = self._stops_ended
         try:
             await self._main.link.ensure()
+            await self._take_right()
             await self._declare()
             # The motion takes its target from this very connection, so no healing from here on.
             await self._main.command(f"EXEC{assignment(target)}", heal=False)
             await self._go(target)
         except asyncio.CancelledError:
             await self.stop()
+            raise
+        except NotReadyError as exc:
+            # A stop of this program that overlaps the motion is its own doing and calls for no operator.
+            if exc.number == STOP_IS_ON and self._stops_begun > stops_ended:
+                raise RefusedError(str(exc), exc.number) from None
             raise
 
     async def stop(self) -> None:
@@ -271,20 +302,52 @@ class MelfaR3:
         Raises:
             LinkError: STOP could not be sent or the standstill is not confirmed: use the emergency stop.
         """
-        await uninterrupted(self._stop())
+        self._stops_begun += 1
+        try:
+            await uninterrupted(self._stop())
+        finally:
+            self._stops_ended += 1
 
     async def _take_over(self) -> None:
-        """Take the operation right; a new connection knows neither variable nor override of the old one."""
+        """Restore what a new connection does not know: the variable, and the right if it had been taken."""
         self._declared = False
-        try:
-            await self._main.greet_ask("CNTLON", codec.bare)
-        except RefusedError as exc:
-            # The state can be read without the right, which is what helps an operator now.
-            self._right_note = f"the operation right is refused, the robot cannot be moved: {exc}"
+        if not self._has_right:
             return
+        self._has_right = False
+        # The state can be read without the right, which is what helps an operator now.
+        with contextlib.suppress(RefusedError):
+            await self._claim_right(self._main.greet_ask)
+        if self._has_right:
+            await self._lower_override(self._main.greet_ask)
+
+    async def _take_right(self) -> None:
+        """Take the operation right unless it is held; permission to move has been given by now."""
+        if self._has_right:
+            return
+        await self._claim_right(self._main.ask)
+        try:
+            await self._lower_override(self._main.ask)
+        except DeviceError:
+            # Healing tries it again, so that nothing moves faster than was set.
+            self._main.link.distrust("the override could not be restored")
+            raise
+
+    async def _claim_right(self, ask: _Ask) -> None:
+        try:
+            await ask("CNTLON", codec.bare)
+        except RefusedError as exc:
+            self._right_note = f"the operation right is refused, the robot cannot be moved: {exc}"
+            raise
         self._right_note = ""
-        if self._override:
-            await self._main.greet_ask(self._override, codec.free_text)
+        self._has_right = True
+
+    async def _lower_override(self, ask: _Ask) -> None:
+        """Restore the override that was set here if a higher one is in force; a lower one is an operator's will."""
+        if self._override_percent is None:
+            return
+        answer = await ask("OVRD", codec.free_text)
+        if codec.parse_number(answer.payload, "the override") > self._override_percent:
+            await ask(f"OVRD={self._override_percent}", codec.free_text)
 
     async def _open_aside(self) -> None:
         try:

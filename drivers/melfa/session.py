@@ -5,10 +5,18 @@ from collections.abc import Awaitable, Callable
 from functools import partial
 from typing import TypeVar
 
-from drivers.errors import AlarmError, DeviceError, LinkError, ProtocolError, RefusedError, WrongDeviceError
+from drivers.errors import (
+    AlarmError,
+    DeviceError,
+    LinkError,
+    NotReadyError,
+    ProtocolError,
+    RefusedError,
+    WrongDeviceError,
+)
 from drivers.link import RequestLink
 from drivers.melfa import codec
-from drivers.melfa.alarms import describe
+from drivers.melfa.alarms import NOT_READY, describe
 from drivers.melfa.codec import Answer, Layout, Opened, State
 from drivers.melfa.settings import MelfaSettings
 from drivers.readings import Joints, RobotStatus
@@ -92,7 +100,8 @@ class Session:
 
         Raises:
             AlarmError: rejected, and an alarm is active.
-            RefusedError: rejected.
+            NotReadyError: rejected for a reason that an operator has to look at.
+            RefusedError: rejected for another reason.
             LinkError: lost or silent.
             ProtocolError: garbage came.
         """
@@ -205,7 +214,8 @@ class Session:
         return AlarmError(f"{refused}; active is {describe(number, level)}", number)
 
     def _refused(self, command: str, number: int) -> RefusedError:
-        return RefusedError(f"{self.where} refused {command}: {describe(number)}", number)
+        kind = NotReadyError if number in NOT_READY else RefusedError
+        return kind(f"{self.where} refused {command}: {describe(number)}", number)
 
     def _parsed(self, command: str, parse: Callable[[str], T], answer: Answer) -> T:
         try:

@@ -66,7 +66,21 @@ async def test_the_distax_profile_says_that_it_has_to_be_confirmed() -> None:
         identity = await counter.connect()
         claim = "DISTAX via user profile; protocol not published: complete and confirm the profile with the manual"
         assert identity.model == f"{claim}: EMULATOR line counter 1"
-        assert counter.notes == (claim,)
+        assert counter.notes[0] == claim
+        assert counter.compensated == "none"
+        assert "not corrected for the refraction of air (about 270 ppm, 0.27 µm per mm)" in counter.notes[1]
+        assert (
+            "set the correction in the instrument or do not use the result for link lengths"
+            in counter.notes[1]
+        )
+
+
+async def test_a_confirmed_profile_of_raw_lengths_still_has_the_note_about_the_air() -> None:
+    tables = load_profile("default").model_dump(exclude_none=True) | {"compensated": "none"}
+    async with connected(used=CounterProfile.model_validate(tables)) as (counter, _, _, _):
+        assert [note.partition(" (")[0] for note in counter.notes] == [
+            "the lengths are not corrected for the refraction of air"
+        ]
 
 
 async def test_a_counter_without_identification_is_known_by_its_values() -> None:
@@ -287,6 +301,51 @@ async def test_a_lost_answer_is_asked_for_again_after_healing() -> None:
     async with connected(device, profile(line={"timeout_s": 0.1})) as (counter, _, peer, _):
         assert (await counter.read()).displacement_mm == 3.0
         assert peer.requests == [b"I\r\n", b"R\r\n", b"R\r\n", b"I\r\n", b"R\r\n", b"R\r\n"]
+
+
+async def test_a_count_that_lived_through_a_healed_link_is_not_trusted() -> None:
+    """The counter started anew meanwhile: it shows 0 and a clean status, and only a zero makes that good."""
+    async with connected(used=profile(line={"timeout_s": 0.1})) as (counter, device, peer, _):
+        await counter.zero()
+        assert not (await counter.status()).beam_lost
+        device.shown = "+000000.000000 mm"
+        await peer.far.close()
+        await peer.far.open()
+        assert (await counter.read()).displacement_mm == 0.0
+        status = await counter.status()
+        assert (status.beam_ok, status.beam_lost) == (True, True)
+        await counter.zero()
+        assert not (await counter.status()).beam_lost
+
+
+async def test_a_count_before_a_new_connection_is_not_trusted_after_it() -> None:
+    async with connected() as (counter, _, _, _):
+        await counter.zero()
+        await counter.close()
+        await counter.connect()
+        assert (await counter.status()).beam_lost
+        await counter.zero()
+        assert not (await counter.status()).beam_lost
+
+
+async def test_a_connection_that_failed_has_no_count_to_lose() -> None:
+    device = Counter()
+    device.lines["I"] = lambda: ["SSH-2.0-OpenSSH_9.2"]
+    device.lines["R"] = device.lines["I"]
+    async with connected(device, connect=False) as (counter, _, _, _):
+        with pytest.raises(WrongDeviceError):
+            await counter.connect()
+        device.lines.clear()
+        await counter.connect()
+        assert not (await counter.status()).beam_lost
+
+
+async def test_a_link_that_heals_between_status_and_level_is_told_at_once() -> None:
+    answers = iter([[], ["87"]])
+    device = Counter()
+    device.lines["L"] = lambda: next(answers)
+    async with connected(device, profile(line={"timeout_s": 0.1})) as (counter, _, _, _):
+        assert (await counter.status()).beam_lost
 
 
 async def test_another_counter_after_healing_is_refused() -> None:

@@ -1,7 +1,7 @@
 """The robot driver against scripted controllers. Bytes come from the protocol sheet, sections given."""
 
 import asyncio
-from collections.abc import AsyncIterator, Callable, Iterable
+from collections.abc import AsyncIterator, Awaitable, Callable, Iterable
 from contextlib import asynccontextmanager
 from typing import Any
 
@@ -13,6 +13,7 @@ from drivers.errors import (
     LinkError,
     LinkTimeoutError,
     NotArrivedError,
+    NotReadyError,
     ProtocolError,
     RefusedError,
     WrongDeviceError,
@@ -230,7 +231,7 @@ async def test_status_takes_one_request() -> None:
         assert (status.servo_on, status.operation_enabled, status.running) == (True, True, False)
         assert (status.teach_mode, status.emergency_stop, status.override_percent) == (False, False, 20.0)
         assert (status.alarm_number, status.alarm_text) == (0, "")
-    assert b.said[2:3] == ["STATE"]
+    assert b.said[1:2] == ["STATE"]
 
 
 @pytest.mark.parametrize(("flags", "teach", "stop"), [("09060", True, False), ("80010", False, True)])
@@ -251,17 +252,84 @@ async def test_status_in_an_alarm_asks_for_it() -> None:
         status = await b.robot.status()
         assert status.alarm_number == 2164
         assert status.alarm_text.startswith("alarm H2164: joint limit reached upwards, J4; jog")
-    assert b.said[2:4] == ["STATE", "ERROR"]
+    assert b.said[1:3] == ["STATE", "ERROR"]
 
 
-async def test_connecting_without_the_operation_right_still_tells_the_state() -> None:
+async def test_reading_takes_no_operation_right() -> None:
+    """Section 1.7: no read needs it, nor STOP, nor RSTALRM; also not after the link was healed."""
+    controller = Controller()
+    controller.replies["PNRMEJAR"] = lambda: ["QoKMEJAR;-170,170,-145,145,0,150,-360,360;16"]
+    async with bench(controller) as b:
+        await b.robot.status()
+        await b.robot.joints()
+        await b.robot.joint_limits()
+        await b.robot.reset_alarm()
+        await b.robot.stop()
+        controller.replies["RSTALRM"] = list
+        with pytest.raises(LinkTimeoutError):
+            await b.robot.reset_alarm()
+        await b.robot.joints()
+    assert b.said == [
+        *["OPEN=CATSEYE", "STATE", "JPOSF", "PNRMEJAR", "RSTALRM", "ERROR", "RSTALRM"],
+        *["OPEN=CATSEYE", "JPOSF", "CLOSE"],
+    ]
+
+
+@pytest.mark.parametrize(
+    ("act", "command"),
+    [
+        (lambda robot: robot.servo(on=True), "SRVON"),
+        (lambda robot: robot.set_override(10), "OVRD=10"),
+        (lambda robot: robot.move_joints(TARGET), "EXECDEF JNT JCATSEYE"),
+    ],
+)
+async def test_the_first_command_that_needs_it_takes_the_right(
+    act: Callable[[MelfaR3], Awaitable[object]], command: str
+) -> None:
+    """Section 1.7: SRVON, OVRD= and EXEC need it; it is taken once and given back."""
+    async with bench() as b:
+        await act(b.robot)
+        await act(b.robot)
+    assert b.said[:3] == ["OPEN=CATSEYE", "CNTLON", command]
+    assert b.said.count("CNTLON") == 1
+    assert b.said[-2:] == ["CNTLOFF", "CLOSE"]
+
+
+async def test_the_drives_go_off_without_having_been_used_before() -> None:
+    """Section 1.7: SRVOFF needs the right too."""
+    controller = Controller()
+    controller.flags = "80060"
+    async with bench(controller) as b:
+        await b.robot.servo(on=False)
+    assert b.said[1:4] == ["CNTLON", "SRVOFF", "STATE"]
+
+
+async def test_a_refused_right_is_told_and_leaves_the_state_readable() -> None:
     """Section 1.7: nobody knows when CNTLON is refused; TEACH must be reported rather than a closed door."""
     controller = Controller()
     controller.flags = "09060"
     controller.replies["CNTLON"] = lambda: ["QeR602000000"]
     async with bench(controller) as b:
-        assert (await b.robot.status()).teach_mode
+        notes_before = b.robot.notes
+        assert notes_before == ()
+        with pytest.raises(NotReadyError, match="refused CNTLON: alarm L6020"):
+            await b.robot.servo(on=True)
         assert "operation right is refused" in b.robot.notes[0]
+        assert (await b.robot.status()).teach_mode
+        assert "SRVON" not in b.said
+        del controller.replies["CNTLON"]
+        await b.robot.set_override(10)
+        assert b.robot.notes == ()
+
+
+async def test_a_refused_right_does_not_keep_the_drives_on() -> None:
+    controller = Controller()
+    controller.flags = "80060"
+    controller.replies["CNTLON"] = lambda: ["QeR602000000"]
+    async with bench(controller) as b:
+        await b.robot.servo(on=False)
+    assert "SRVOFF" in b.said
+    assert "CNTLOFF" not in b.said
 
 
 async def test_servo_waits_until_state_says_so() -> None:
@@ -273,7 +341,7 @@ async def test_servo_waits_until_state_says_so() -> None:
         before = b.clock.time_s
         await b.robot.servo(on=True)
         assert b.clock.time_s - before == pytest.approx(0.04)
-    assert b.said[2:6] == ["SRVON", "STATE", "STATE", "STATE"]
+    assert b.said[1:6] == ["CNTLON", "SRVON", "STATE", "STATE", "STATE"]
 
 
 async def test_servo_that_does_not_come_names_what_to_check() -> None:
@@ -305,7 +373,7 @@ async def test_override_is_read_back_and_never_rounded_up() -> None:
         for percent in (0.5, 101, float("nan")):
             with pytest.raises(ValueError, match="from 1 to 100"):
                 await b.robot.set_override(percent)
-    assert b.said[2:4] == ["OVRD=19", "OVRD"]
+    assert b.said[1:4] == ["CNTLON", "OVRD=19", "OVRD"]
 
 
 async def test_joint_limits_come_from_the_controller() -> None:
@@ -378,6 +446,59 @@ async def test_a_refused_motion_tells_meaning_and_remedy_and_moves_nothing() -> 
             await b.robot.move_joints(TARGET)
         assert caught.value.number == 2602
         assert not isinstance(caught.value, AlarmError)
+
+
+# Section 5.3: emergency stop and pendant link, servo, mode, operation right, STOP.
+@pytest.mark.parametrize(
+    "number",
+    [50, 51, 60, 61, 70, 71, 75, 1680, 1681, 2000, 5000, 5130, 5610, 5630, 6020, 6060],
+)
+async def test_a_controller_that_an_operator_has_to_look_at_is_not_ready(number: int) -> None:
+    controller = Controller()
+    controller.replies["EXEC2"] = lambda: [f"QeR{number:04d}00000"]
+    async with bench(controller) as b:
+        with pytest.raises(NotReadyError, match=f"{number:04d}") as caught:
+            await b.robot.move_joints(TARGET)
+        assert caught.value.number == number
+
+
+async def test_drives_that_are_off_with_an_alarm_stay_an_alarm() -> None:
+    controller = Controller()
+    controller.alarm = "2000"
+    controller.replies["EXEC2"] = lambda: ["QeR200000000"]
+    controller.replies["EXECDEF JNT JCATSEYE"] = lambda: ["QoK"]
+    controller.replies["EXECJCATSEYE"] = lambda: ["QoK"]
+    async with bench(controller) as b:
+        with pytest.raises(AlarmError, match="L2000"):
+            await b.robot.move_joints(TARGET)
+
+
+@pytest.mark.parametrize(("reply", "not_ready"), [("QeR561000000", False), ("QeR005000000", True)])
+async def test_only_the_stop_of_this_program_is_no_matter_for_an_operator(
+    reply: str, not_ready: bool
+) -> None:
+    """Section 5.3: C5610 STOP on. An emergency stop during a stop of this program stays one."""
+    controller = Controller()
+    controller.replies["EXEC2"] = list
+    async with bench(controller) as b:
+        moving = asyncio.create_task(b.robot.move_joints(TARGET))
+        await until(lambda: "EXEC2=MOV JCATSEYE" in b.said)
+        stopping = asyncio.create_task(b.robot.stop())
+        await until(lambda: "STOP" in b.said_aside)
+        await b.main.say(reply.encode())
+        with pytest.raises(RefusedError) as caught:
+            await moving
+        await stopping
+        assert isinstance(caught.value, NotReadyError) is not_ready
+
+
+async def test_stop_that_is_on_long_after_the_stop_of_this_program_is_somebody_elses() -> None:
+    controller = Controller()
+    controller.replies["EXEC2"] = lambda: ["QeR561000000"]
+    async with bench(controller) as b:
+        await b.robot.stop()
+        with pytest.raises(NotReadyError, match="C5610"):
+            await b.robot.move_joints(TARGET)
 
 
 async def test_an_alarm_during_a_motion_is_raised_with_its_text() -> None:
@@ -518,11 +639,73 @@ async def test_after_healing_right_override_and_variable_are_there_again() -> No
     assert b.said[before : before + 6] == [
         "OPEN=CATSEYE",
         "CNTLON",
-        "OVRD=15",
+        "OVRD",
         "EXECDEF JNT JCATSEYE",
         "EXECJCATSEYE=(0.0000,0.0000,0.0000,0.0000)",
         "EXEC2=MOV JCATSEYE",
     ]
+
+
+@pytest.mark.parametrize(("found", "left"), [("10", "10"), ("15", "15"), ("40", "15"), ("15.5", "15")])
+async def test_healing_lowers_the_override_but_never_raises_it(found: str, left: str) -> None:
+    controller = Controller()
+    async with bench(controller) as b:
+        await b.robot.set_override(15)
+        controller.replies["RSTALRM"] = list
+        with pytest.raises(LinkTimeoutError):
+            await b.robot.reset_alarm()
+        controller.override = found
+        before = len(b.said)
+        await b.robot.joints()
+        assert controller.override == left
+        lowered = ["OVRD=15"] if found != left else []
+        assert b.said[before:] == ["OPEN=CATSEYE", "CNTLON", "OVRD", *lowered, "JPOSF"]
+
+
+async def test_a_right_that_was_refused_while_healing_comes_back_with_the_override() -> None:
+    controller = Controller()
+    async with bench(controller) as b:
+        await b.robot.set_override(15)
+        controller.replies["RSTALRM"] = list
+        with pytest.raises(LinkTimeoutError):
+            await b.robot.reset_alarm()
+        controller.replies["CNTLON"] = lambda: ["QeR602000000"]
+        assert await b.robot.joints() == START
+        assert "operation right is refused" in b.robot.notes[0]
+        del controller.replies["CNTLON"]
+        controller.override = "40"
+        before = len(b.said)
+        await b.robot.move_joints(TARGET)
+        assert b.said[before : before + 3] == ["CNTLON", "OVRD", "OVRD=15"]
+        assert b.robot.notes == ()
+
+
+async def test_nothing_moves_while_the_override_cannot_be_restored() -> None:
+    controller = Controller()
+    async with bench(controller) as b:
+        await b.robot.set_override(15)
+        controller.replies["RSTALRM"] = list
+        with pytest.raises(LinkTimeoutError):
+            await b.robot.reset_alarm()
+        controller.replies["CNTLON"] = lambda: ["QeR602000000"]
+        await b.robot.joints()
+        del controller.replies["CNTLON"]
+        controller.replies["OVRD"] = lambda: ["QeR601000000"]
+        for _ in range(2):
+            with pytest.raises(RefusedError, match="refused OVRD"):
+                await b.robot.move_joints(TARGET)
+    assert not [c for c in b.said if c.startswith("EXEC")]
+
+
+async def test_a_new_connection_has_forgotten_the_override_of_the_old_one() -> None:
+    controller = Controller()
+    async with bench(controller) as b:
+        await b.robot.set_override(15)
+        await b.robot.close()
+        controller.override = "40"
+        await b.robot.connect()
+        await b.robot.move_joints(TARGET)
+    assert controller.override == "40"
 
 
 async def test_a_controller_that_was_exchanged_meanwhile_is_refused() -> None:
