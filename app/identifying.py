@@ -118,7 +118,7 @@ def bench_of_runs(readers: Sequence[RunReader], root: Path) -> Bench:
         UsageError: a run is given twice, or the runs do not belong together: other nodes or arms, one name for
             reflectors at different places, emulated and real devices.
     """
-    benches = [_aimed_bench(reader, root) for reader in readers]
+    benches = [aimed_bench(reader, root) for reader in readers]
     first = benches[0]
     _require_one_world(readers)
     for reader, bench in zip(readers, benches, strict=True):
@@ -131,7 +131,8 @@ def bench_of_runs(readers: Sequence[RunReader], root: Path) -> Bench:
     return replace(first, reflectors=_all_reflectors(readers, benches))
 
 
-def _aimed_bench(reader: RunReader, root: Path) -> Bench:
+def aimed_bench(reader: RunReader, root: Path) -> Bench:
+    """Return the bench that a run was made on, with the aim of the search it was planned with."""
     bench, source = bench_of(cell_of_run(reader)), str(reader.meta.get("aim", "cell file"))
     if source == "cell file" or not (root / source).is_dir():
         return bench

@@ -8,8 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from app.aim import find_aim, search_result
-from app.cell.bench import bench_of
+from app.aim import search_result
 from app.cell.model import Cell
 from app.demo import DemoResult
 from app.errors import UsageError
@@ -17,6 +16,7 @@ from app.files.atomic import write_atomically
 from app.files.result_json import Result, read_result
 from app.identifying import (
     MODELS,
+    aimed_bench,
     bench_of_runs,
     cell_of_run,
     identified_result,
@@ -39,7 +39,6 @@ from app.truth import gauge_turn_rad, turned_places
 from app.version import SOFTWARE
 from calibration.errors import CalibrationError
 from calibration.identification import Identification
-from procedures.bench import Bench
 
 _TOLD_EVENTS = ("beam-lost", "step-dropped", "run-reopened")
 
@@ -75,7 +74,7 @@ def run_report(reader: RunReader, root: Path, path: Path) -> None:
     results, notes = _identified(reader, root) if reader.points() else ([], [])
     parts = _run_parts([reader], cell)
     parts["warnings"] = [*parts["warnings"], *notes]
-    bench = _bench(reader, root, cell)
+    bench = aimed_bench(reader, root)
     title = f"{reader.meta.get('procedure')} on {cell.name}"
     write_atomically(path, render_html(ReportContent(title=title, results=results, bench=bench, **parts)))
 
@@ -125,16 +124,6 @@ def _identified(reader: RunReader, root: Path) -> tuple[list[Result], list[str]]
             continue
         results.append(identified_result(one, bench, [reader.path.name]))
     return results, notes
-
-
-def _bench(reader: RunReader, root: Path, cell: Cell) -> Bench:
-    source = str(reader.meta.get("aim", "cell file"))
-    bench = bench_of(cell)
-    return (
-        bench
-        if source == "cell file" or not (root / source).is_dir()
-        else find_aim(bench, root, source).bench
-    )
 
 
 def _run_parts(readers: Sequence[RunReader], cell: Cell) -> dict[str, Any]:

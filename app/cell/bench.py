@@ -1,7 +1,6 @@
 """The cell file as procedures and emulators need it."""
 
 import math
-from dataclasses import replace
 
 from app.cell.model import Cell
 from procedures.bench import Arm, Bench, Optics, Reflector, Timing
@@ -29,11 +28,6 @@ def bench_of(cell: Cell) -> Bench:
 def facing_deg(x_mm: float, y_mm: float, given_deg: float | None) -> float:
     """Return the direction of a reflector's axis, deg: as given, else towards the J1 axis."""
     return math.degrees(math.atan2(y_mm, x_mm)) + 180.0 if given_deg is None else given_deg
-
-
-def with_override(bench: Bench, override_percent: float) -> Bench:
-    """Return the bench driven with another speed override, %."""
-    return replace(bench, arm=replace(bench.arm, override_percent=override_percent))
 
 
 def _arm(cell: Cell) -> Arm:

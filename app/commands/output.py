@@ -4,8 +4,6 @@ import json
 import sys
 from collections.abc import Iterable, Sequence
 
-from procedures.context import Json
-
 
 def emit(text: str) -> None:
     """Write a line of data to stdout at once."""
@@ -39,11 +37,6 @@ def table(header: Sequence[str], rows: Iterable[Sequence[object]]) -> str:
     return "\n".join(
         [line(list(header)), line(["-" * width for width in widths]), *(line(row) for row in cells)]
     )
-
-
-def event_line(event: dict[str, Json]) -> str:
-    """Return a headless event as one line of JSON."""
-    return json.dumps(event, ensure_ascii=False)
 
 
 def _is_number(text: str) -> bool:
