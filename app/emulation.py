@@ -4,7 +4,7 @@ import asyncio
 import json
 import sys
 import tempfile
-from collections.abc import AsyncIterator
+from collections.abc import AsyncIterator, Mapping
 from contextlib import asynccontextmanager
 from dataclasses import dataclass
 from pathlib import Path
@@ -12,7 +12,8 @@ from typing import Any, BinaryIO
 
 from app.cell.model import Cell
 from app.errors import ConfigError, LinkFailedError
-from simulators.config import EmulationConfig, ReflectorPlace
+from simulators.config import EmulatedDevice, EmulationConfig, Option, ReflectorPlace
+from simulators.protocols import PROTOCOLS
 
 _READY_TIMEOUT_S = 20.0
 _LONGEST_ANSWER_BYTES = 1 << 20
@@ -43,26 +44,44 @@ def emulation_config(cell: Cell, speed: float, seed: int, truth: Path | None) ->
         acceptance_mm=cell.optics.acceptance_mm,
         field_half_angle_deg=cell.optics.field_half_angle_deg,
         column_radius_mm=cell.optics.column_radius_mm,
-        robot=_served("robot", cell.robot.endpoint),
-        interferometer=_served("interferometer", cell.interferometer.endpoint),
-        environment=_served("environment", cell.environment.endpoint),
-        control="tcp://127.0.0.1:0" if cell.tracker is None else _served("tracker", cell.tracker.endpoint),
+        devices=emulated_devices(cell),
+        control="tcp://127.0.0.1:0" if cell.tracker is None else cell.tracker.endpoint,
         speed=speed,
         seed=seed,
         truth=truth,
-        pressure_register=44
-        if cell.environment.pressure_register is None
-        else cell.environment.pressure_register,
     )
 
 
-def _served(device: str, endpoint: str) -> str:
-    if not endpoint.startswith("tcp://"):
+def emulated_devices(cell: Cell) -> tuple[EmulatedDevice, ...]:
+    """Return every endpoint of a cell's devices with the protocol that its driver speaks.
+
+    Raises:
+        ConfigError: there is no emulator of what a driver speaks.
+    """
+    robot, counter, air = cell.robot, cell.interferometer, cell.environment
+    options = {**air.settings, "map": air.map, "pressure_register": air.pressure_register}
+    devices = [EmulatedDevice("robot", "melfa-r3", robot.endpoint)]
+    if robot.datalink_endpoint is not None:
+        devices.append(EmulatedDevice("robot", "melfa-datalink", robot.datalink_endpoint))
+    if robot.mxt_endpoint is not None:
+        devices.append(EmulatedDevice("robot", "melfa-mxt", robot.mxt_endpoint, _plain(robot.settings)))
+    devices.append(_device("interferometer", counter.driver, counter.endpoint, counter.settings))
+    devices.append(_device("environment", air.driver, air.endpoint, options))
+    devices += [_device(d.name, d.driver, d.endpoint, d.settings) for d in cell.device]
+    return tuple(devices)
+
+
+def _device(name: str, driver: str, endpoint: str, settings: Mapping[str, Any]) -> EmulatedDevice:
+    """Return an emulated device; drivers and emulators call what they have in common by the same name."""
+    if driver not in PROTOCOLS:
         raise ConfigError(
-            f"[{device}] endpoint {endpoint}: only TCP endpoints can be emulated so far; "
-            f'write endpoint = "tcp://127.0.0.1:0" for a free port'
+            f"[{name}] driver {driver}: there is no emulator for it; there are {', '.join(sorted(PROTOCOLS))}"
         )
-    return endpoint
+    return EmulatedDevice(name, driver, endpoint, _plain(settings))
+
+
+def _plain(settings: Mapping[str, Any]) -> dict[str, Option]:
+    return {key: value for key, value in settings.items() if isinstance(value, str | int | float | bool)}
 
 
 @dataclass(frozen=True)

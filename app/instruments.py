@@ -5,7 +5,7 @@ from typing import Any, Literal
 
 from pydantic import ValidationError
 
-from app.cell.model import Cell
+from app.cell.model import Cell, FurtherDevice, Robot
 from app.engine.devices import DeviceBuilder, Devices, WireRecorder
 from app.errors import ConfigError
 from drivers.clock import Clock
@@ -31,19 +31,53 @@ def device_builder(cell: Cell, clock: Clock) -> DeviceBuilder:
 
 def _build(cell: Cell, clock: Clock, record: WireRecorder) -> Devices:
     robot, counter, air = cell.robot, cell.interferometer, cell.environment
-    pressure = {} if air.pressure_register is None else {"pressure_address": air.pressure_register}
     return Devices(
-        robot=_make(
-            robot.driver, "robot", robot.endpoint, clock, record, expected_model=robot.expected_model
-        ),
+        robot=_make(robot.driver, "robot", robot.endpoint, clock, record, **robot_settings(robot)),
         interferometer=_make(
-            counter.driver, "interferometer", counter.endpoint, clock, record, profile=counter.profile
+            counter.driver,
+            "interferometer",
+            counter.endpoint,
+            clock,
+            record,
+            **_given(profile=counter.profile),
+            **counter.settings,
         ),
-        environment=_make(air.driver, "environment", air.endpoint, clock, record, map=air.map, **pressure),
+        environment=_make(
+            air.driver,
+            "environment",
+            air.endpoint,
+            clock,
+            record,
+            **_given(map=air.map, pressure_address=air.pressure_register),
+            **air.settings,
+        ),
         tracker=None
         if cell.tracker is None
         else _make(cell.tracker.driver, "tracker", cell.tracker.endpoint, clock, record),
     )
+
+
+def further_device(device: FurtherDevice, clock: Clock, record: WireRecorder) -> Any:
+    """Return the driver of a [[device]], not connected.
+
+    Raises:
+        ConfigError: the driver is not installed or a setting is wrong.
+    """
+    return _make(device.driver, device.name, device.endpoint, clock, record, **device.settings)
+
+
+def robot_settings(robot: Robot) -> dict[str, Any]:
+    """Return the settings of the robot's driver."""
+    return {
+        "expected_model": robot.expected_model,
+        **_given(datalink_endpoint=robot.datalink_endpoint, mxt_endpoint=robot.mxt_endpoint),
+        **robot.settings,
+    }
+
+
+def _given(**values: Any) -> dict[str, Any]:
+    """Return the keys that the cell file sets; the driver has a default for the others."""
+    return {key: value for key, value in values.items() if value is not None}
 
 
 def _make(

@@ -1,5 +1,6 @@
 """Everything that describes one emulated bench. Plain data; the cell file is read elsewhere."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -115,6 +116,38 @@ class AirState:
     drift_percent: float = 1.0
 
 
+Option = str | int | float | bool
+"""Value of an option of an emulated device."""
+
+_ANY_FREE = "tcp://127.0.0.1:0"
+
+
+@dataclass(frozen=True)
+class EmulatedDevice:
+    """One endpoint of one device.
+
+    Attributes:
+        name: of the device; a device with several endpoints, like the robot, stands here several times.
+        protocol: what it speaks, a name of `simulators.protocols.PROTOCOLS`.
+        endpoint: where it listens: `tcp://host:port` or `udp://host:port` (port 0 takes a free one), or
+            `serial:///path?baud=…` (a pseudo-terminal under that path; /dev/ptmx takes a free one).
+        options: of the protocol.
+    """
+
+    name: str
+    protocol: str
+    endpoint: str = _ANY_FREE
+    options: Mapping[str, Option] = field(default_factory=dict)
+
+
+CLASSIC_DEVICES = (
+    EmulatedDevice("robot", "melfa-r3"),
+    EmulatedDevice("interferometer", "line-counter"),
+    EmulatedDevice("environment", "modbus-air"),
+)
+"""Controller, counter and air sensor on free TCP ports."""
+
+
 @dataclass(frozen=True)
 class EmulationConfig:
     """One emulated bench with its servers.
@@ -134,10 +167,8 @@ class EmulationConfig:
         column_radius_mm: radius of the base column around the J1 axis.
         beam_offset_mm: lateral offset of the beam from the J4 axis, positive to the left of the beam; None: drawn.
         speed_limit_mm_s: largest displacement rate that the counter follows.
-        robot: endpoint of the robot controller, `tcp://host:port`; port 0 takes a free one.
-        interferometer: endpoint of the length counter.
-        environment: endpoint of the air sensor.
-        control: endpoint of the control port.
+        devices: endpoints of all devices.
+        control: endpoint of the control port, `tcp://host:port`.
         speed: bench seconds in one real second.
         seed: seed of everything random.
         truth: file with the true arm; None draws one.
@@ -146,8 +177,6 @@ class EmulationConfig:
         air: state of the air.
         axis_pattern: axes in position answers: 4 (native), 6 or 8 (what some clients demand).
         answer_suffix: what the controller appends to an answer: nothing, CR or CR LF.
-        pressure_register: PDU address of the pressure (the sheet modbus_env, section 1a, does not know it for a
-            PTU300; 0x2C is that of a DPT145).
     """
 
     reflectors: tuple[ReflectorPlace, ...]
@@ -164,10 +193,8 @@ class EmulationConfig:
     column_radius_mm: float = 110.0
     beam_offset_mm: float | None = None
     speed_limit_mm_s: float = 2000.0
-    robot: str = "tcp://127.0.0.1:0"
-    interferometer: str = "tcp://127.0.0.1:0"
-    environment: str = "tcp://127.0.0.1:0"
-    control: str = "tcp://127.0.0.1:0"
+    devices: tuple[EmulatedDevice, ...] = CLASSIC_DEVICES
+    control: str = _ANY_FREE
     speed: float = 1.0
     seed: int = 0
     truth: Path | None = None
@@ -176,7 +203,6 @@ class EmulationConfig:
     air: AirState = field(default_factory=AirState)
     axis_pattern: int = 4
     answer_suffix: str = ""
-    pressure_register: int = 0x2C
 
     @property
     def limits(self) -> tuple[Range, Range, Range, Range]:

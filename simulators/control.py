@@ -12,23 +12,19 @@ it) · `log` {device} · `speed` {value} · `fault` {name, …}, with the names
 
 import json
 from dataclasses import asdict, dataclass
-from typing import Literal
+from itertools import chain
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
-from simulators.bench.bench import Bench
+from simulators.air_probe import AirFault
 from simulators.errors import EmulatorError
-from simulators.journal import Journal
-from simulators.melfa.controller import Controller
-from simulators.modbus.air_sensor import AirFault, AirSensor
 from simulators.serving import Answer, Port, Session
-from simulators.timekeeper import TimeKeeper
 from simulators.tracker import Tracker
 from simulators.truth import truth_document
+from simulators.world import World
 
 LONGEST_BYTES = 65_536
 
-Device = Literal["robot", "interferometer", "environment"]
 Said = dict[str, object]
 
 
@@ -37,22 +33,24 @@ class Desk:
     """What the control port can reach.
 
     Attributes:
-        bench: the physical truth.
-        controller: the robot controller.
-        sensor: the air sensor.
+        world: the emulated bench.
         tracker: the emulated laser tracker.
-        keeper: bench time.
-        journal: what happened.
-        ports: the instruments' ports by device.
+        ports: the instruments' ports by the name of the device.
     """
 
-    bench: Bench
-    controller: Controller
-    sensor: AirSensor
+    world: World
     tracker: Tracker
-    keeper: TimeKeeper
-    journal: Journal
-    ports: dict[str, Port]
+    ports: dict[str, list[Port]]
+
+    def ports_of(self, device: str) -> list[Port]:
+        """Return the ports of a device.
+
+        Raises:
+            EmulatorError: there is no such device.
+        """
+        if device not in self.ports:
+            raise EmulatorError(f"there is no device {device!r}; there are {', '.join(self.ports)}")
+        return self.ports[device]
 
 
 class _Request(BaseModel):
@@ -64,17 +62,21 @@ class _Request(BaseModel):
 
 class _Identify(_Request):
     def carry_out(self, desk: Desk) -> Said:
-        return {"name": "catseye bench EMULATOR", "time_s": desk.bench.time_s, "speed": desk.keeper.speed}
+        return {
+            "name": "catseye bench EMULATOR",
+            "time_s": desk.world.bench.time_s,
+            "speed": desk.world.keeper.speed,
+        }
 
 
 class _Truth(_Request):
     def carry_out(self, desk: Desk) -> Said:
-        return {"truth": truth_document(desk.bench.truth)}
+        return {"truth": truth_document(desk.world.bench.truth)}
 
 
 class _State(_Request):
     def carry_out(self, desk: Desk) -> Said:
-        bench = desk.bench
+        bench = desk.world.bench
         insight = bench.insight()
         beam = {
             "reflector": insight.reflector,
@@ -92,30 +94,31 @@ class _State(_Request):
             "play": insight.play,
             "xy_mm": insight.axis_mm,
             "moving": bench.moving,
-            "servo": desk.controller.servo_on,
-            "alarm": desk.controller.alarm,
+            "servo": desk.world.controller.servo_on,
+            "alarm": desk.world.controller.alarm,
             "beam": beam,
         }
 
 
 class _Tracker(_Request):
     def carry_out(self, desk: Desk) -> Said:
-        x_mm, y_mm = desk.tracker.measure(desk.bench.insight().axis_mm)
+        x_mm, y_mm = desk.tracker.measure(desk.world.bench.insight().axis_mm)
         return {"x_mm": x_mm, "y_mm": y_mm, "u_mm": desk.tracker.u_mm}
 
 
 class _Log(_Request):
-    device: Device
+    device: str
 
     def carry_out(self, desk: Desk) -> Said:
-        return {"entries": [asdict(entry) for entry in desk.journal.entries(self.device)]}
+        desk.ports_of(self.device)
+        return {"entries": [asdict(entry) for entry in desk.world.journal.entries(self.device)]}
 
 
 class _Speed(_Request):
     value: float = Field(gt=0.0)
 
     def carry_out(self, desk: Desk) -> Said:
-        desk.keeper.speed = self.value
+        desk.world.keeper.speed = self.value
         return {}
 
 
@@ -123,20 +126,20 @@ class _BlockBeam(_Request):
     duration_s: float | None = Field(default=None, gt=0.0)
 
     def carry_out(self, desk: Desk) -> Said:
-        desk.bench.block_beam(self.duration_s)
+        desk.world.bench.block_beam(self.duration_s)
         return {}
 
 
 class _ClearFaults(_Request):
     def carry_out(self, desk: Desk) -> Said:
-        desk.bench.unblock_beam()
-        desk.controller.emergency_stop = False
-        desk.controller.reset_alarm()
-        desk.sensor.fault = AirFault()
-        for port in desk.ports.values():
+        desk.world.bench.unblock_beam()
+        desk.world.controller.emergency_stop = False
+        desk.world.controller.reset_alarm()
+        desk.world.probe.fault = AirFault()
+        for port in chain.from_iterable(desk.ports.values()):
             port.muted = False
             port.stalled_until_s = 0.0
-        desk.keeper.changed()
+        desk.world.keeper.changed()
         return {}
 
 
@@ -144,7 +147,7 @@ class _Alarm(_Request):
     number: int = Field(ge=1, le=9999)
 
     def carry_out(self, desk: Desk) -> Said:
-        desk.controller.raise_alarm(self.number)
+        desk.world.controller.raise_alarm(self.number)
         return {}
 
 
@@ -152,13 +155,13 @@ class _EmergencyStop(_Request):
     on: bool = True
 
     def carry_out(self, desk: Desk) -> Said:
-        desk.controller.set_emergency_stop(on=self.on)
+        desk.world.controller.set_emergency_stop(on=self.on)
         return {}
 
 
 class _ServoOff(_Request):
     def carry_out(self, desk: Desk) -> Said:
-        desk.controller.switch_servo_off()
+        desk.world.controller.switch_servo_off()
         return {}
 
 
@@ -168,7 +171,7 @@ class _MoveReflector(_Request):
     dy_mm: float = 0.0
 
     def carry_out(self, desk: Desk) -> Said:
-        desk.bench.move_reflector(self.reflector, self.dx_mm, self.dy_mm)
+        desk.world.bench.move_reflector(self.reflector, self.dx_mm, self.dy_mm)
         return {}
 
 
@@ -180,32 +183,35 @@ class _Air(_Request):
 
     def carry_out(self, desk: Desk) -> Said:
         errors = (self.temperature_k, self.pressure_hpa, self.humidity_percent)
-        desk.sensor.fault = AirFault(self.nan, *errors)
+        desk.world.probe.fault = AirFault(self.nan, *errors)
         return {}
 
 
 class _Stall(_Request):
-    device: Device
+    device: str
     duration_s: float = Field(gt=0.0)
 
     def carry_out(self, desk: Desk) -> Said:
-        desk.ports[self.device].stalled_until_s = desk.bench.time_s + self.duration_s
+        for port in desk.ports_of(self.device):
+            port.stalled_until_s = desk.world.bench.time_s + self.duration_s
         return {}
 
 
 class _Drop(_Request):
-    device: Device
+    device: str
 
     def carry_out(self, desk: Desk) -> Said:
-        desk.ports[self.device].drop()
+        for port in desk.ports_of(self.device):
+            port.drop()
         return {}
 
 
 class _Mute(_Request):
-    device: Device
+    device: str
 
     def carry_out(self, desk: Desk) -> Said:
-        desk.ports[self.device].muted = True
+        for port in desk.ports_of(self.device):
+            port.muted = True
         return {}
 
 

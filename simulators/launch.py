@@ -1,26 +1,25 @@
 """The emulated bench with its servers, as one asynchronous context."""
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from types import TracebackType
 
+from simulators.air_probe import AirProbe
 from simulators.bench.bench import Bench
-from simulators.config import EmulationConfig, ErrorBudget, ReflectorPlace
+from simulators.config import EmulatedDevice, EmulationConfig, ErrorBudget, ReflectorPlace
 from simulators.control import ControlSession, Desk
-from simulators.counter.session import CounterSession
 from simulators.errors import EmulatorError
 from simulators.journal import Journal
 from simulators.melfa.controller import Controller
-from simulators.melfa.session import MelfaSession
-from simulators.modbus.air_sensor import AirSensor
-from simulators.modbus.protocol import ModbusSession
+from simulators.protocols import session_maker
 from simulators.serving import Port
 from simulators.timekeeper import TimeKeeper
 from simulators.tracker import Tracker
 from simulators.truth import TrueArm, draw_truth, load_truth, truth_document
+from simulators.world import World
 
 __all__ = [
     "EmulatedBench",
+    "EmulatedDevice",
     "EmulationConfig",
     "EmulatorError",
     "ErrorBudget",
@@ -34,9 +33,9 @@ class ServedEndpoint:
     """Where a device of the bench answers.
 
     Attributes:
-        device: robot, interferometer, environment or control.
-        protocol: melfa-r3, line-counter, modbus-tcp or catseye-control.
-        endpoint: `tcp://host:port` with the port that is really used.
+        device: its name; control for the control port.
+        protocol: what it speaks there; catseye-control for the control port.
+        endpoint: as asked for, with the port that is really used.
     """
 
     device: str
@@ -51,7 +50,7 @@ class EmulatedBench:
         config: what to emulate and where to listen.
 
     Raises:
-        EmulatorError: the truth file, the reflectors or an option cannot be used.
+        EmulatorError: the truth file, the reflectors, a protocol or an option cannot be used.
     """
 
     def __init__(self, config: EmulationConfig) -> None:
@@ -63,33 +62,15 @@ class EmulatedBench:
         self.journal = Journal(lambda: self.bench.time_s)
         self.keeper = TimeKeeper(self.bench, config.speed)
         self.controller = Controller(self.bench, config, self.keeper.changed)
-        self.sensor = AirSensor(self.bench, config.pressure_register)
-        suffix = config.answer_suffix
-        self._ports = [
-            self._port(
-                "robot",
-                "melfa-r3",
-                config.robot,
-                lambda: MelfaSession(self.controller, suffix, self._note("robot")),
-            ),
-            self._port(
-                "interferometer",
-                "line-counter",
-                config.interferometer,
-                lambda: CounterSession(self.bench, self._note("interferometer")),
-            ),
-            self._port(
-                "environment",
-                "modbus-tcp",
-                config.environment,
-                lambda: ModbusSession(self.sensor, self._note("environment")),
-            ),
-        ]
-        ports = {port.device: port for port in self._ports}
-        tracker = Tracker(config.seed)
-        self.desk = Desk(self.bench, self.controller, self.sensor, tracker, self.keeper, self.journal, ports)
+        probe = AirProbe(self.bench)
+        self.world = World(config, self.bench, self.controller, self.keeper, self.journal, probe)
+        self._ports = [self._port(device) for device in config.devices]
+        by_name: dict[str, list[Port]] = {}
+        for port in self._ports:
+            by_name.setdefault(port.device, []).append(port)
+        self.desk = Desk(self.world, Tracker(config.seed), by_name)
         self._ports.append(
-            self._port("control", "catseye-control", config.control, lambda: ControlSession(self.desk))
+            Port("control", "catseye-control", config.control, self.keeper, lambda: ControlSession(self.desk))
         )
 
     @property
@@ -122,17 +103,11 @@ class EmulatedBench:
         for port in self._ports:
             await port.close()
 
-    def _note(self, device: str) -> Callable[[str], None]:
-        return lambda text: self.journal.add(device, "request", text)
-
-    def _port(
-        self,
-        device: str,
-        protocol: str,
-        endpoint: str,
-        session: Callable[[], MelfaSession | CounterSession | ModbusSession | ControlSession],
-    ) -> Port:
-        return Port(device, protocol, endpoint, self.keeper, session)
+    def _port(self, device: EmulatedDevice) -> Port:
+        new_session = session_maker(
+            self.world, device, lambda text: self.journal.add(device.name, "request", text)
+        )
+        return Port(device.name, device.protocol, device.endpoint, self.keeper, new_session)
 
 
 def _check(config: EmulationConfig) -> None:

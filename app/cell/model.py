@@ -2,7 +2,7 @@
 
 import math
 from itertools import pairwise
-from typing import Annotated, Literal, Self
+from typing import Annotated, Any, Literal, Self
 
 from pydantic import BaseModel, ConfigDict, Field, StringConstraints, field_validator, model_validator
 
@@ -14,6 +14,12 @@ Finite = Annotated[float, Field(allow_inf_nan=False)]
 Name = Annotated[str, StringConstraints(pattern=r"^[A-Za-z0-9_.+-]{1,40}$")]
 Triple = Annotated[list[Positive], Field(min_length=3, max_length=3)]
 Range = Annotated[list[Finite], Field(min_length=2, max_length=2)]
+Settings = dict[str, Any]
+"""Settings of a driver, as that driver's own `Settings` model describes them; they are checked there."""
+
+
+RESERVED_NAMES = ("robot", "interferometer", "environment", "tracker", "control")
+"""Names of the devices that have sections of their own."""
 
 
 class Section(BaseModel):
@@ -24,8 +30,14 @@ class Section(BaseModel):
 
 def _checked_endpoint(text: str) -> str:
     # Port 0 asks an emulator for a free port; as a place to connect to it means nothing.
-    parse_endpoint(text[:-2] + ":1" if text.startswith("tcp://") and text.endswith(":0") else text)
+    parse_endpoint(
+        text[:-2] + ":1" if text.startswith(("tcp://", "udp://")) and text.endswith(":0") else text
+    )
     return text
+
+
+def _checked_further(text: str | None) -> str | None:
+    return None if text is None else _checked_endpoint(text)
 
 
 class Limits(Section):
@@ -44,10 +56,13 @@ class Limits(Section):
 
 
 class Robot(Section):
-    """[robot]: controller and nominal arm."""
+    """[robot]: controller and nominal arm; the driver chooses how the arm follows the reflector."""
 
     driver: str = "melfa-r3"
     endpoint: str
+    datalink_endpoint: str | None = None
+    mxt_endpoint: str | None = None
+    settings: Settings = {}
     expected_model: str = "RH-3FRH5515"
     link1_mm: Positive
     link2_mm: Positive
@@ -59,14 +74,16 @@ class Robot(Section):
     limits_deg: Limits = Limits()
 
     _endpoint = field_validator("endpoint")(_checked_endpoint)
+    _further = field_validator("datalink_endpoint", "mxt_endpoint")(_checked_further)
 
 
 class Interferometer(Section):
     """[interferometer]: the length counter."""
 
     driver: str = "line-counter"
-    profile: str = "default"
+    profile: str | None = None
     endpoint: str
+    settings: Settings = {}
 
     _endpoint = field_validator("endpoint")(_checked_endpoint)
 
@@ -76,8 +93,20 @@ class Environment(Section):
 
     driver: str = "modbus-air"
     endpoint: str
-    map: str = "vaisala"
+    map: str | None = None
     pressure_register: Annotated[int, Field(ge=0, le=65535)] | None = None
+    settings: Settings = {}
+
+    _endpoint = field_validator("endpoint")(_checked_endpoint)
+
+
+class FurtherDevice(Section):
+    """[[device]]: an instrument beyond the three that a measurement needs; doctor, terminal and emulate know it."""
+
+    name: Name
+    driver: str
+    endpoint: str
+    settings: Settings = {}
 
     _endpoint = field_validator("endpoint")(_checked_endpoint)
 
@@ -174,6 +203,7 @@ class Cell(Section):
     interferometer: Interferometer
     environment: Environment
     tracker: Tracker | None = None
+    device: list[FurtherDevice] = []
     optics: Optics = Optics()
     reflector: Annotated[list[Reflector], Field(min_length=1)]
     measurement: Measurement
@@ -185,4 +215,12 @@ class Cell(Section):
         for name in names:
             if names.count(name) > 1:
                 raise ValueError(f"two reflectors are called {name}; give each a name of its own")
+        return self
+
+    @model_validator(mode="after")
+    def _unique_devices(self) -> Self:
+        names = [*RESERVED_NAMES, *(device.name for device in self.device)]
+        for name in names:
+            if names.count(name) > 1:
+                raise ValueError(f"[[device]] name = {name!r} is taken; give each device a name of its own")
         return self

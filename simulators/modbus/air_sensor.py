@@ -6,10 +6,8 @@ status from 0x0200. Quantities of the map that are not measured here read as mis
 
 import math
 import struct
-from dataclasses import dataclass
 
-from simulators.bench.air import AirSample
-from simulators.bench.bench import Bench
+from simulators.air_probe import AirProbe
 from simulators.modbus.protocol import ILLEGAL_ADDRESS, ModbusError
 
 MISSING = 0x8000
@@ -27,36 +25,18 @@ _INTEGER_STEP = {_HUMIDITY: 0.01, _TEMPERATURE: 0.01, _DEW_POINT: 0.01}
 _PRESSURE_STEP_HPA = 0.1
 
 
-@dataclass
-class AirFault:
-    """What is wrong with the sensor.
-
-    Attributes:
-        missing: it measures nothing.
-        temperature_k: error of the temperature, K.
-        pressure_hpa: error of the pressure, hPa.
-        humidity_percent: error of the relative humidity, %.
-    """
-
-    missing: bool = False
-    temperature_k: float = 0.0
-    pressure_hpa: float = 0.0
-    humidity_percent: float = 0.0
-
-
 class AirSensor:
     """Registers of the sensor.
 
     Args:
-        bench: where the sensor stands.
+        probe: what it measures.
         pressure_register: PDU address of the pressure in hPa; the sheet does not know that of a PTU300.
     """
 
-    def __init__(self, bench: Bench, pressure_register: int) -> None:
-        self._bench = bench
+    def __init__(self, probe: AirProbe, pressure_register: int) -> None:
+        self._probe = probe
         self._pressure_register = pressure_register
         self._settings = [0] * _SETTINGS_WORDS
-        self.fault = AirFault()
         self.identity = {0: "EMULATOR of catseye", 1: "air sensor, common register map", 2: "1.0"}
 
     def read_words(self, address: int, count: int) -> list[int]:
@@ -94,14 +74,9 @@ class AirSensor:
         return start
 
     def _values(self) -> dict[int, float]:
-        if self.fault.missing:
+        shown = self._probe.sample()
+        if shown is None:
             return {}
-        air = self._bench.air()
-        shown = AirSample(
-            air.temperature_c + self.fault.temperature_k,
-            air.pressure_hpa + self.fault.pressure_hpa,
-            air.humidity_percent + self.fault.humidity_percent,
-        )
         return {
             _HUMIDITY: shown.humidity_percent,
             _TEMPERATURE: shown.temperature_c,
@@ -125,7 +100,7 @@ class AirSensor:
         return words
 
     def _status(self) -> list[int]:
-        good = int(not self.fault.missing)
+        good = int(self._probe.sample() is not None)
         return [good, good, good, 0, 0, 0][:_STATUS_WORDS]
 
 

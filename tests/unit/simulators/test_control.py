@@ -12,6 +12,7 @@ from hypothesis import strategies as st
 from simulators.control import LONGEST_BYTES, ControlSession
 from simulators.launch import EmulatedBench
 from simulators.melfa.session import MelfaSession
+from simulators.modbus.air_sensor import AirSensor
 from simulators.tracker import Tracker
 from tests.unit.simulators.benches import QUIET, aimed
 
@@ -148,7 +149,7 @@ def test_an_alarm_stops_a_motion(panel: Panel) -> None:
 
 
 def test_the_air_can_be_wrong_or_missing(panel: Panel) -> None:
-    sensor = panel.emulation.sensor
+    sensor = AirSensor(panel.emulation.world.probe, 0x2C)
     good = sensor.read_words(0x0100, 2)
     panel.fault("air", temperature_k=1.0)
     assert sensor.read_words(0x0101, 1)[0] == pytest.approx(good[1] + 100, abs=1)

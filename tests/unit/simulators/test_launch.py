@@ -10,6 +10,7 @@ from dataclasses import replace
 
 import pytest
 
+from simulators.config import EmulatedDevice
 from simulators.launch import EmulatedBench, EmulationConfig, EmulatorError, ServedEndpoint
 from tests.unit.simulators.benches import QUIET, aimed
 
@@ -81,7 +82,7 @@ async def test_every_device_answers_on_a_free_port() -> None:
         assert [(e.device, e.protocol) for e in bench.endpoints] == [
             ("robot", "melfa-r3"),
             ("interferometer", "line-counter"),
-            ("environment", "modbus-tcp"),
+            ("environment", "modbus-air"),
             ("control", "catseye-control"),
         ]
         assert all(re.fullmatch(r"tcp://127\.0\.0\.1:[1-9]\d*", e.endpoint) for e in bench.endpoints)
@@ -198,7 +199,9 @@ async def test_a_flood_behind_a_waiting_motion_is_held_back_and_answered() -> No
 async def test_a_port_in_use_is_named_with_its_remedy() -> None:
     async with EmulatedBench(CONFIG) as bench:
         taken = bench.endpoints[0].endpoint
-        second = EmulatedBench(replace(CONFIG, interferometer=taken))
+        second = EmulatedBench(
+            replace(CONFIG, devices=(EmulatedDevice("interferometer", "line-counter", taken),))
+        )
         with pytest.raises(
             EmulatorError, match=rf"interferometer: cannot listen on {taken}.*choose another port"
         ):
@@ -210,7 +213,9 @@ async def test_a_port_in_use_is_named_with_its_remedy() -> None:
 )
 async def test_other_endpoints_are_refused(endpoint: str) -> None:
     with pytest.raises(EmulatorError, match="robot: emulators listen on tcp://HOST:PORT only"):
-        await EmulatedBench(replace(CONFIG, robot=endpoint)).__aenter__()
+        await EmulatedBench(
+            replace(CONFIG, devices=(EmulatedDevice("robot", "melfa-r3", endpoint),))
+        ).__aenter__()
 
 
 @pytest.mark.parametrize(

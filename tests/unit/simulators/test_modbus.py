@@ -8,8 +8,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from simulators.air_probe import AirFault, AirProbe
 from simulators.bench.bench import Bench
-from simulators.modbus.air_sensor import AirFault, AirSensor, dew_point_c
+from simulators.modbus.air_sensor import AirSensor, dew_point_c
 from simulators.modbus.protocol import ILLEGAL_ADDRESS, ModbusError, ModbusSession, respond
 from tests.unit.simulators.benches import QUIET, perfect_arm, quiet_bench, without_j4_play
 
@@ -105,8 +106,13 @@ def test_identification(bank: Bank) -> None:
 
 
 @pytest.fixture
-def sensor() -> AirSensor:
-    return AirSensor(quiet_bench(), 0x2C)
+def probe() -> AirProbe:
+    return AirProbe(quiet_bench())
+
+
+@pytest.fixture
+def sensor(probe: AirProbe) -> AirSensor:
+    return AirSensor(probe, 0x2C)
 
 
 def floats(sensor: AirSensor, address: int) -> float:
@@ -124,10 +130,10 @@ def test_the_sensor_gives_floats_with_the_low_word_first(sensor: AirSensor) -> N
     assert math.isnan(floats(sensor, 0x0008))
 
 
-def test_the_word_order_is_that_of_the_sheets_example(sensor: AirSensor) -> None:
+def test_the_word_order_is_that_of_the_sheets_example(sensor: AirSensor, probe: AirProbe) -> None:
     # Sheet, section 1a: 30.56 % = 0x41F47AE1 stands in the registers as 7AE1 41F4.
     air = quiet_bench().air()
-    sensor.fault = AirFault(humidity_percent=30.56 - air.humidity_percent)
+    probe.fault = AirFault(humidity_percent=30.56 - air.humidity_percent)
     assert sensor.read_words(0, 2) == [0x7AE1, 0x41F4]
 
 
@@ -140,15 +146,15 @@ def test_scaled_integers_stand_beside_the_floats(sensor: AirSensor) -> None:
     assert words[2] == 0x8000
 
 
-def test_a_negative_temperature_is_in_twos_complement(sensor: AirSensor) -> None:
+def test_a_negative_temperature_is_in_twos_complement(sensor: AirSensor, probe: AirProbe) -> None:
     air = quiet_bench().air()
-    sensor.fault = AirFault(temperature_k=-5.0 - air.temperature_c)
+    probe.fault = AirFault(temperature_k=-5.0 - air.temperature_c)
     assert sensor.read_words(0x0101, 1) == [0x10000 - 500]
 
 
-def test_a_sensor_without_values_says_so(sensor: AirSensor) -> None:
+def test_a_sensor_without_values_says_so(sensor: AirSensor, probe: AirProbe) -> None:
     assert sensor.read_words(0x0200, 2) == [1, 1]
-    sensor.fault = AirFault(missing=True)
+    probe.fault = AirFault(missing=True)
     assert math.isnan(floats(sensor, 0x0002))
     # Sheet, section 1a: a quiet NaN; 0x8000 in the integers.
     assert sensor.read_words(0x0002, 2) == [0x0000, 0x7FC0]
@@ -171,7 +177,7 @@ def test_it_says_that_it_is_an_emulator(sensor: AirSensor) -> None:
 
 
 def test_another_register_can_have_the_pressure() -> None:
-    sensor = AirSensor(quiet_bench(), 0x90)
+    sensor = AirSensor(AirProbe(quiet_bench()), 0x90)
     assert floats(sensor, 0x90) == pytest.approx(quiet_bench().air().pressure_hpa, rel=1e-6)
     assert math.isnan(floats(sensor, 0x2C))
 
@@ -214,7 +220,9 @@ def test_frames_may_be_split_and_joined(cuts: list[int]) -> None:
 
 @given(st.binary(max_size=400))
 def test_random_bytes_never_raise(data: bytes) -> None:
-    session = ModbusSession(AirSensor(Bench(perfect_arm(), without_j4_play(QUIET)), 0x2C), lambda _text: None)
+    session = ModbusSession(
+        AirSensor(AirProbe(Bench(perfect_arm(), without_j4_play(QUIET))), 0x2C), lambda _text: None
+    )
     session.feed(data)
     out = drain(session)
     # Whatever is answered is a frame that belongs to the protocol.

@@ -1,0 +1,69 @@
+"""Protocols by name: what each emulated endpoint speaks."""
+
+from collections.abc import Callable
+
+from simulators.config import EmulatedDevice, Option
+from simulators.counter.session import CounterSession
+from simulators.errors import EmulatorError
+from simulators.melfa.session import MelfaSession
+from simulators.modbus.air_sensor import AirSensor
+from simulators.modbus.protocol import ModbusSession
+from simulators.serving import Session
+from simulators.world import World
+
+Note = Callable[[str], None]
+"""Is told each request of a client."""
+
+NewSession = Callable[[], Session]
+"""Makes the session of a new client."""
+
+Maker = Callable[[World, EmulatedDevice, Note], NewSession]
+"""Makes one device's endpoint; what all its clients share is made here, once."""
+
+
+def _melfa_r3(world: World, device: EmulatedDevice, note: Note) -> NewSession:
+    del device
+    return lambda: MelfaSession(world.controller, world.config.answer_suffix, note)
+
+
+def _line_counter(world: World, device: EmulatedDevice, note: Note) -> NewSession:
+    del device
+    return lambda: CounterSession(world.bench, note)
+
+
+def _modbus_air(world: World, device: EmulatedDevice, note: Note) -> NewSession:
+    sensor = AirSensor(world.probe, _whole(device, "pressure_register", 0x2C))
+    return lambda: ModbusSession(sensor, note)
+
+
+def _whole(device: EmulatedDevice, key: str, default: int) -> int:
+    value: Option = device.options.get(key, default)
+    if not isinstance(value, int):
+        raise EmulatorError(f"{device.name}: option {key} has to be a whole number, not {value!r}")
+    return value
+
+
+PROTOCOLS: dict[str, Maker] = {
+    "melfa-r3": _melfa_r3,
+    "line-counter": _line_counter,
+    "modbus-air": _modbus_air,
+}
+
+
+def session_maker(world: World, device: EmulatedDevice, note: Note) -> NewSession:
+    """Return what makes the sessions of a device's endpoint.
+
+    Args:
+        world: the emulated bench.
+        device: which endpoint.
+        note: is told each request.
+
+    Raises:
+        EmulatorError: there is no such protocol, or an option is wrong.
+    """
+    maker = PROTOCOLS.get(device.protocol)
+    if maker is None:
+        raise EmulatorError(
+            f"{device.name}: there is no emulator of {device.protocol!r}; there are {', '.join(sorted(PROTOCOLS))}"
+        )
+    return maker(world, device, note)

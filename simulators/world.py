@@ -1,0 +1,31 @@
+"""What all emulated devices of one bench share."""
+
+from dataclasses import dataclass
+
+from simulators.air_probe import AirProbe
+from simulators.bench.bench import Bench
+from simulators.config import EmulationConfig
+from simulators.journal import Journal
+from simulators.melfa.controller import Controller
+from simulators.timekeeper import TimeKeeper
+
+
+@dataclass(frozen=True)
+class World:
+    """One emulated bench, as the makers of sessions see it.
+
+    Attributes:
+        config: of the emulation.
+        bench: the physical truth.
+        controller: the robot controller; all its endpoints lead to it.
+        keeper: bench time.
+        journal: what happened.
+        probe: what the air sensors measure.
+    """
+
+    config: EmulationConfig
+    bench: Bench
+    controller: Controller
+    keeper: TimeKeeper
+    journal: Journal
+    probe: AirProbe
