@@ -49,7 +49,7 @@ class Desk:
             EmulatorError: there is no such device.
         """
         if device not in self.ports:
-            raise EmulatorError(f"there is no device {device!r}; there are {', '.join(self.ports)}")
+            raise EmulatorError(f"device: there is no {device!r}; there are {', '.join(self.ports)}")
         return self.ports[device]
 
 
