@@ -1,9 +1,14 @@
 """The bench as a procedure knows it: nominal arm, rough reflectors, limits. Made from the cell file by the app."""
 
 from dataclasses import dataclass, replace
+from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
+
+Following = Literal["stops", "blended", "streamed"]
+"""How the arm follows a reflector between two nodes: it stops at every sub-step, it passes the sub-steps without
+standing still, or it is given a set point in every cycle of the controller."""
 
 
 @dataclass(frozen=True)
@@ -42,6 +47,9 @@ class Arm:
         speed_deg_s: fastest J1, J2, J4 at 100 % override, for the time estimate.
         acceleration_deg_s2: acceleration of J1, J2, J4, for the time estimate.
         override_percent: speed override of the run.
+        following: how the arm follows a reflector.
+        follow_speed_deg_s: fastest joint while set points are streamed.
+        follow_acceleration_deg_s2: its acceleration then.
     """
 
     link1_mm: float
@@ -53,6 +61,9 @@ class Arm:
     speed_deg_s: tuple[float, float, float]
     acceleration_deg_s2: tuple[float, float, float]
     override_percent: float
+    following: Following = "stops"
+    follow_speed_deg_s: float = 20.0
+    follow_acceleration_deg_s2: float = 200.0
 
 
 @dataclass(frozen=True)

@@ -1,6 +1,6 @@
 """What a procedure may do: the only door between a procedure and the world."""
 
-from collections.abc import Awaitable, Callable, Mapping
+from collections.abc import Awaitable, Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Literal, Protocol
 
@@ -103,6 +103,13 @@ class Context(Protocol):
 
     async def move(self, target: Joints) -> None:
         """Interpolate the joints to a target through the limit gate and wait for standstill."""
+        ...
+
+    async def follow(self, way: Sequence[Joints]) -> None:
+        """Move through joint targets and wait for standstill at the last one.
+
+        The robot stands still at each target, passes it or is led through it, as its driver can.
+        """
         ...
 
     async def joints(self) -> Joints:

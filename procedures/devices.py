@@ -1,6 +1,7 @@
 """The instruments as the engine needs them. Drivers fit these by shape, not by inheritance."""
 
-from typing import Protocol
+from collections.abc import Sequence
+from typing import Protocol, runtime_checkable
 
 Joints = tuple[float, float, float, float]
 """J1 deg, J2 deg, J3 mm, J4 deg."""
@@ -106,6 +107,15 @@ class Robot(Protocol):
 
     async def stop(self) -> None:
         """Stop now, past any command under way; return when the controller has taken it."""
+        ...
+
+
+@runtime_checkable
+class WayRobot(Robot, Protocol):
+    """A robot that passes joint targets without standing still at each."""
+
+    async def follow(self, way: Sequence[Joints]) -> None:
+        """Move through all targets in order; return when the robot stands at the last one."""
         ...
 
 

@@ -1,5 +1,7 @@
 """How long joint moves take: trapezoidal speed, all joints start and end with the slowest."""
 
+from dataclasses import replace
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -23,3 +25,30 @@ def move_time_s(arm: Arm, travel_deg: NDArray[np.float64]) -> NDArray[np.float64
     )
     slowest: NDArray[np.float64] = ramps.max(axis=1)
     return slowest
+
+
+def way_time_s(arm: Arm, poses_deg: NDArray[np.float64]) -> float:
+    """Return the time of a way through poses, s; how it is driven depends on the arm's way of following.
+
+    Args:
+        arm: speeds, accelerations, override and way of following.
+        poses_deg: J1, J2, J4 at the start and at each target, deg, shape (n, 3).
+    """
+    steps = np.abs(np.diff(poses_deg, axis=0))
+    if arm.following == "stops":
+        return float(move_time_s(arm, steps).sum())
+    # Without a stop the whole way is one motion.
+    whole = steps.sum(axis=0)[None, :]
+    return float(move_time_s(_streaming(arm) if arm.following == "streamed" else arm, whole)[0])
+
+
+def _streaming(arm: Arm) -> Arm:
+    full = np.asarray(arm.speed_deg_s) * arm.override_percent / 100.0
+    one, two, four = (float(speed) for speed in np.minimum(full, arm.follow_speed_deg_s))
+    acceleration = arm.follow_acceleration_deg_s2
+    return replace(
+        arm,
+        speed_deg_s=(one, two, four),
+        acceleration_deg_s2=(acceleration, acceleration, acceleration),
+        override_percent=100.0,
+    )

@@ -103,8 +103,8 @@ class _ReflectorCampaign:
 
     def _action(self, visit: Visit) -> Callable[[], Awaitable[Row]]:
         async def action() -> Row:
-            for target in visit.moves:
-                await self._ctx.move(target)
+            for leg in visit.legs:
+                await self._ctx.follow(leg)
             self._j4_deg = visit.moves[-1][3]
             measured = await (self._measure() if visit.tracked else self._measure_anew(visit))
             if visit.tracked and measured is not None and not measured.beam_ok:

@@ -15,7 +15,7 @@ from procedures.bench import Bench, Reflector
 from procedures.devices import Joints
 from procedures.errors import PlanError
 from procedures.free_way import require_free_way
-from procedures.motion_time import move_time_s
+from procedures.motion_time import way_time_s
 from procedures.tracking import Track, aimed_along, plan_track
 
 _FEWEST_SEEN = 0.5
@@ -28,7 +28,7 @@ class Visit:
 
     Attributes:
         command: the node that is measured.
-        moves: joint targets in order; the last one is the node itself.
+        legs: the way in straight legs, each a sequence of joint targets; the very last one is the node itself.
         tracked: the beam is kept over all these moves; otherwise the count is zeroed at the node.
         duration_s: expected time of motion, settling and dwell.
         miss_mm: largest miss on the way, NaN where the beam is not kept.
@@ -36,11 +36,16 @@ class Visit:
     """
 
     command: Command
-    moves: tuple[Joints, ...]
+    legs: tuple[tuple[Joints, ...], ...]
     tracked: bool
     duration_s: float
     miss_mm: float
     beam_mm: float
+
+    @property
+    def moves(self) -> tuple[Joints, ...]:
+        """All joint targets in order."""
+        return tuple(target for leg in self.legs for target in leg)
 
 
 @dataclass(frozen=True)
@@ -149,40 +154,39 @@ def _visits(
         if not track.stop_seen[i]:
             blind.append(stop.command)
             continue
-        legs = range(first, i + 1)
         tracked = bool(visits) and bool(track.leg_seen[first : i + 1].all())
-        parts = [int(track.sub_steps[k]) if tracked else 1 for k in legs]
-        moves = [
-            target
-            for k, count in zip(legs, parts, strict=True)
-            for target in _targets(stops, track, k, count, bench, reflector)
-        ]
-        start = visits[-1].moves[-1] if visits else moves[0]
+        legs = tuple(
+            _targets(stops, track, k, int(track.sub_steps[k]) if tracked else 1, bench, reflector)
+            for k in range(first, i + 1)
+        )
+        start = visits[-1].moves[-1] if visits else legs[0][0]
         miss = float(np.max(track.miss_mm[first : i + 1])) if tracked else float("nan")
-        duration = _duration_s(start, moves, bench)
-        visits.append(Visit(stop.command, tuple(moves), tracked, duration, miss, float(track.beam_mm[i])))
+        duration = _duration_s(start, legs, bench)
+        visits.append(Visit(stop.command, legs, tracked, duration, miss, float(track.beam_mm[i])))
         first = i + 1
     return tuple(visits), tuple(blind)
 
 
 def _targets(
     stops: tuple[Waypoint, ...], track: Track, i: int, parts: int, bench: Bench, reflector: Reflector
-) -> list[Joints]:
+) -> tuple[Joints, ...]:
     """Return the joint targets of the leg that ends at stop i, driven in equal parts."""
     end = np.array([stops[i].theta1_deg, stops[i].theta2_deg])
     start = np.array([stops[i - 1].theta1_deg, stops[i - 1].theta2_deg]) if parts > 1 else end
     theta = end - np.arange(parts - 1, -1, -1)[:, None] / parts * (end - start)
     j4 = np.rad2deg(aimed_along(np.deg2rad(theta), float(track.j4_rad[i]), bench, reflector))
-    return [
+    return tuple(
         (float(one), float(two), bench.arm.j3_mm, float(four))
         for (one, two), four in zip(theta, j4, strict=True)
-    ]
+    )
 
 
-def _duration_s(start: Joints, moves: list[Joints], bench: Bench) -> float:
-    poses = np.array([start, *moves])[:, [0, 1, 3]]
-    motion = float(move_time_s(bench.arm, np.diff(poses, axis=0)).sum())
-    return motion + bench.timing.settle_time_s + bench.timing.dwell_time_s
+def _duration_s(start: Joints, legs: tuple[tuple[Joints, ...], ...], bench: Bench) -> float:
+    motion_s = 0.0
+    for leg in legs:
+        motion_s += way_time_s(bench.arm, np.array([start, *leg])[:, [0, 1, 3]])
+        start = leg[-1]
+    return motion_s + bench.timing.settle_time_s + bench.timing.dwell_time_s
 
 
 def _require_sight(visits: tuple[Visit, ...], reflector: Reflector, n_commands: int, bench: Bench) -> None:

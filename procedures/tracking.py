@@ -23,6 +23,9 @@ _MISS_SAMPLES = 16
 
 _MOST_SUB_STEPS = 128
 
+_STREAMED_MISS_MM = 0.005
+"""Streamed set points carry the aim of every cycle, so their targets are so dense that lines between them will do."""
+
 
 @dataclass(frozen=True)
 class Legs:
@@ -237,8 +240,22 @@ def _longest_branch(lowest: Floats, highest: Floats, low: float, high: float) ->
     return best, best_shift
 
 
+def _miss_limit_mm(bench: Bench) -> float:
+    """Return how far the straight parts of a leg may miss the reflector, mm."""
+    limit_mm = bench.optics.max_miss_mm
+    match bench.arm.following:
+        case "stops":
+            return limit_mm
+        case "blended":
+            # A controller rounds the corners inwards, at most by as much again as the parts bow outwards.
+            return 0.5 * limit_mm
+        case "streamed":
+            return min(limit_mm, _STREAMED_MISS_MM)
+
+
 def _subdivide(legs: Legs, kept: Bools, bench: Bench, reflector: Reflector) -> tuple[Ints, Floats]:
     """Return the fewest equal parts that keep the miss of each kept leg within the plan's limit, and that miss."""
+    limit_mm = _miss_limit_mm(bench)
     parts = np.ones(kept.size, dtype=np.int64)
     miss = np.full(kept.size, np.nan)
     open_legs = np.flatnonzero(kept)
@@ -246,11 +263,11 @@ def _subdivide(legs: Legs, kept: Bools, bench: Bench, reflector: Reflector) -> t
         if not open_legs.size:
             return parts, miss
         trial = leg_miss_mm(legs.select(open_legs), count, bench, reflector)
-        good = trial <= bench.optics.max_miss_mm
+        good = trial <= limit_mm
         parts[open_legs[good]] = count
         miss[open_legs[good]] = trial[good]
         open_legs = open_legs[~good]
     raise PlanError(
-        f"the beam to reflector {reflector.name} cannot be kept within {bench.optics.max_miss_mm:g} mm even in "
+        f"the beam to reflector {reflector.name} cannot be kept within {limit_mm:g} mm even in "
         f"{_MOST_SUB_STEPS} sub-steps: the reflector is too near to the arm's way; move it or raise max_miss_mm"
     )

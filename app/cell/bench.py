@@ -3,7 +3,9 @@
 import math
 
 from app.cell.model import Cell
-from procedures.bench import Arm, Bench, Optics, Reflector, Timing
+from app.errors import ConfigError
+from drivers.registry import load_driver
+from procedures.bench import Arm, Bench, Following, Optics, Reflector, Timing
 
 
 def bench_of(cell: Cell) -> Bench:
@@ -42,7 +44,19 @@ def _arm(cell: Cell) -> Arm:
         speed_deg_s=_triple(robot.speed_deg_s),
         acceleration_deg_s2=_triple(robot.acceleration_deg_s2),
         override_percent=robot.override_cap_percent,
+        following=_following(robot.driver),
+        follow_speed_deg_s=robot.follow_speed_deg_s,
+        follow_acceleration_deg_s2=robot.follow_acceleration_deg_s2,
     )
+
+
+def _following(driver: str) -> Following:
+    """Return how a robot's driver follows a reflector; one that does not say so stops at every target."""
+    try:
+        following: Following = getattr(load_driver(driver), "following", "stops")
+    except LookupError as error:
+        raise ConfigError(f"[robot] driver: {error.args[0]}") from error
+    return following
 
 
 def _triple(values: list[float]) -> tuple[float, float, float]:

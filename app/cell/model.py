@@ -71,6 +71,9 @@ class Robot(Section):
     # The sheet gives the speeds of J1, J2, J4 from memory of a catalogue: they serve the time estimate only.
     speed_deg_s: Triple = [420.0, 720.0, 3000.0]
     acceleration_deg_s2: Triple = [2000.0, 4000.0, 15000.0]
+    # Only where set points are streamed: the fastest joint on the way from node to node.
+    follow_speed_deg_s: Positive = 20.0
+    follow_acceleration_deg_s2: Positive = 200.0
     limits_deg: Limits = Limits()
 
     _endpoint = field_validator("endpoint")(_checked_endpoint)

@@ -1,6 +1,6 @@
 """What a procedure is given on the bench: every call passes the stop ladder, every move the gate."""
 
-from collections.abc import Awaitable, Callable
+from collections.abc import Awaitable, Callable, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Literal
 
@@ -17,7 +17,7 @@ from app.store.rows import Table, encode
 from app.store.run_store import RunStore
 from drivers.clock import Clock
 from procedures.context import Json, Location, Measurement, Prompt, Row
-from procedures.devices import BeamStatus, Joints, Tracker
+from procedures.devices import BeamStatus, Joints, Tracker, WayRobot
 
 
 @dataclass
@@ -121,7 +121,25 @@ class RunContext:
             LimitError: the target is outside the limits.
             SafetyError: the controller may not move.
         """
-        await self._control.motion(lambda: self._gate.require(target), lambda: self._move(target))
+        await self._control.motion(
+            lambda: self._gate.require(target), lambda: self._timed(self._devices.robot.move_joints(target))
+        )
+
+    async def follow(self, way: Sequence[Joints]) -> None:
+        """Move through targets; a robot that cannot pass them stands still at each.
+
+        Raises:
+            LimitError: a target is outside the limits; nothing of the way is driven.
+            SafetyError: the controller may not move.
+        """
+        robot = self._devices.robot
+        if len(way) > 1 and isinstance(robot, WayRobot):
+            await self._control.motion(
+                lambda: self._gate.require(*way), lambda: self._timed(robot.follow(way))
+            )
+            return
+        for target in way:
+            await self.move(target)
 
     async def joints(self) -> Joints:
         """Return the reported joints."""
@@ -224,9 +242,9 @@ class RunContext:
         step.time.points = sum(table == "points" for table, _ in step.rows)
         self.step_times.append(step.time)
 
-    async def _move(self, target: Joints) -> None:
+    async def _timed(self, motion: Awaitable[None]) -> None:
         start_s = self._clock.monotonic_s()
-        await self._devices.robot.move_joints(target)
+        await motion
         if self._step is not None:
             self._step.time.motion_s += self._clock.monotonic_s() - start_s
 

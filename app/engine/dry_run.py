@@ -1,6 +1,6 @@
 """The same procedure without instruments: what it would do, how long it takes, whether limits hold."""
 
-from collections.abc import Awaitable, Callable
+from collections.abc import Awaitable, Callable, Sequence
 from dataclasses import dataclass, field
 from datetime import UTC, datetime, timedelta
 from typing import Literal
@@ -137,6 +137,15 @@ class DryRunContext:
         self._account.time_s += self.timing.duration_s(self.pose, target)
         self._account.moves += 1
         self.pose = target
+
+    async def follow(self, way: Sequence[Joints]) -> None:
+        """Account for every target of a way.
+
+        Raises:
+            LimitError: a target is outside the limits.
+        """
+        for target in way:
+            await self.move(target)
 
     async def joints(self) -> Joints:
         """Return the pose."""

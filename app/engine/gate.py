@@ -75,14 +75,15 @@ class MotionGate:
         self._require_override(percent)
         return percent
 
-    async def require(self, target: Joints) -> None:
-        """Check that a motion to a target may begin; the controller is looked at afresh for every one.
+    async def require(self, *targets: Joints) -> None:
+        """Check that a motion through targets may begin; the controller is looked at afresh for every one.
 
         Raises:
-            LimitError: the target is outside the limits.
+            LimitError: a target is outside the limits.
             SafetyError: the controller's state or override forbids motion.
         """
-        self._limits.require(target)
+        for target in targets:
+            self._limits.require(target)
         status = await self._robot.status()
         require_ready(status)
         self._require_override(status.override_percent)

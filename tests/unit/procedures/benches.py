@@ -1,7 +1,7 @@
 """The paper's bench written down by hand, geometry of its own, and a context that plays an ideal arm."""
 
 import math
-from collections.abc import Awaitable, Callable
+from collections.abc import Awaitable, Callable, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Literal
 
@@ -194,6 +194,11 @@ class IdealContext:
         self.moves.append(target)
         if self.length_mm() is None:
             self.lost = True
+
+    async def follow(self, way: Sequence[Joints]) -> None:
+        """Stand at each target."""
+        for target in way:
+            await self.move(target)
 
     async def joints(self) -> Joints:
         """Return the pose."""
