@@ -172,12 +172,12 @@ class MelfaR3:
             LinkError: lost or silent.
         """
         if on:
-            await self._take_right()
+            await self.take_right()
             await self._main.command("SRVON")
         else:
             # Allowed in every state: neither an alarm nor a refused right may keep the drives on unasked.
             with contextlib.suppress(RefusedError):
-                await self._take_right()
+                await self.take_right()
             await self._main.ask("SRVOFF", codec.bare)
         timeout_s = self._settings.servo_timeout_s
         status = await self._main.status()
@@ -213,7 +213,7 @@ class MelfaR3:
         if not 1 <= percent <= 100:
             raise ValueError(f"override_percent must be from 1 to 100, got {percent}")
         command = f"OVRD={int(percent)}"
-        await self._take_right()
+        await self.take_right()
         answer = await self._main.ask(command, codec.free_text)
         if answer.alarm:
             await self._main.raise_alarm(command)
@@ -280,7 +280,7 @@ class MelfaR3:
         stops_ended = self._stops_ended
         try:
             await self._main.link.ensure()
-            await self._take_right()
+            await self.take_right()
             await self._declare()
             # The motion takes its target from this very connection, so no healing from here on.
             await self._main.command(f"EXEC{assignment(target)}", heal=False)
@@ -308,6 +308,57 @@ class MelfaR3:
         finally:
             self._stops_ended += 1
 
+    async def take_right(self) -> None:
+        """Take the operation right unless it is held; permission to move has been given by now.
+
+        Raises:
+            NotReadyError: the right is refused.
+            LinkError: lost or silent.
+        """
+        if self._has_right:
+            return
+        await self._claim_right(self._main.ask)
+        try:
+            await self._lower_override(self._main.ask)
+        except DeviceError:
+            # Healing tries it again, so that nothing moves faster than was set.
+            self._main.link.distrust("the override could not be restored")
+            raise
+
+    async def account_for(self, target: Joints, lost: DeviceError) -> None:
+        """Ask where the robot is after the answer to a motion was lost; go on only if it stands at the target.
+
+        Args:
+            target: of the motion.
+            lost: how the answer was lost.
+
+        Raises:
+            AlarmError: an alarm is the reason.
+            NotArrivedError: the robot stands somewhere else; it was told to stop.
+            LinkError: the controller does not tell; the robot was told to stop.
+        """
+        session = self._side
+        try:
+            status, joints = await session.status(), await session.joints()
+        except DeviceError as exc:
+            await self.stop()
+            raise LinkError(
+                f"{session.where}: the answer to the motion is lost ({lost}) and the controller does not tell "
+                f"where the robot is ({exc}): the robot was told to stop; {_LOOK_WHY}"
+            ) from lost
+        off = off_target(joints, target, self._settings)
+        if not status.running and not off:
+            return
+        await self.stop()
+        if status.alarm_number:
+            raise AlarmError(f"{session.where}: {status.alarm_text}", status.alarm_number) from lost
+        was = "was still moving" if status.running else f"stands elsewhere ({off})"
+        slow = "raise move_timeout_s or the override if the motion is only slow; "
+        raise NotArrivedError(
+            f"{session.where}: the answer to the motion is lost ({lost}); the robot {was} and was told to stop: "
+            f"{slow if isinstance(lost, LinkTimeoutError) else ''}{_LOOK_WHY}"
+        ) from lost
+
     async def _take_over(self) -> None:
         """Restore what a new connection does not know: the variable, and the right if it had been taken."""
         self._declared = False
@@ -319,18 +370,6 @@ class MelfaR3:
             await self._claim_right(self._main.greet_ask)
         if self._has_right:
             await self._lower_override(self._main.greet_ask)
-
-    async def _take_right(self) -> None:
-        """Take the operation right unless it is held; permission to move has been given by now."""
-        if self._has_right:
-            return
-        await self._claim_right(self._main.ask)
-        try:
-            await self._lower_override(self._main.ask)
-        except DeviceError:
-            # Healing tries it again, so that nothing moves faster than was set.
-            self._main.link.distrust("the override could not be restored")
-            raise
 
     async def _claim_right(self, ask: _Ask) -> None:
         try:
@@ -391,35 +430,11 @@ class MelfaR3:
                     target=target,
                 )
         except (LinkError, ProtocolError) as lost:
-            await self._find_out(target, lost)
+            await self.account_for(target, lost)
             return
         if off := off_target(reached, target, self._settings):
             await self._main.raise_alarm("MOV")
             raise NotArrivedError(f"{self._main.where}: the motion is over, but {off}: {_LOOK_WHY}")
-
-    async def _find_out(self, target: Joints, lost: DeviceError) -> None:
-        """Ask where the robot is after the answer to a motion was lost; go on only if it stands at the target."""
-        session = self._side
-        try:
-            status, joints = await session.status(), await session.joints()
-        except DeviceError as exc:
-            await self.stop()
-            raise LinkError(
-                f"{session.where}: the answer to the motion is lost ({lost}) and the controller does not tell "
-                f"where the robot is ({exc}): the robot was told to stop; {_LOOK_WHY}"
-            ) from lost
-        off = off_target(joints, target, self._settings)
-        if not status.running and not off:
-            return
-        await self.stop()
-        if status.alarm_number:
-            raise AlarmError(f"{session.where}: {status.alarm_text}", status.alarm_number) from lost
-        was = "was still moving" if status.running else f"stands elsewhere ({off})"
-        slow = "raise move_timeout_s or the override if the motion is only slow; "
-        raise NotArrivedError(
-            f"{session.where}: the answer to the motion is lost ({lost}); the robot {was} and was told to stop: "
-            f"{slow if isinstance(lost, LinkTimeoutError) else ''}{_LOOK_WHY}"
-        ) from lost
 
     @property
     def _side(self) -> Session:
