@@ -66,11 +66,12 @@ class Bench:
         self._arm = Arm(truth, config)
         self._optics = Optics(truth, config)
         self._air = Air(config.air, config.seed)
-        self._counter = Counter(config, self._look(np.zeros(1)))
+        self._counter = Counter(config, self._look(np.zeros(1)), self._air.index_at)
         self._witness = witness or (lambda _text: None)
         self._times = self._arm.sample_times()
         self._taken = self._times.size
         self._arrived = True
+        self._appointments: list[tuple[float, Callable[[], None]]] = []
 
     @property
     def joints(self) -> Joints:
@@ -96,8 +97,25 @@ class Bench:
         """Let bench time pass, s."""
         self.advance_to(self.time_s + step_s)
 
+    def call_at(self, time_s: float, action: Callable[[], None]) -> None:
+        """Have something done at a moment of bench time, before anything later happens.
+
+        Args:
+            time_s: bench time, s; a moment in the past is now, at the next `advance_to`.
+            action: may command the arm and make further appointments.
+        """
+        self._appointments.append((max(time_s, self.time_s), action))
+
     def advance_to(self, time_s: float) -> None:
-        """Let bench time pass up to a moment; a moment in the past changes nothing."""
+        """Let bench time pass up to a moment, with all that is to be done until then; the past is left alone."""
+        while due := [made for made in self._appointments if made[0] <= time_s]:
+            first = min(due, key=lambda made: made[0])
+            self._appointments.remove(first)
+            self._pass_to(first[0])
+            first[1]()
+        self._pass_to(time_s)
+
+    def _pass_to(self, time_s: float) -> None:
         if time_s <= self.time_s:
             return
         due = self._due_times(time_s)
