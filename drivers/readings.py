@@ -56,11 +56,15 @@ class CounterReading:
         displacement_mm: displacement since the last zero, growing with the beam's length.
         raw: the instrument's own text or number, as it came.
         time_s: arrival, on the driver's clock, s.
+        zero_id: number of the zero that it counts from; 0 before the first one.
+        device_time_s: the instrument's own time of the value, s; None when it tells none.
     """
 
     displacement_mm: float
     raw: str
     time_s: float
+    zero_id: int = 0
+    device_time_s: float | None = None
 
 
 @dataclass(frozen=True)
@@ -73,6 +77,9 @@ class CounterStatus:
         overspeed: latched since the last zero.
         laser_ready: the laser is stable.
         signal: level of the returning beam, 0...1.
+        signal_native: the level as the instrument tells it, with its unit; empty when it tells none.
+        values_lost: latched since the last zero: values of a stream did not arrive. The count itself holds.
+        zero_id: number of the last zero; 0 before the first one.
     """
 
     beam_ok: bool
@@ -80,6 +87,9 @@ class CounterStatus:
     overspeed: bool
     laser_ready: bool
     signal: float
+    signal_native: str = ""
+    values_lost: bool = False
+    zero_id: int = 0
 
 
 @dataclass(frozen=True)

@@ -11,6 +11,7 @@ from drivers.counter import codec
 from drivers.counter.profile import CounterProfile, load_profile
 from drivers.endpoint import open_transport
 from drivers.errors import DeviceError, LinkError, ProtocolError, RefusedError, WrongDeviceError
+from drivers.latches import Latches
 from drivers.link import RequestLink
 from drivers.readings import CounterReading, CounterStatus, Identity
 from drivers.record import Sink
@@ -62,10 +63,7 @@ class LineCounter:
         self._profile = profile
         self._link = RequestLink(transport, name=profile.title, greet=self._greet, quiet_s=quiet_s)
         self._model: str | None = None
-        self._was_greeted = False
-        self._beam_lost = False
-        self._overspeed = False
-        self._zero_id = 0
+        self._latches = Latches()
         self._offset_mm = 0.0
         self._last_count = 0
 
@@ -145,9 +143,7 @@ class LineCounter:
                 raise self._unfit(zero.command, text, ProtocolError(f"no match for {zero.reply!r}"))
         if zero.mode == "device":
             self._offset_mm, self._last_count = 0.0, 0
-        self._beam_lost = self._overspeed = False
-        self._zero_id += 1
-        return self._zero_id
+        return self._latches.zeroed()
 
     async def read(self) -> CounterReading:
         """Return one reading.
@@ -164,7 +160,8 @@ class LineCounter:
         if scale.wrap_bits:
             self._last_count = codec.unwrap(round(number), self._last_count, scale.wrap_bits)
             number = float(self._last_count)
-        return CounterReading(codec.length_mm(number, scale) - self._offset_mm, text, time_s)
+        value_mm = codec.length_mm(number, scale) - self._offset_mm
+        return CounterReading(value_mm, text, time_s, self._latches.zero_id)
 
     async def status(self) -> CounterStatus:
         """Return the state of the beam. Without a signal command the signal is 1 with and 0 without a beam.
@@ -181,16 +178,16 @@ class LineCounter:
         except ProtocolError as exc:
             raise self._unfit(status.command, text, exc) from None
         absent = bits.get("beam_absent", bits["beam_lost"])
-        self._beam_lost |= bits["beam_lost"] or absent
-        self._overspeed |= bits.get("overspeed", False)
+        self._latches.note(beam_lost=bits["beam_lost"] or absent, overspeed=bits.get("overspeed", False))
         # Before the latch is looked at, since this question too may find the link lost.
         signal = await self._signal(default=0.0 if absent else 1.0)
         return CounterStatus(
             beam_ok=not absent,
-            beam_lost=self._beam_lost,
-            overspeed=self._overspeed,
+            beam_lost=self._latches.beam_lost,
+            overspeed=self._latches.overspeed,
             laser_ready=bits.get("laser_ready", True),
             signal=signal,
+            zero_id=self._latches.zero_id,
         )
 
     async def _signal(self, default: float) -> float:
@@ -260,7 +257,7 @@ class LineCounter:
 
     async def _greet(self) -> None:
         """Ask who is there and for a value, which a stranger does not know."""
-        self._beam_lost |= self._was_greeted
+        self._latches.greeting()
         profile = self._profile
         model = ""
         try:
@@ -280,7 +277,7 @@ class LineCounter:
         except (LinkError, ProtocolError) as exc:
             raise self._stranger(exc) from None
         self._model = model
-        self._was_greeted = True
+        self._latches.greeted()
 
     async def _greet_ask(self, command: str) -> str:
         await self._pause()
