@@ -18,7 +18,8 @@ from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
 from simulators.air_probe import AirFault
 from simulators.errors import EmulatorError
-from simulators.serving import Answer, Port, Session
+from simulators.ports.port import Port
+from simulators.serving import Answer, Session
 from simulators.tracker import Tracker
 from simulators.truth import truth_document
 from simulators.world import World

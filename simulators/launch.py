@@ -10,8 +10,8 @@ from simulators.control import ControlSession, Desk
 from simulators.errors import EmulatorError
 from simulators.journal import Journal
 from simulators.melfa.controller import Controller
+from simulators.ports.port import Port
 from simulators.protocols import session_maker
-from simulators.serving import Port
 from simulators.timekeeper import TimeKeeper
 from simulators.tracker import Tracker
 from simulators.truth import TrueArm, draw_truth, load_truth, truth_document

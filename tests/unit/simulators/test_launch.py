@@ -209,10 +209,10 @@ async def test_a_port_in_use_is_named_with_its_remedy() -> None:
 
 
 @pytest.mark.parametrize(
-    "endpoint", ["serial:///dev/ttyUSB0", "tcp://127.0.0.1", "tcp://:99", "tcp://h:99999", ""]
+    "endpoint", ["pipe://x", "tcp://127.0.0.1", "tcp://:99", "tcp://h:99999", "serial://ttyUSB0", ""]
 )
 async def test_other_endpoints_are_refused(endpoint: str) -> None:
-    with pytest.raises(EmulatorError, match="robot: emulators listen on tcp://HOST:PORT only"):
+    with pytest.raises(EmulatorError, match="robot: emulators listen on tcp://HOST:PORT, udp://"):
         await EmulatedBench(
             replace(CONFIG, devices=(EmulatedDevice("robot", "melfa-r3", endpoint),))
         ).__aenter__()

@@ -1,0 +1,1 @@
+"""What emulators listen on: sockets, pseudo-terminals and datagrams."""

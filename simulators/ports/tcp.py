@@ -1,0 +1,117 @@
+"""A listening socket; each connection is a client.
+
+asyncio switches Nagle's algorithm off on every TCP socket, so an answer leaves at once.
+"""
+
+import asyncio
+from collections.abc import Callable
+
+from simulators.conversation import Conversation, Wire
+from simulators.ports.address import SocketAddress
+
+
+class TcpListener:
+    """Takes connections.
+
+    Args:
+        address: where to listen.
+        converse: starts the conversation with a new client.
+    """
+
+    def __init__(self, address: SocketAddress, converse: Callable[[Wire], Conversation]) -> None:
+        self.converse = converse
+        self.closing = False
+        self.connections: set[Connection] = set()
+        self._address = address
+        self._port = address.port
+        self._server: asyncio.Server | None = None
+
+    @property
+    def endpoint(self) -> str:
+        """Where clients find it."""
+        return self._address.bound(self._port)
+
+    async def open(self) -> None:
+        """Listen.
+
+        Raises:
+            OSError: the address is in use or not of this computer.
+        """
+        loop = asyncio.get_running_loop()
+        address = self._address
+        self._server = await loop.create_server(lambda: Connection(self), address.host, address.port)
+        self._port = self._server.sockets[0].getsockname()[1]
+
+    def drop(self) -> None:
+        """Close all connections; new ones are welcome."""
+        for connection in list(self.connections):
+            connection.abort()
+
+    async def close(self) -> None:
+        """Stop listening and drop every client."""
+        self.closing = True
+        if self._server is None:
+            return
+        self._server.close()
+        # A client that was accepted in this very turn of the loop joins in the next one.
+        await asyncio.sleep(0)
+        gone = [connection.conversation.gone for connection in self.connections]
+        self.drop()
+        if gone:
+            await asyncio.wait(gone)
+        await self._server.wait_closed()
+        self._server = None
+
+
+class Connection(asyncio.Protocol):
+    """One client.
+
+    Args:
+        listener: the listener that it came to.
+    """
+
+    gap_s = 0.0
+    """A segment comes as a whole."""
+
+    def __init__(self, listener: TcpListener) -> None:
+        self._listener = listener
+        self._transport: asyncio.Transport | None = None
+        self.conversation = listener.converse(self)
+        listener.connections.add(self)
+
+    def connection_made(self, transport: asyncio.BaseTransport) -> None:
+        """Take the client in."""
+        if isinstance(transport, asyncio.Transport):
+            self._transport = transport
+        if self._listener.closing:
+            self.abort()
+
+    def data_received(self, data: bytes) -> None:
+        """Hand over what came."""
+        self.conversation.feed(data)
+
+    def connection_lost(self, exc: Exception | None) -> None:  # noqa: ARG002  # asyncio's signature
+        """End the conversation."""
+        self._transport = None
+        self._listener.connections.discard(self)
+        self.conversation.end()
+
+    def abort(self) -> None:
+        """Drop the client."""
+        if self._transport is not None:
+            self._transport.abort()
+
+    def send(self, data: bytes) -> None:
+        """Send to the client."""
+        if self._transport is not None:
+            self._transport.write(data)
+
+    def pause(self) -> None:
+        """Leave what the client sends in the socket."""
+        if self._transport is not None:
+            self._transport.pause_reading()
+
+    def resume(self) -> None:
+        """Go on taking."""
+        if self._transport is not None:
+            self._transport.resume_reading()
