@@ -79,10 +79,12 @@ class _State(_Request):
     def carry_out(self, desk: Desk) -> Said:
         bench = desk.world.bench
         insight = bench.insight()
+        latches = {name: instrument.beam_lost for name, instrument in desk.world.instruments.items()}
         beam = {
             "reflector": insight.reflector,
             "returns": insight.reflector is not None,
-            "lost": bench.beam_lost,
+            "lost": latches.get("interferometer", bench.beam_lost),
+            "lost_of": latches,
             "nearest": insight.nearest,
             "miss_mm": insight.miss_mm,
             "length_mm": insight.length_mm,

@@ -27,8 +27,8 @@ def _melfa_r3(world: World, device: EmulatedDevice, note: Note) -> NewSession:
 
 
 def _line_counter(world: World, device: EmulatedDevice, note: Note) -> NewSession:
-    del device
-    return lambda: CounterSession(world.bench, note)
+    instrument = world.instrument(device.name)
+    return lambda: CounterSession(instrument, note)
 
 
 def _modbus_air(world: World, device: EmulatedDevice, note: Note) -> NewSession:

@@ -1,9 +1,9 @@
 """What all emulated devices of one bench share."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 from simulators.air_probe import AirProbe
-from simulators.bench.bench import Bench
+from simulators.bench.bench import Bench, Instrument
 from simulators.config import EmulationConfig
 from simulators.journal import Journal
 from simulators.melfa.controller import Controller
@@ -21,6 +21,7 @@ class World:
         keeper: bench time.
         journal: what happened.
         probe: what the air sensors measure.
+        instruments: length counters by the name of the device.
     """
 
     config: EmulationConfig
@@ -29,3 +30,10 @@ class World:
     keeper: TimeKeeper
     journal: Journal
     probe: AirProbe
+    instruments: dict[str, Instrument] = field(default_factory=dict)
+
+    def instrument(self, device: str) -> Instrument:
+        """Return the length counter of a device; all its endpoints and clients lead to the same one."""
+        if device not in self.instruments:
+            self.instruments[device] = self.bench.new_instrument()
+        return self.instruments[device]

@@ -66,7 +66,9 @@ class Bench:
         self._arm = Arm(truth, config)
         self._optics = Optics(truth, config)
         self._air = Air(config.air, config.seed)
+        self._config = config
         self._counter = Counter(config, self._look(np.zeros(1)), self._air.index_at)
+        self._instruments: list[Counter] = []
         self._witness = witness or (lambda _text: None)
         self._times = self._arm.sample_times()
         self._taken = self._times.size
@@ -120,7 +122,7 @@ class Bench:
             return
         due = self._due_times(time_s)
         if due.size:
-            self._counter.follow(self._look(due))
+            self._follow(self._look(due))
         if not self._arrived and time_s >= self.standstill_s:
             self._arrived = True
             self.time_s = self.standstill_s
@@ -154,15 +156,28 @@ class Bench:
         self._witness(f"stop towards {_listed(self.destination)}")
         self._restart_looks()
 
-    def read(self) -> Reading:
-        """Return one reading of the counter at this moment."""
-        sight = self._observe()
-        return self._counter.read(self.time_s, self._optics.level(float(sight.miss_mm[0])))
+    def new_instrument(self) -> "Instrument":
+        """Return a further length counter on the beam, with zero, latches and noise of its own."""
+        counter = Counter(
+            self._config, self._observe().last(), self._air.index_at, number=len(self._instruments)
+        )
+        self._instruments.append(counter)
+        return Instrument(self, counter)
 
-    def zero(self) -> bool:
-        """Zero the counter; False when it refuses because no beam returns."""
+    def read(self, counter: Counter | None = None) -> Reading:
+        """Return one reading at this moment.
+
+        Args:
+            counter: which one; by default the bench's own, which no emulated instrument wears.
+        """
+        sight = self._observe()
+        level = self._optics.level(float(sight.miss_mm[0]))
+        return (counter or self._counter).read(self.time_s, level)
+
+    def zero(self, counter: Counter | None = None) -> bool:
+        """Zero a counter, by default the bench's own; False when it refuses because no beam returns."""
         self._observe()
-        return self._counter.zero(self.time_s)
+        return (counter or self._counter).zero(self.time_s)
 
     def velocity_mm_s(self) -> float:
         """Return the displacement rate at this moment, mm/s; 0 without a beam."""
@@ -232,15 +247,22 @@ class Bench:
         except KeyError:
             known = ", ".join(self._optics.names)
             raise BenchError(f"there is no reflector {name!r}; there are {known}") from None
-        self._counter.shift_target(self._look(np.array([self.time_s])))
+        sight = self._look(np.array([self.time_s]))
+        for counter in (self._counter, *self._instruments):
+            counter.shift_target(sight)
 
     def _look(self, time_s: Floats) -> Sight:
         return self._optics.look(self._arm.poses(time_s))
 
     def _observe(self) -> Sight:
         sight = self._look(np.array([self.time_s]))
-        self._counter.follow(sight)
+        self._follow(sight)
         return sight
+
+    def _follow(self, sight: Sight) -> None:
+        self._counter.follow(sight)
+        for counter in self._instruments:
+            counter.follow(sight)
 
     def _nearest(self, sight: Sight) -> str:
         return self._optics.names[int(sight.nearest[0])]
@@ -261,6 +283,32 @@ class Bench:
         if last < first:
             return due
         return np.concatenate([due, calm_s + _REST_STEP_S * np.arange(first, last + 1)])
+
+
+class Instrument:
+    """One emulated instrument's length counter; several look along the same beam.
+
+    Args:
+        bench: where it stands.
+        counter: its count.
+    """
+
+    def __init__(self, bench: Bench, counter: Counter) -> None:
+        self.bench = bench
+        self._counter = counter
+
+    @property
+    def beam_lost(self) -> bool:
+        """The latch of this instrument."""
+        return self._counter.beam_lost
+
+    def read(self) -> Reading:
+        """Return one reading at this moment."""
+        return self.bench.read(self._counter)
+
+    def zero(self) -> bool:
+        """Zero the count; False when it refuses because no beam returns."""
+        return self.bench.zero(self._counter)
 
 
 def _listed(joints: Joints) -> str:

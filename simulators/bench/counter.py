@@ -1,11 +1,11 @@
 """The length counter: counts while the beam is unbroken, latches a break and an overspeed until zero."""
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
 
 from simulators.bench.optics import NOBODY, Sight
-from simulators.bench.types import Floats
 from simulators.config import EmulationConfig, ErrorBudget
 
 _SHORTEST_STEP_S = 1e-7
@@ -19,6 +19,8 @@ class Reading:
 
     Attributes:
         displacement_mm: displacement since the last zero; wrong when beam_lost or overspeed is latched.
+        vacuum_mm: the same as counted in vacuum wavelengths: what an instrument without any correction for
+            the air shows. The air's change along the whole beam, dead path included, is in it.
         returns: the beam returns now.
         beam_lost: latched since the last zero.
         overspeed: latched since the last zero.
@@ -27,6 +29,7 @@ class Reading:
     """
 
     displacement_mm: float
+    vacuum_mm: float
     returns: bool
     beam_lost: bool
     overspeed: bool
@@ -58,21 +61,28 @@ class Counter:
     Args:
         config: budget, seed and the displacement rate that the counter follows.
         first: what the beam meets at bench time 0, shape (1,).
+        air_index: refractive index of the air at a bench time.
+        number: of the counters on one bench, each has noise and errors of its own.
     """
 
-    def __init__(self, config: EmulationConfig, first: Sight) -> None:
+    def __init__(
+        self, config: EmulationConfig, first: Sight, air_index: Callable[[float], float], number: int = 0
+    ) -> None:
+        self._air_index = air_index
         self._budget: ErrorBudget = config.budget
         self._limit_mm_s = config.speed_limit_mm_s
-        self._noise = np.random.default_rng([config.seed, 6])
-        self._slips = np.random.default_rng([config.seed, 10])
-        rng = np.random.default_rng([config.seed, 7])
+        self._noise = np.random.default_rng([config.seed, 6, number])
+        self._slips = np.random.default_rng([config.seed, 10, number])
+        rng = np.random.default_rng([config.seed, 7, number])
         scale_um = np.hypot(config.budget.wavelength_um, config.budget.correction_um)
         self._scale = 1.0 + float(rng.normal(0.0, 1.0)) * float(scale_um) * 1e-3 / 700.0
         self._drift = SlowDrift(rng, config.budget.environment_um * 1e-3)
         self._drift_at_zero_mm = self._drift.at(0.0)
         self._last = first
         self._origin_mm = float(first.length_mm[0])
+        self._optical_origin_mm = self._optical_mm(first)
         self._held_mm = 0.0
+        self._optical_held_mm = 0.0
         self.beam_lost = int(first.index[0]) == NOBODY
         self.overspeed = False
         self.zero_id = 0
@@ -82,15 +92,17 @@ class Counter:
         index = np.concatenate([self._last.index, sight.index])
         length = np.concatenate([self._last.length_mm, sight.length_mm])
         same = index[1:] == index[:-1]
-        steps_s = np.diff(np.concatenate([self._last.time_s, sight.time_s]))
+        time_s = np.concatenate([self._last.time_s, sight.time_s])
         fast = (
             same
             & (index[1:] != NOBODY)
-            & (np.abs(np.diff(length)) > self._limit_mm_s * np.maximum(steps_s, _SHORTEST_STEP_S))
+            & (np.abs(np.diff(length)) > self._limit_mm_s * np.maximum(np.diff(time_s), _SHORTEST_STEP_S))
         )
         # Each interval that is not counted is taken out of the count, in the order in which they come.
         for k in np.flatnonzero(~same | fast):
-            self._skip(int(index[k]), int(index[k + 1]), length[k : k + 2], fast=bool(fast[k]))
+            optical = [float(length[i]) * self._air_index(float(time_s[i])) for i in (k, k + 1)]
+            lengths = _Lengths(float(length[k]), float(length[k + 1]), *optical)
+            self._skip(int(index[k]), int(index[k + 1]), lengths, fast=bool(fast[k]))
         self._last = sight.last()
 
     def shift_target(self, sight: Sight) -> None:
@@ -109,6 +121,7 @@ class Counter:
             self.beam_lost = True
             return False
         self._origin_mm = float(self._last.length_mm[0])
+        self._optical_origin_mm = self._optical_mm(self._last)
         self._drift_at_zero_mm = self._drift.at(time_s)
         self.beam_lost = self.overspeed = False
         self.zero_id += 1
@@ -123,13 +136,18 @@ class Counter:
         """
         returns = int(self._last.index[0]) != NOBODY
         noise = self._noise.standard_normal(2)
-        value_mm = self._count_mm() * self._scale + self._drift.at(time_s) - self._drift_at_zero_mm
-        value_mm += float(noise[0]) * self._budget.counter_noise_um * 1e-3
-        step_mm = self._budget.counter_resolution_um * 1e-3
-        if step_mm:
-            value_mm = round(value_mm / step_mm) * step_mm
+        added_mm = self._drift.at(time_s) - self._drift_at_zero_mm
+        added_mm += float(noise[0]) * self._budget.counter_noise_um * 1e-3
         shown = min(1.0, max(0.0, level + 0.003 * float(noise[1]))) if returns else 0.0
-        return Reading(value_mm, returns, self.beam_lost, self.overspeed, shown, self.zero_id)
+        return Reading(
+            displacement_mm=self._rounded(self._count_mm() * self._scale + added_mm),
+            vacuum_mm=self._rounded(self._optical_count_mm(time_s) * self._scale + added_mm),
+            returns=returns,
+            beam_lost=self.beam_lost,
+            overspeed=self.overspeed,
+            level=shown,
+            zero_id=self.zero_id,
+        )
 
     def _slip_mm(self) -> float:
         """Return what fading fringes do to a count: the way out and back does not restore it by symmetry."""
@@ -140,13 +158,40 @@ class Counter:
             return self._held_mm
         return float(self._last.length_mm[0]) - self._origin_mm
 
-    def _skip(self, before: int, after: int, length_mm: Floats, *, fast: bool) -> None:
+    def _optical_mm(self, sight: Sight) -> float:
+        """Return the optical length of the beam at the first of some looks: what vacuum wavelengths fill."""
+        return float(sight.length_mm[0]) * self._air_index(float(sight.time_s[0]))
+
+    def _optical_count_mm(self, time_s: float) -> float:
+        if int(self._last.index[0]) == NOBODY:
+            return self._optical_held_mm
+        return float(self._last.length_mm[0]) * self._air_index(time_s) - self._optical_origin_mm
+
+    def _rounded(self, value_mm: float) -> float:
+        step_mm = self._budget.counter_resolution_um * 1e-3
+        return round(value_mm / step_mm) * step_mm if step_mm else value_mm
+
+    def _skip(self, before: int, after: int, lengths: "_Lengths", *, fast: bool) -> None:
         if fast:
             self.overspeed = True
-            self._origin_mm += float(length_mm[1] - length_mm[0])
+            self._origin_mm += lengths.after_mm - lengths.before_mm
+            self._optical_origin_mm += lengths.optical_after_mm - lengths.optical_before_mm
             return
         if before != NOBODY:
             self.beam_lost = True
-            self._held_mm = float(length_mm[0]) - self._origin_mm + self._slip_mm()
+            slip_mm = self._slip_mm()
+            self._held_mm = lengths.before_mm - self._origin_mm + slip_mm
+            self._optical_held_mm = lengths.optical_before_mm - self._optical_origin_mm + slip_mm
         if after != NOBODY:
-            self._origin_mm = float(length_mm[1]) - self._held_mm
+            self._origin_mm = lengths.after_mm - self._held_mm
+            self._optical_origin_mm = lengths.optical_after_mm - self._optical_held_mm
+
+
+@dataclass(frozen=True)
+class _Lengths:
+    """The beam's length and optical length at both ends of an interval that is not counted."""
+
+    before_mm: float
+    after_mm: float
+    optical_before_mm: float
+    optical_after_mm: float

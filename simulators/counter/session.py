@@ -32,7 +32,7 @@ import re
 from collections import deque
 from collections.abc import Callable
 
-from simulators.bench.bench import Bench
+from simulators.bench.bench import Instrument
 from simulators.serving import Answer, Session
 
 IDENTITY = "CATSEYE LINE COUNTER EMULATOR 1.0"
@@ -52,12 +52,13 @@ class CounterSession(Session):
     """Conversation with one client.
 
     Args:
-        bench: where the counter is.
+        instrument: what it shows.
         note: is told each request.
     """
 
-    def __init__(self, bench: Bench, note: Callable[[str], None]) -> None:
-        self._bench = bench
+    def __init__(self, instrument: Instrument, note: Callable[[str], None]) -> None:
+        self._instrument = instrument
+        self._bench = instrument.bench
         self._note = note
         self._bytes = bytearray()
         self._overflow = False
@@ -67,11 +68,11 @@ class CounterSession(Session):
         self._next_s = 0.0
         self._commands: dict[str, Callable[[], str]] = {
             "R": self._value,
-            "Z": lambda: "OK" if bench.zero() else "E03",
+            "Z": lambda: "OK" if instrument.zero() else "E03",
             "S": self._status,
-            "L": lambda: f"{round(100.0 * bench.read().level):03d}",
+            "L": lambda: f"{round(100.0 * instrument.read().level):03d}",
             "I": lambda: IDENTITY,
-            "V": lambda: f"{bench.velocity_mm_s():+014.6f} mm/s",
+            "V": lambda: f"{self._bench.velocity_mm_s():+014.6f} mm/s",
             "C": lambda: "OK",
             "H": lambda: self._stream(None),
             "E0": lambda: self._set_echo(on=False),
@@ -132,11 +133,11 @@ class CounterSession(Session):
 
     def _value(self) -> str:
         # The display has six digits before the point; a longer value would shift the columns.
-        value_mm = min(999_999.0, max(-999_999.0, self._bench.read().displacement_mm))
+        value_mm = min(999_999.0, max(-999_999.0, self._instrument.read().displacement_mm))
         return f"{value_mm:+014.6f} mm"
 
     def _status(self) -> str:
-        reading = self._bench.read()
+        reading = self._instrument.read()
         bits = _LASER_READY | _BEAM_LOST * reading.beam_lost | _OVERSPEED * reading.overspeed
         bits |= _NO_BEAM * (not reading.returns) | _STREAMING * (self._period_s is not None)
         return f"{bits:02X}"

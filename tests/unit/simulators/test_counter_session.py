@@ -32,7 +32,7 @@ def bench() -> Bench:
 
 @pytest.fixture
 def counter(bench: Bench) -> CounterSession:
-    return CounterSession(bench, lambda _line: None)
+    return CounterSession(bench.new_instrument(), lambda _line: None)
 
 
 def test_it_says_that_it_is_an_emulator(counter: CounterSession) -> None:
@@ -122,8 +122,8 @@ STREAM = b"I\r\nE1\r\nC\nX\r\n\r\nE0\rH\r\n" + b"Q" * 80 + b"\r\nC\r\n"
 def test_any_cut_of_a_stream_gives_the_same_answers(cuts: list[int]) -> None:
     config = without_j4_play(QUIET)
     bench = Bench(perfect_arm(), config)
-    whole = talk(CounterSession(bench, lambda _line: None), STREAM)
-    session = CounterSession(bench, lambda _line: None)
+    whole = talk(CounterSession(bench.new_instrument(), lambda _line: None), STREAM)
+    session = CounterSession(bench.new_instrument(), lambda _line: None)
     places = [0, *sorted(cuts), len(STREAM)]
     parts = [STREAM[a:b] for a, b in pairwise(places)]
     assert [line for part in parts for line in talk(session, part)] == whole
@@ -132,6 +132,8 @@ def test_any_cut_of_a_stream_gives_the_same_answers(cuts: list[int]) -> None:
 
 @given(st.binary(max_size=300))
 def test_random_bytes_never_raise(data: bytes) -> None:
-    session = CounterSession(Bench(perfect_arm(), without_j4_play(QUIET)), lambda _line: None)
+    session = CounterSession(
+        Bench(perfect_arm(), without_j4_play(QUIET)).new_instrument(), lambda _line: None
+    )
     talk(session, data)
     assert talk(session, b"\r\nH\r\n")[-1] == "OK"
