@@ -67,9 +67,15 @@ def further_device(device: FurtherDevice, clock: Clock, record: WireRecorder) ->
 
 
 def robot_settings(robot: Robot) -> dict[str, Any]:
-    """Return the settings of the robot's driver."""
+    """Return the settings of the robot's driver; one that streams set points is told how fast."""
+    streamed = getattr(load_driver(robot.driver), "following", "stops") == "streamed"
+    speeds = {
+        "follow_speed_deg_s": robot.follow_speed_deg_s,
+        "follow_acceleration_deg_s2": robot.follow_acceleration_deg_s2,
+    }
     return {
         "expected_model": robot.expected_model,
+        **(speeds if streamed else {}),
         **_given(datalink_endpoint=robot.datalink_endpoint, mxt_endpoint=robot.mxt_endpoint),
         **robot.settings,
     }

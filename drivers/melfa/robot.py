@@ -325,6 +325,19 @@ class MelfaR3:
             self._main.link.distrust("the override could not be restored")
             raise
 
+    async def start_program(self, name: str) -> None:
+        """Reset the slot and start a program from its first line, once (sheet 1.9).
+
+        Raises:
+            AlarmError: an alarm is active.
+            NotReadyError: refused for a reason that an operator has to look at.
+            RefusedError: there is no such program, or it cannot be started.
+            LinkError: lost or silent.
+        """
+        await self.take_right()
+        await self._main.command("RSTPRG")
+        await self._main.command(f"RUN{name};1")
+
     async def account_for(self, target: Joints, lost: DeviceError) -> None:
         """Ask where the robot is after the answer to a motion was lost; go on only if it stands at the target.
 

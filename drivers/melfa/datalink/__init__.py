@@ -1,0 +1,1 @@
+"""Motion through via points by a program that runs in the controller."""

@@ -1,0 +1,310 @@
+"""A MELFA SCARA that passes via points: R-protocol for the controller, a data link to its program for motion.
+
+Session, servo, override, alarms and STOP go over the R-protocol; the ways of the arm go to the program CATSDL, which
+drives them with `Cnt 1` and answers at the standstill with the joints' feedback (`J_Fbc`). After a STOP that program
+stands: it is started again before the next way, or an operator has to.
+"""
+
+import asyncio
+import math
+from collections.abc import Sequence
+from typing import Any, ClassVar, Self
+
+from pydantic import Field
+
+from drivers.clock import Clock
+from drivers.endpoint import open_transport
+from drivers.errors import (
+    AlarmError,
+    DeviceError,
+    LinkError,
+    NotArrivedError,
+    ProtocolError,
+    RefusedError,
+    WrongDeviceError,
+)
+from drivers.link import RequestLink, uninterrupted
+from drivers.melfa.datalink import codec
+from drivers.melfa.datalink.codec import Record, RecordDecoder
+from drivers.melfa.motion import off_target
+from drivers.melfa.robot import MelfaR3
+from drivers.melfa.settings import MelfaSettings
+from drivers.readings import Identity, Joints, RobotStatus
+from drivers.record import Sink
+from drivers.transport import Transport
+
+_VERSION = 1
+_START_IT = "start the program CATSDL on the controller (key at AUTO, slot 1), see docs/controller.md"
+
+
+class DatalinkSettings(MelfaSettings):
+    """Settings of the data link driver, on top of those of the R-protocol.
+
+    Attributes:
+        program: name of the program to start again after a stop; empty leaves that to the operator.
+        in_position_pulses: how near the last point of a way has to be before it counts as reached (`Fine`).
+    """
+
+    program: str = Field(default="CATSDL", pattern=r"^[A-Z0-9]{0,12}$")
+    in_position_pulses: int = Field(default=20, ge=1, le=10000)
+
+
+class MelfaDatalink:
+    """Robot driver.
+
+    Args:
+        controller: the R-protocol side.
+        transport: connection to the program.
+        settings: see there.
+    """
+
+    Settings: ClassVar[type[DatalinkSettings]] = DatalinkSettings
+    following: ClassVar[str] = "blended"
+
+    def __init__(self, controller: MelfaR3, transport: Transport, settings: DatalinkSettings) -> None:
+        self._controller = controller
+        self._settings = settings
+        self._link = RequestLink(
+            transport, name="robot (data link)", greet=self._greet, quiet_s=settings.quiet_s
+        )
+        self._number = 0
+        self._driving = False
+        self._halted = False
+
+    @classmethod
+    def at(
+        cls,
+        endpoint: str,
+        clock: Clock,
+        sink: Sink | None = None,
+        *,
+        datalink_endpoint: str | None = None,
+        **settings: Any,
+    ) -> Self:
+        """Return a driver for endpoints as the cell file writes them; nothing is opened yet.
+
+        Args:
+            endpoint: of the controller's R-protocol port.
+            clock: time of the polls.
+            sink: is shown all bytes.
+            datalink_endpoint: of the port that the program opens.
+            settings: fields of `DatalinkSettings`; `stop_endpoint` as for `MelfaR3`.
+
+        Raises:
+            LinkError: an endpoint is missing or wrong.
+            pydantic.ValidationError: a setting is unknown or wrong.
+        """
+        if datalink_endpoint is None:
+            raise LinkError(
+                "the data link needs datalink_endpoint in [robot], the port whose CPRCE is 2: "
+                'datalink_endpoint = "tcp://192.168.0.20:10003"'
+            )
+        own = DatalinkSettings.model_fields.keys() - MelfaSettings.model_fields.keys()
+        shared = {key: value for key, value in settings.items() if key not in own}
+        controller = MelfaR3.at(endpoint, clock, sink, **shared)
+        checked = DatalinkSettings(
+            **{k: v for k, v in settings.items() if k not in {"stop_endpoint", "stop_sink"}}
+        )
+        transport = open_transport(datalink_endpoint, connect_timeout_s=checked.connect_timeout_s, sink=sink)
+        return cls(controller, transport, checked)
+
+    @property
+    def notes(self) -> tuple[str, ...]:
+        """What an operator should know about these connections; empty when all is as it should be."""
+        return self._controller.notes
+
+    async def connect(self) -> Identity:
+        """Open all connections and recognise controller and program.
+
+        Raises:
+            WrongDeviceError: something else answers.
+            LinkError: unreachable or silent.
+        """
+        identity = await self._controller.connect()
+        try:
+            await self._link.open()
+        except BaseException:
+            await uninterrupted(self.close())
+            raise
+        self._halted = False
+        return identity
+
+    async def close(self) -> None:
+        """Disconnect; may be called any number of times."""
+        await self._link.close()
+        await self._controller.close()
+
+    async def status(self) -> RobotStatus:
+        """Return the controller's state; see MelfaR3.status."""
+        return await self._controller.status()
+
+    async def servo(self, *, on: bool) -> None:
+        """Switch the drives; see MelfaR3.servo."""
+        await self._controller.servo(on=on)
+
+    async def set_override(self, percent: float) -> float:
+        """Set the operation-panel override; see MelfaR3.set_override."""
+        return await self._controller.set_override(percent)
+
+    async def joint_limits(self) -> tuple[tuple[float, float], ...]:
+        """Return the controller's own limits; see MelfaR3.joint_limits."""
+        return await self._controller.joint_limits()
+
+    async def reset_alarm(self) -> None:
+        """Reset the active alarm; see MelfaR3.reset_alarm."""
+        await self._controller.reset_alarm()
+
+    async def joints(self) -> Joints:
+        """Return the joints by encoder feedback; while a way is driven those that the R-protocol reports.
+
+        Raises:
+            LinkError: lost or silent.
+            ProtocolError: garbage came.
+        """
+        if self._driving or self._halted:
+            return await self._controller.joints()
+        return codec.joints_of(await self._ask(codec.TELL, retry=True))
+
+    async def move_joints(self, target: Joints) -> None:
+        """Interpolate all joints to the target; see `follow`."""
+        await self.follow((target,))
+
+    async def follow(self, way: Sequence[Joints]) -> None:
+        """Pass all targets and return when the robot stands at the last one.
+
+        The way is driven once. When its answer is lost, the controller is asked where the robot is. A cancellation
+        stops the robot before it goes on.
+
+        Args:
+            way: J1 deg, J2 deg, J3 mm, J4 deg of each target, at most 60.
+
+        Raises:
+            AlarmError: an alarm came up.
+            RefusedError: the program refuses, nothing moves.
+            NotArrivedError: the robot stands somewhere else.
+            LinkError: lost or silent; the robot has been stopped if it was moving.
+            ProtocolError: garbage came.
+            ValueError: no target, too many, or a joint is not a finite number.
+        """
+        if not 1 <= len(way) <= codec.MAX_POINTS:
+            raise ValueError(f"a way has 1 to {codec.MAX_POINTS} targets, this one has {len(way)}")
+        if not all(math.isfinite(value) for target in way for value in target):
+            raise ValueError(f"joints of a way must be finite numbers, got {way}")
+        try:
+            await self._ready()
+            await self._send(way)
+            await self._drive(way[-1])
+        except asyncio.CancelledError:
+            await self.stop()
+            raise
+
+    async def stop(self) -> None:
+        """Stop now over the R-protocol; see MelfaR3.stop. The program stands afterwards."""
+        self._halted = True
+        self._link.distrust("the program was stopped")
+        await self._controller.stop()
+
+    async def _ready(self) -> None:
+        """Have the program run, in a state in which it may move the arm."""
+        if self._halted:
+            await self._restart()
+        await self._link.ensure()
+
+    async def _restart(self) -> None:
+        if not self._settings.program:
+            raise RefusedError(f"{self._link.where}: the program stands after a stop: {_START_IT}", 0)
+        await self._controller.start_program(self._settings.program)
+        self._halted = False
+
+    async def _send(self, way: Sequence[Joints]) -> None:
+        await self._ask(codec.FORGET)
+        for count, target in enumerate(way, start=1):
+            answer = await self._ask(codec.ADD, target)
+            if round(answer.values[0]) != count:
+                self._link.distrust("via points were miscounted")
+                raise ProtocolError(
+                    f"{self._link.where}: {count} via points were sent, the program counts {answer.values[0]:g}: "
+                    "nothing was moved; check that no other program talks to this port"
+                )
+
+    async def _drive(self, target: Joints) -> None:
+        self._driving = True
+        try:
+            answer = await self._ask(codec.DRIVE, timeout_s=self._settings.move_timeout_s)
+        except (LinkError, ProtocolError) as lost:
+            self._halted = True
+            await self._controller.account_for(target, lost)
+            return
+        finally:
+            self._driving = False
+        reached = codec.joints_of(answer)
+        if off := off_target(reached, target, self._settings):
+            raise NotArrivedError(
+                f"{self._link.where}: the motion is over, but {off}: look for a collision, a stop by another source "
+                "or an alarm before moving again"
+            )
+
+    async def _ask(
+        self,
+        command: int,
+        values: tuple[float, ...] = (),
+        *,
+        timeout_s: float | None = None,
+        retry: bool = False,
+    ) -> Record:
+        self._number = self._number % 30_000 + 1
+        data = codec.encode(self._number, command, values)
+        answer = await self._link.request(
+            data,
+            RecordDecoder,
+            timeout_s or self._settings.answer_timeout_s,
+            retry=retry,
+            heal=command != codec.DRIVE,
+        )
+        return await self._checked(answer, self._number, command)
+
+    async def _checked(self, answer: Record, number: int, command: int) -> Record:
+        if answer.number == number and answer.command == command:
+            return answer
+        if answer.number != number or answer.command not in {codec.UNKNOWN, codec.REFUSED}:
+            self._link.distrust("an answer belongs to another request")
+            raise ProtocolError(
+                f"{self._link.where}: request {number},{command} was answered by {answer}: check that no other "
+                "program talks to this port"
+            )
+        status = await self._controller.status()
+        if status.alarm_number:
+            raise AlarmError(f"{self._link.where}: {status.alarm_text}", status.alarm_number)
+        refused = round(answer.values[0])
+        raise RefusedError(
+            f"{self._link.where} refused command {command} with {refused}: nothing was moved; compare the version of "
+            "the program on the controller with the one shipped",
+            refused,
+        )
+
+    async def _greet(self) -> None:
+        answer = await self._exchange(codec.WHO)
+        version = round(answer.values[0])
+        if version != _VERSION:
+            raise WrongDeviceError(
+                f"{self._link.where}: the program tells version {version}, this driver needs {_VERSION}: load the "
+                "program CATSDL that is shipped with this version, see docs/controller.md"
+            )
+        await self._exchange(codec.SPEED, (100.0, float(self._settings.in_position_pulses)))
+
+    async def _exchange(self, command: int, values: tuple[float, ...] = ()) -> Record:
+        self._number = self._number % 30_000 + 1
+        data = codec.encode(self._number, command, values)
+        try:
+            answer = await self._link.exchange(data, RecordDecoder(), self._settings.answer_timeout_s)
+        except DeviceError as exc:
+            raise WrongDeviceError(
+                f"{self._link.where}: no data link program answers here: {_START_IT}; check that the port's "
+                f"parameter CPRCE is 2 ({exc})"
+            ) from exc
+        if (answer.number, answer.command) != (self._number, command):
+            raise WrongDeviceError(
+                f"{self._link.where}: request {self._number},{command} was answered by {answer}: another program "
+                f"answers here; {_START_IT}"
+            )
+        return answer

@@ -1,0 +1,1 @@
+"""Motion by set points, one in every cycle of the controller (MXT)."""

@@ -1,0 +1,80 @@
+"""Set points along a way: from rest to rest, speed and acceleration of every joint within its bounds. Pure."""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drivers.readings import Joints
+
+Floats = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Bounds:
+    """What each joint may do: deg/s and deg/s², J3 mm/s and mm/s²."""
+
+    speed: Joints
+    acceleration: Joints
+
+
+class WayProfile:
+    """Speed along a way through targets, which counts one from each target to the next.
+
+    The speed rises and falls as a squared sine, so that the acceleration has no steps. Between targets the joints
+    move linearly with the way.
+
+    Args:
+        start: where the arm stands.
+        way: targets.
+        bounds: of every joint.
+    """
+
+    def __init__(self, start: Joints, way: Sequence[Joints], bounds: Bounds) -> None:
+        knots = np.array([start, *way], dtype=np.float64)
+        steps = np.abs(np.diff(knots, axis=0))
+        keep = np.append(True, steps.max(axis=1) > 0.0)
+        self._knots = knots[keep]
+        self._length = float(len(self._knots) - 1)
+        largest = np.max(np.abs(np.diff(self._knots, axis=0)), axis=0, initial=0.0)
+        moving = largest > 0.0
+        speeds = np.asarray(bounds.speed)[moving] / largest[moving]
+        accelerations = np.asarray(bounds.acceleration)[moving] / largest[moving]
+        self._speed = float(speeds.min(initial=math.inf))
+        acceleration = float(accelerations.min(initial=math.inf))
+        # A squared sine peaks at pi/2 of its mean acceleration.
+        if self._length:
+            self._speed = min(self._speed, math.sqrt(2.0 * acceleration * self._length / math.pi))
+            self._ramp_s = 0.5 * math.pi * self._speed / acceleration
+            self._flat_s = max(0.0, self._length / self._speed - self._ramp_s)
+        else:
+            self._ramp_s = self._flat_s = 0.0
+
+    @property
+    def duration_s(self) -> float:
+        """From standstill to standstill, s."""
+        return 2.0 * self._ramp_s + self._flat_s
+
+    def set_points(self, cycle_s: float) -> list[Joints]:
+        """Return the joints at the end of each cycle; the last one is the last target."""
+        count = math.ceil(self.duration_s / cycle_s)
+        times = np.minimum(np.arange(1, count + 1) * cycle_s, self.duration_s)
+        places = self._travelled(times)
+        numbers = np.arange(len(self._knots), dtype=np.float64)
+        columns = [np.interp(places, numbers, self._knots[:, axis]) for axis in range(4)]
+        return list(zip(*(column.tolist() for column in columns), strict=True))
+
+    def _travelled(self, time_s: Floats) -> Floats:
+        rising = self._ramp_way(np.clip(time_s, 0.0, self._ramp_s))
+        flat = self._speed * np.clip(time_s - self._ramp_s, 0.0, self._flat_s)
+        left = self._ramp_way(np.clip(self.duration_s - time_s, 0.0, self._ramp_s))
+        whole = 0.5 * self._speed * self._ramp_s
+        return np.minimum(rising + flat + (whole - left), self._length)
+
+    def _ramp_way(self, time_s: Floats) -> Floats:
+        if not self._ramp_s:
+            return np.zeros_like(time_s)
+        turn = math.pi / self._ramp_s
+        return 0.5 * self._speed * (time_s - np.sin(turn * time_s) / turn)

@@ -1,0 +1,262 @@
+"""A MELFA SCARA that is led by set points: R-protocol for the controller, MXT datagrams for motion.
+
+Session, servo, override, alarms and STOP go over the R-protocol. A way is sent as one set point in every cycle of
+the controller, so the arm carries the aim of every cycle; its speed is bounded by settings and by the override, which
+the controller itself does not apply to set points. A way begins with a look where the arm stands and ends with END,
+so that nothing streams while the arm is at rest.
+"""
+
+import asyncio
+import contextlib
+import math
+from collections.abc import Sequence
+from typing import Any, ClassVar, Self
+
+from drivers.clock import Clock
+from drivers.endpoint import open_transport
+from drivers.errors import (
+    DeviceError,
+    LinkError,
+    LinkTimeoutError,
+    NotArrivedError,
+    ProtocolError,
+    RefusedError,
+)
+from drivers.link import uninterrupted
+from drivers.melfa.motion import off_target
+from drivers.melfa.mxt.profile import Bounds, WayProfile
+from drivers.melfa.mxt.settings import MxtSettings
+from drivers.melfa.mxt.stream import SetPointStream
+from drivers.melfa.robot import MelfaR3
+from drivers.melfa.settings import MelfaSettings
+from drivers.readings import Identity, Joints, RobotStatus
+from drivers.record import Sink
+
+_REST_CYCLES = 5
+_REST_DEG = 1e-3
+_LOOK_WHY = "look for a collision, a stop by another source or an alarm before moving again"
+
+
+class MelfaMxt:
+    """Robot driver.
+
+    Args:
+        controller: the R-protocol side.
+        stream: the set points.
+        settings: see there.
+    """
+
+    Settings: ClassVar[type[MxtSettings]] = MxtSettings
+    following: ClassVar[str] = "streamed"
+
+    def __init__(self, controller: MelfaR3, stream: SetPointStream, settings: MxtSettings) -> None:
+        self._controller = controller
+        self._stream = stream
+        self._settings = settings
+        self._feedback: Joints | None = None
+        self._halted = False
+
+    @classmethod
+    def at(
+        cls,
+        endpoint: str,
+        clock: Clock,
+        sink: Sink | None = None,
+        *,
+        mxt_endpoint: str | None = None,
+        **settings: Any,
+    ) -> Self:
+        """Return a driver for endpoints as the cell file writes them; nothing is opened yet.
+
+        Args:
+            endpoint: of the controller's R-protocol port.
+            clock: time of the polls.
+            sink: is shown all bytes.
+            mxt_endpoint: of the controller's real-time port.
+            settings: fields of `MxtSettings`; `stop_endpoint` as for `MelfaR3`.
+
+        Raises:
+            LinkError: an endpoint is missing or wrong.
+            pydantic.ValidationError: a setting is unknown or wrong.
+        """
+        if mxt_endpoint is None:
+            raise LinkError(
+                "real-time control needs mxt_endpoint in [robot], the first element of the parameter NETPORT: "
+                'mxt_endpoint = "udp://192.168.0.20:10000"'
+            )
+        own = MxtSettings.model_fields.keys() - MelfaSettings.model_fields.keys()
+        controller = MelfaR3.at(endpoint, clock, sink, **{k: v for k, v in settings.items() if k not in own})
+        checked = MxtSettings(
+            **{k: v for k, v in settings.items() if k not in {"stop_endpoint", "stop_sink"}}
+        )
+        stream = SetPointStream(open_transport(mxt_endpoint, sink=sink), checked, name="robot (MXT)")
+        return cls(controller, stream, checked)
+
+    @property
+    def notes(self) -> tuple[str, ...]:
+        """What an operator should know about these connections; empty when all is as it should be."""
+        lost = f"{self._stream.lost} answers to set points were lost" if self._stream.lost else ""
+        return (*self._controller.notes, *filter(None, (lost,)))
+
+    async def connect(self) -> Identity:
+        """Open the R-protocol's connections; the real-time port is asked when something is to move.
+
+        Raises:
+            WrongDeviceError: something else answers, or another robot.
+            LinkError: unreachable or silent.
+        """
+        self._feedback = None
+        self._halted = False
+        return await self._controller.connect()
+
+    async def close(self) -> None:
+        """Disconnect; may be called any number of times."""
+        await self._stream.close()
+        await self._controller.close()
+
+    async def status(self) -> RobotStatus:
+        """Return the controller's state; see MelfaR3.status."""
+        return await self._controller.status()
+
+    async def servo(self, *, on: bool) -> None:
+        """Switch the drives; see MelfaR3.servo."""
+        await self._controller.servo(on=on)
+
+    async def set_override(self, percent: float) -> float:
+        """Set the operation-panel override, which bounds the set points' speed too; see MelfaR3.set_override."""
+        return await self._controller.set_override(percent)
+
+    async def joint_limits(self) -> tuple[tuple[float, float], ...]:
+        """Return the controller's own limits; see MelfaR3.joint_limits."""
+        return await self._controller.joint_limits()
+
+    async def reset_alarm(self) -> None:
+        """Reset the active alarm; see MelfaR3.reset_alarm."""
+        await self._controller.reset_alarm()
+
+    async def joints(self) -> Joints:
+        """Return the joints: the encoder feedback at the end of the last way while the arm still stands there.
+
+        Raises:
+            LinkError: lost or silent.
+            ProtocolError: garbage came.
+        """
+        reported = await self._controller.joints()
+        feedback = self._feedback
+        if feedback is None or off_target(reported, feedback, self._settings):
+            return reported
+        return feedback
+
+    async def move_joints(self, target: Joints) -> None:
+        """Interpolate all joints to the target; see `follow`."""
+        await self.follow((target,))
+
+    async def follow(self, way: Sequence[Joints]) -> None:
+        """Lead the arm through all targets; return when it stands at the last one.
+
+        No set point is sent twice on purpose. When the link fails on the way, the controller is asked where the robot
+        is. A cancellation stops the robot before it goes on.
+
+        Args:
+            way: J1 deg, J2 deg, J3 mm, J4 deg of each target; the joints move linearly from one to the next.
+
+        Raises:
+            AlarmError: an alarm came up.
+            NotReadyError: refused for a reason that an operator has to look at.
+            NotArrivedError: the robot stands somewhere else.
+            LinkError: lost or silent; the robot has been stopped if it was moving.
+            ProtocolError: garbage came.
+            ValueError: no target, or a joint is not a finite number.
+        """
+        if not way or not all(math.isfinite(value) for target in way for value in target):
+            raise ValueError(f"a way needs targets that are finite numbers, got {way}")
+        try:
+            await self._ready()
+            await self._lead(way)
+        except asyncio.CancelledError:
+            await self.stop()
+            raise
+
+    async def stop(self) -> None:
+        """Stop now over the R-protocol; see MelfaR3.stop. The program that takes set points stands afterwards."""
+        self._halted = True
+        self._feedback = None
+        await uninterrupted(self._stop())
+
+    async def _stop(self) -> None:
+        try:
+            await self._controller.stop()
+        finally:
+            # Set points are over either way; the controller ends real-time control by its own time-out too.
+            with contextlib.suppress(LinkError):
+                await self._stream.end()
+
+    async def _ready(self) -> None:
+        await self._controller.take_right()
+        if not self._halted:
+            return
+        if not self._settings.program:
+            raise RefusedError(
+                f"{self._stream.where}: the program that takes set points stands after a stop: start it on the "
+                "controller again, see docs/controller.md",
+                0,
+            )
+        await self._controller.start_program(self._settings.program)
+        self._halted = False
+
+    async def _lead(self, way: Sequence[Joints]) -> None:
+        bounds = await self._bounds()
+        self._feedback = None
+        try:
+            start = await self._stream.begin()
+            points = WayProfile(start, way, bounds).set_points(self._settings.mxt_cycle_ms / 1e3)
+            await self._stream.send(points)
+            reached = await self._rest(way[-1])
+            await self._stream.end()
+        except (LinkError, ProtocolError) as lost:
+            self._halted = True
+            await self._end_quietly()
+            await self._controller.account_for(way[-1], lost)
+            return
+        if off := off_target(reached, way[-1], self._settings):
+            away = NotArrivedError(f"{self._stream.where}: the motion is over, but {off}: {_LOOK_WHY}")
+            await self._controller.account_for(way[-1], away)
+            raise away
+        self._feedback = reached
+
+    async def _bounds(self) -> Bounds:
+        """Return what the joints may do at the override that the controller reads back."""
+        share = (await self._controller.status()).override_percent / 100.0
+        settings = self._settings
+        turn, lift = settings.follow_speed_deg_s, settings.follow_speed_mm_s
+        j1, j2, j3, j4 = (
+            min(a, share * b) for a, b in zip((turn, turn, lift, turn), settings.full_speed, strict=True)
+        )
+        fast, slow = settings.follow_acceleration_deg_s2, settings.follow_acceleration_mm_s2
+        return Bounds((j1, j2, j3, j4), (fast, fast, slow, fast))
+
+    async def _rest(self, target: Joints) -> Joints:
+        """Hold the last set point until the feedback stays the same."""
+        still = 0
+        last: Joints | None = None
+        try:
+            async with asyncio.timeout(self._settings.arrival_timeout_s):
+                while True:
+                    feedback = await self._stream.send((target,))
+                    still = still + 1 if last is not None and _near(feedback, last) else 0
+                    if still >= _REST_CYCLES:
+                        return feedback
+                    last = feedback
+        except TimeoutError:
+            raise LinkTimeoutError(
+                f"{self._stream.where}: the arm does not come to rest within "
+                f"{self._settings.arrival_timeout_s:g} s, last feedback {last}: check what moves it"
+            ) from None
+
+    async def _end_quietly(self) -> None:
+        with contextlib.suppress(DeviceError):
+            await self._stream.end()
+
+
+def _near(one: Joints, other: Joints) -> bool:
+    return all(abs(a - b) < _REST_DEG for a, b in zip(one, other, strict=True))

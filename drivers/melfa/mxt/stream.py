@@ -1,0 +1,127 @@
+"""One set point a cycle: datagrams out, datagrams in, losses counted."""
+
+import asyncio
+from collections.abc import Iterable
+
+from drivers.errors import LinkError, LinkTimeoutError, ProtocolError
+from drivers.melfa.mxt import codec
+from drivers.melfa.mxt.codec import Command, Kind, Reply
+from drivers.melfa.mxt.settings import MxtSettings
+from drivers.readings import Joints
+from drivers.transport import Transport
+
+_END_SENDS = 2
+"""A datagram may be lost; the controller takes END twice without harm."""
+
+
+class SetPointStream:
+    """The conversation of one way: where are you, set points, end.
+
+    The controller answers each datagram once, at its next cycle: the answers set the pace. A lost answer is not asked
+    for again; the next set point is sent instead, since the arm stands at the last one meanwhile.
+
+    Args:
+        transport: the datagrams.
+        settings: of the driver.
+        name: what is behind it, for texts.
+    """
+
+    def __init__(self, transport: Transport, settings: MxtSettings, *, name: str) -> None:
+        self._transport = transport
+        self._settings = settings
+        self._name = name
+        self._count = 0
+        self.lost = 0
+
+    @property
+    def where(self) -> str:
+        """Device and endpoint, for texts."""
+        return f"{self._name} at {self._transport.endpoint}"
+
+    async def begin(self) -> Joints:
+        """Open the link and ask where the arm stands (command side): J1 deg, J2 deg, J3 mm, J4 deg.
+
+        Raises:
+            LinkTimeoutError: nobody answers.
+            LinkError: the link cannot be opened.
+            ProtocolError: garbage came.
+        """
+        await self._transport.close()
+        await self._transport.open()
+        attempts = self._settings.most_lost + 1
+        for _ in range(attempts):
+            reply = await self._exchange(Command.NONE, None)
+            if reply is not None:
+                return self._joints(reply, Kind.JOINT_COMMAND)
+        waited_s = attempts * self._settings.reply_timeout_s
+        raise LinkTimeoutError(
+            f"{self.where}: real-time control does not answer within {waited_s:g} s: start the program CATSMXT on "
+            "the controller (key at AUTO), check the PC's address in it and the first element of NETPORT (10000)"
+        )
+
+    async def send(self, points: Iterable[Joints]) -> Joints:
+        """Send set points, one a cycle; return the feedback that came last, or the last point without any.
+
+        Raises:
+            LinkTimeoutError: too many answers in a row are missing.
+            LinkError: the link is lost.
+            ProtocolError: garbage came.
+        """
+        missing = 0
+        feedback: Joints | None = None
+        point: Joints | None = None
+        for point in points:
+            reply = await self._exchange(Command.MOVE, point)
+            if reply is None:
+                missing += 1
+                self.lost += 1
+                if missing > self._settings.most_lost:
+                    raise LinkTimeoutError(
+                        f"{self.where}: {missing} answers to set points in a row are missing: check network and alarm"
+                    )
+                continue
+            missing = 0
+            feedback = self._joints(reply, Kind.JOINT_FEEDBACK)
+        if feedback is None:
+            raise LinkError(f"{self.where}: no answer carried the joints' feedback, last set point {point}")
+        return feedback
+
+    async def end(self) -> None:
+        """End the control; what the controller has to say about it helps nobody any more.
+
+        Raises:
+            LinkError: the link is closed.
+        """
+        for _ in range(_END_SENDS):
+            self._count += 1
+            await self._transport.write(codec.encode(Command.END, self._count))
+
+    async def close(self) -> None:
+        """Close the link; may be called any number of times."""
+        await self._transport.close()
+
+    async def _exchange(self, command: Command, target: Joints | None) -> Reply | None:
+        """Send one datagram; return the answer, None when it does not come in time."""
+        self._count += 1
+        await self._transport.write(codec.encode(command, self._count, target))
+        try:
+            async with asyncio.timeout(self._settings.reply_timeout_s):
+                return self._decoded(await self._transport.read())
+        except TimeoutError:
+            return None
+
+    def _decoded(self, data: bytes) -> Reply:
+        try:
+            return codec.decode(data)
+        except ProtocolError as exc:
+            raise ProtocolError(
+                f"{self.where}: {exc}: check that the port is the real-time port of the controller"
+            ) from None
+
+    def _joints(self, reply: Reply, kind: Kind) -> Joints:
+        joints = reply.joints(kind)
+        if joints is None:
+            raise ProtocolError(
+                f"{self.where}: an answer without {kind.name} data: the declared type of Mxt has to be 1 (joint)"
+            )
+        return joints
