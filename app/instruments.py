@@ -5,6 +5,7 @@ from typing import Any, Literal
 
 from pydantic import ValidationError
 
+from app.cell.bench import following_of
 from app.cell.model import Cell, FurtherDevice, Robot
 from app.engine.devices import DeviceBuilder, Devices, WireRecorder
 from app.errors import ConfigError
@@ -68,7 +69,7 @@ def further_device(device: FurtherDevice, clock: Clock, record: WireRecorder) ->
 
 def robot_settings(robot: Robot) -> dict[str, Any]:
     """Return the settings of the robot's driver; one that streams set points is told how fast."""
-    streamed = getattr(load_driver(robot.driver), "following", "stops") == "streamed"
+    streamed = following_of(robot.driver) == "streamed"
     speeds = {
         "follow_speed_deg_s": robot.follow_speed_deg_s,
         "follow_acceleration_deg_s2": robot.follow_acceleration_deg_s2,

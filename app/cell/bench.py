@@ -44,14 +44,18 @@ def _arm(cell: Cell) -> Arm:
         speed_deg_s=_triple(robot.speed_deg_s),
         acceleration_deg_s2=_triple(robot.acceleration_deg_s2),
         override_percent=robot.override_cap_percent,
-        following=_following(robot.driver),
+        following=following_of(robot.driver),
         follow_speed_deg_s=robot.follow_speed_deg_s,
         follow_acceleration_deg_s2=robot.follow_acceleration_deg_s2,
     )
 
 
-def _following(driver: str) -> Following:
-    """Return how a robot's driver follows a reflector; one that does not say so stops at every target."""
+def following_of(driver: str) -> Following:
+    """Return how a robot's driver follows a reflector; one that does not say so stops at every target.
+
+    Raises:
+        ConfigError: no such driver is installed.
+    """
     try:
         following: Following = getattr(load_driver(driver), "following", "stops")
     except LookupError as error:
