@@ -1,0 +1,76 @@
+"""Records of the data link against the sheet's section 4: six numbers and a CR, in whatever notation."""
+
+import math
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from drivers.errors import ProtocolError
+from drivers.melfa.datalink import codec
+from drivers.melfa.datalink.codec import Record, RecordDecoder
+
+
+def test_a_request_is_six_numbers_and_a_cr() -> None:
+    assert (
+        codec.encode(7, codec.ADD, (10.0, -20.5, 75.123456, -0.00001))
+        == b"7,1,10.0000,-20.5000,75.1235,0.0000\r"
+    )
+    assert codec.encode(8, codec.DRIVE) == b"8,2,0.0000,0.0000,0.0000,0.0000\r"
+
+
+@pytest.mark.parametrize(
+    "line",
+    [
+        b"7,2,10.5,-20.25,75,1.5",
+        b" 7 , 2 , +10.5 , -20.25 , 75.000 , 1.5E0",
+        b"7.0,2.0,1.05E+01,-2.025e1,.75E2,1.5",
+        b"+7,+2,+10.500,-20.250,+75.000,+1.500",
+    ],
+)
+def test_every_usual_notation_is_taken(line: bytes) -> None:
+    assert codec.parse(line) == Record(7, 2, (10.5, -20.25, 75.0, 1.5))
+
+
+@pytest.mark.parametrize(
+    "line",
+    [
+        b"",
+        b"7,2,1,2,3",
+        b"7,2,1,2,3,4,5",
+        b"7,2,a,2,3,4",
+        b"7.5,2,1,2,3,4",
+        b"7,2,nan,0,0,0",
+        b"7,2,1e999,0,0,0",
+    ],
+)
+def test_anything_else_is_refused(line: bytes) -> None:
+    with pytest.raises(ProtocolError):
+        codec.parse(line)
+
+
+def test_a_request_holds_no_number_that_is_none() -> None:
+    with pytest.raises(ValueError, match="finite"):
+        codec.encode(1, codec.ADD, (math.nan,))
+
+
+@given(st.data())
+def test_any_split_gives_the_same_record(data: st.DataObject) -> None:
+    stream = b"\n12,3,1.5,2.5,3.5,4.5\r\nrest"
+    cuts = sorted(data.draw(st.lists(st.integers(0, len(stream)), max_size=8)))
+    decoder = RecordDecoder()
+    found = None
+    for start, end in zip([0, *cuts], [*cuts, len(stream)], strict=True):
+        if found is None:
+            found = decoder.feed(stream[start:end])
+    assert found == Record(12, 3, (1.5, 2.5, 3.5, 4.5))
+
+
+@given(st.lists(st.binary(max_size=64), max_size=40))
+def test_garbage_raises_a_protocol_error_and_nothing_else(chunks: list[bytes]) -> None:
+    decoder = RecordDecoder()
+    for chunk in chunks:
+        try:
+            decoder.feed(chunk)
+        except ProtocolError:
+            return
