@@ -4,6 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from calibration.refractive_index import HE_NE_VACUUM_NM, refractive_index
 from simulators.bench.counter import SlowDrift
 from simulators.config import AirState
 
@@ -23,6 +24,10 @@ class AirSample:
     humidity_percent: float
 
 
+_INDEX_STEP_S = 1.0
+"""The index is worked out once in this bench time: it drifts by some 1e-9 meanwhile, a nanometre of a metre."""
+
+
 class Air:
     """Air whose state follows from bench time alone.
 
@@ -33,6 +38,7 @@ class Air:
 
     def __init__(self, state: AirState, seed: int) -> None:
         rng = np.random.default_rng([seed, 8])
+        self._index: tuple[float, float] | None = None
         self._state = state
         self._drifts = [
             SlowDrift(rng, size) for size in (state.drift_k, state.drift_hpa, state.drift_percent)
@@ -46,3 +52,12 @@ class Air:
             self._state.pressure_hpa + higher_hpa,
             min(100.0, max(0.0, self._state.humidity_percent + wetter_percent)),
         )
+
+    def index_at(self, time_s: float) -> float:
+        """Return the refractive index for a helium-neon laser at a bench time."""
+        step = time_s // _INDEX_STEP_S
+        if self._index is None or self._index[0] != step:
+            air = self.at(step * _INDEX_STEP_S)
+            n = refractive_index(HE_NE_VACUUM_NM, air.temperature_c, air.pressure_hpa, air.humidity_percent)
+            self._index = (step, float(n))
+        return self._index[1]

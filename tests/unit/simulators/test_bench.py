@@ -9,9 +9,10 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from calibration.refractive_index import refractive_index
 from simulators.bench.bench import Bench
 from simulators.bench.counter import Reading
-from simulators.config import EmulationConfig, ErrorBudget, Joints
+from simulators.config import AirState, EmulationConfig, ErrorBudget, Joints
 from simulators.errors import BenchError
 from simulators.truth import draw_truth
 from tests.unit.simulators.benches import (
@@ -161,6 +162,25 @@ def test_the_displacement_grows_with_the_beam() -> None:
     assert bench.read().displacement_mm > 0.0
 
 
+def test_the_vacuum_count_has_the_index_of_the_air_and_its_change_along_the_dead_path() -> None:
+    air = AirState(drift_k=2.0, drift_hpa=10.0, drift_percent=5.0)
+    bench = on_target(replace(QUIET, air=air))
+
+    def index() -> float:
+        now = bench.air()
+        return float(refractive_index(632.9908, now.temperature_c, now.pressure_hpa, now.humidity_percent))
+
+    n_zero, dead_mm = index(), bench.insight().length_mm
+    bench.advance(1800.0)
+    still = bench.read()
+    assert still.displacement_mm == pytest.approx(0.0, abs=1e-9)
+    assert still.vacuum_mm == pytest.approx((index() - n_zero) * dead_mm, abs=2e-5)
+    assert abs(still.vacuum_mm) > 1e-4
+    follow(bench, (25.0, 35.0), 10)
+    length_mm = bench.insight().length_mm
+    assert bench.read().vacuum_mm == pytest.approx(index() * length_mm - n_zero * dead_mm, abs=2e-5)
+
+
 def test_a_lost_count_stays_lost_and_wrong_until_zero() -> None:
     bench = on_target()
     true_mm = bench.insight().length_mm
@@ -189,6 +209,7 @@ def test_without_a_beam_zero_is_refused_and_the_count_stands_still() -> None:
     bench.advance(5.0)
     after = bench.read()
     assert after.displacement_mm == held.displacement_mm
+    assert after.vacuum_mm == held.vacuum_mm
     assert after.beam_lost
     assert after.zero_id == 1
 
