@@ -1,0 +1,394 @@
+"""The drivers that lead the arm along ways, against a scripted controller, program and real-time port."""
+
+import asyncio
+import itertools
+import math
+import struct
+from collections.abc import AsyncIterator, Callable, Iterable
+from contextlib import asynccontextmanager
+from dataclasses import dataclass, field
+
+import pytest
+
+from drivers.errors import (
+    AlarmError,
+    LinkError,
+    LinkTimeoutError,
+    NotArrivedError,
+    ProtocolError,
+    RefusedError,
+    WrongDeviceError,
+)
+from drivers.melfa.datalink.robot import DatalinkSettings, MelfaDatalink
+from drivers.melfa.mxt.robot import MelfaMxt
+from drivers.melfa.mxt.settings import MxtSettings
+from drivers.melfa.mxt.stream import SetPointStream
+from drivers.melfa.robot import MelfaR3
+from drivers.melfa.settings import MelfaSettings
+from drivers.readings import Joints
+from tests.unit.drivers.peers import Peer, StepClock, until
+from tests.unit.drivers.test_melfa_robot import Controller
+
+WAY: tuple[Joints, ...] = ((1.0, 2.0, 5.0, -3.0), (2.0, 4.0, 5.0, -6.5), (3.0, 6.0, 5.0, -10.0))
+QUICK = {"quiet_s": 0.001, "answer_timeout_s": 0.2}
+
+
+class Program:
+    """The data link program: six numbers and a CR both ways (sheet, section 4)."""
+
+    def __init__(self, controller: Controller) -> None:
+        self.controller = controller
+        self.version = "1"
+        self.form = "{:.3f}"
+        self.points: list[tuple[float, ...]] = []
+        self.driven: list[tuple[float, ...]] = []
+        self.requests: list[tuple[int, int]] = []
+        self.silent: set[int] = set()
+        self.replies: dict[int, Callable[[int], str]] = {}
+
+    def answer(self, data: bytes) -> Iterable[bytes]:
+        """Answer a record."""
+        assert data.endswith(b"\r")
+        number, command, *values = (float(field) for field in data.split(b","))
+        assert len(values) == 4
+        self.requests.append((int(number), int(command)))
+        usual = self.usual(int(number), int(command), tuple(values))
+        if command in self.silent:
+            return []
+        reply = self.replies.get(int(command))
+        return [(reply(int(number)) if reply else usual).encode() + b"\r"]
+
+    def usual(self, number: int, command: int, values: tuple[float, ...]) -> str:
+        """Do what the program does."""
+        told: tuple[float, ...] = (0.0, 0.0, 0.0, 0.0)
+        match command:
+            case 1:
+                self.points.append(values)
+                told = (len(self.points), 0.0, 0.0, 0.0)
+            case 2:
+                self.driven, self.points = self.points, []
+                self.controller.at = self.driven[-1]
+                told = self.driven[-1]
+            case 3:
+                told = self.controller.at
+            case 4:
+                self.points = []
+            case 5:
+                return f"{number},5,{self.version},4,0,0"
+            case 6:
+                told = values
+        return f"{number},{command}," + ",".join(self.form.format(value) for value in told)
+
+
+@dataclass
+class Linked:
+    """A data link driver with what stands at its other end."""
+
+    robot: MelfaDatalink
+    controller: Controller
+    program: Program
+    main: Peer
+    aside: Peer
+
+
+@asynccontextmanager
+async def linked(**settings: object) -> AsyncIterator[Linked]:
+    """Connect a data link driver to a scripted controller and program."""
+    controller = Controller()
+    program = Program(controller)
+    async with (
+        Peer(controller.answer) as main,
+        Peer(controller.answer) as aside,
+        Peer(program.answer) as link,
+    ):
+        checked = DatalinkSettings.model_validate({**QUICK, "move_timeout_s": 0.3, **settings})
+        r3 = MelfaR3(main.transport, aside.transport, StepClock(), MelfaSettings.model_validate(QUICK))
+        robot = MelfaDatalink(r3, link.transport, checked)
+        try:
+            await robot.connect()
+            yield Linked(robot, controller, program, main, aside)
+        finally:
+            await robot.close()
+
+
+@pytest.mark.parametrize("form", ["{:.3f}", "{:+.3f}", " {:.2f}", "{:.6E}", "{:g}"])
+async def test_a_way_is_sent_and_driven_in_one_go(form: str) -> None:
+    async with linked() as bench:
+        bench.program.form = form
+        await bench.robot.follow(WAY)
+        assert bench.program.driven == [pytest.approx(target) for target in WAY]
+        assert [command for _, command in bench.program.requests].count(2) == 1
+        assert await bench.robot.joints() == pytest.approx(WAY[-1])
+
+
+async def test_a_program_of_another_version_is_not_used() -> None:
+    controller = Controller()
+    program = Program(controller)
+    program.version = "2"
+    async with (
+        Peer(controller.answer) as main,
+        Peer(controller.answer) as aside,
+        Peer(program.answer) as link,
+    ):
+        r3 = MelfaR3(main.transport, aside.transport, StepClock(), MelfaSettings.model_validate(QUICK))
+        robot = MelfaDatalink(r3, link.transport, DatalinkSettings.model_validate(QUICK))
+        with pytest.raises(WrongDeviceError, match=r"version 2.*needs 1"):
+            await robot.connect()
+
+
+async def test_a_lost_answer_to_a_way_is_asked_about_and_the_way_is_not_sent_again() -> None:
+    async with linked() as bench:
+        bench.program.silent = {2}
+        await bench.robot.follow(WAY)
+        assert [command for _, command in bench.program.requests].count(2) == 1
+
+
+async def test_a_lost_answer_with_the_arm_elsewhere_stops_it() -> None:
+    async with linked() as bench:
+        bench.program.silent = {2}
+        bench.program.usual = lambda number, command, _values: f"{number},{command},1,0,0,0"  # type: ignore[method-assign]  # a program that counts one point and moves nothing
+        with pytest.raises(NotArrivedError):
+            await bench.robot.follow(WAY[:1])
+        assert any(b"STOP" in request for request in bench.main.requests + bench.aside.requests)
+
+
+async def test_an_answer_with_another_number_is_no_answer() -> None:
+    async with linked() as bench:
+        bench.program.replies[3] = lambda number: f"{number + 1},3,1,2,3,4"
+        with pytest.raises(ProtocolError, match="was answered by"):
+            await bench.robot.joints()
+
+
+async def test_what_the_program_refuses_is_told_with_its_number() -> None:
+    async with linked() as bench:
+        bench.program.replies[1] = lambda number: f"{number},-2,3120,0,0,0"
+        with pytest.raises(RefusedError, match="3120") as caught:
+            await bench.robot.follow(WAY)
+        assert caught.value.number == 3120
+        assert bench.program.driven == []
+
+
+async def test_miscounted_points_are_not_driven() -> None:
+    async with linked() as bench:
+        bench.program.replies[1] = lambda number: f"{number},1,9,0,0,0"
+        with pytest.raises(ProtocolError, match="counts 9"):
+            await bench.robot.follow(WAY)
+        assert bench.program.driven == []
+
+
+async def test_standing_elsewhere_at_the_end_is_an_error() -> None:
+    async with linked() as bench:
+        bench.program.replies[2] = lambda number: f"{number},2,1,1,1,1"
+        with pytest.raises(NotArrivedError, match=r"J1 is at 1\.00 deg instead of 3"):
+            await bench.robot.follow(WAY)
+
+
+async def test_after_a_stop_the_program_is_started_again_before_the_next_way() -> None:
+    async with linked() as bench:
+        await bench.robot.stop()
+        assert not any(b"RUN" in request for request in bench.main.requests)
+        await bench.robot.follow(WAY)
+        asked = [request.decode().strip() for request in bench.main.requests]
+        assert asked.index("1;1;RSTPRG") < asked.index("1;1;RUNCATSDL;1")
+        assert bench.program.driven == [pytest.approx(target) for target in WAY]
+
+
+async def test_without_a_program_name_the_operator_starts_it() -> None:
+    async with linked(program="") as bench:
+        await bench.robot.stop()
+        with pytest.raises(RefusedError, match="start the program CATSDL"):
+            await bench.robot.follow(WAY)
+
+
+async def test_a_cancelled_way_is_stopped() -> None:
+    async with linked(move_timeout_s=30.0) as bench:
+        bench.program.silent = {2}
+        task = asyncio.create_task(bench.robot.follow(WAY))
+        await until(lambda: any(command == 2 for _, command in bench.program.requests))
+        task.cancel()
+        with pytest.raises(asyncio.CancelledError):
+            await task
+        assert any(b"STOP" in request for request in bench.aside.requests)
+
+
+@pytest.mark.parametrize("way", [(), tuple(WAY[0] for _ in range(61)), ((math.nan, 0.0, 0.0, 0.0),)])
+async def test_ways_that_cannot_be_are_refused(way: tuple[Joints, ...]) -> None:
+    async with linked() as bench:
+        with pytest.raises(ValueError, match=r"targets|finite"):
+            await bench.robot.follow(way)
+
+
+@dataclass
+class RealTime:
+    """The real-time port (sheet, section 2): answers each datagram with joints, one cycle behind the set point."""
+
+    controller: Controller
+    set_points: list[tuple[float, ...]] = field(default_factory=list)
+    ends: int = 0
+    at: tuple[float, ...] = (0.0, 0.0, 0.0, 0.0)
+    last: tuple[float, ...] | None = None
+    lose: Callable[[int], bool] = lambda _number: False
+    deaf: bool = False
+    frozen: bool = False
+
+    def answer(self, data: bytes) -> Iterable[bytes]:
+        """Answer a datagram."""
+        assert len(data) == 196
+        command, kind = struct.unpack_from("<2H", data, 0)
+        if self.deaf:
+            return []
+        if command == 255:
+            self.ends += 1
+            self.controller.at = self._degrees(self.at)
+            return []
+        if command == 1:
+            assert kind == 2
+            point = struct.unpack_from("<4f", data, 8)
+            self.set_points.append(self._degrees(point))
+            if not self.frozen:
+                self.at, self.last = self.last or point, point
+            if self.lose(len(self.set_points)):
+                return []
+        return [self._datagram()]
+
+    @staticmethod
+    def _degrees(axes: tuple[float, ...]) -> tuple[float, ...]:
+        return math.degrees(axes[0]), math.degrees(axes[1]), axes[2], math.degrees(axes[3])
+
+    def _datagram(self) -> bytes:
+        data = bytearray(196)
+        struct.pack_into("<3H", data, 0, 1, 2, 2)
+        struct.pack_into("<4f", data, 8, *(self.last or self.at))
+        struct.pack_into("<H", data, 108, 8)
+        struct.pack_into("<4f", data, 112, *self.at)
+        return bytes(data)
+
+
+@dataclass
+class Led:
+    """A real-time driver with what stands at its other end."""
+
+    robot: MelfaMxt
+    controller: Controller
+    port: RealTime
+    main: Peer
+    aside: Peer
+
+
+@asynccontextmanager
+async def led(**settings: object) -> AsyncIterator[Led]:
+    """Connect a real-time driver to a scripted controller and port."""
+    controller = Controller()
+    port = RealTime(controller)
+    async with (
+        Peer(controller.answer) as main,
+        Peer(controller.answer) as aside,
+        Peer(port.answer) as datagrams,
+    ):
+        checked = MxtSettings.model_validate(
+            {**QUICK, "reply_timeout_s": 0.02, "arrival_timeout_s": 0.5, **settings}
+        )
+        r3 = MelfaR3(main.transport, aside.transport, StepClock(), MelfaSettings.model_validate(QUICK))
+        robot = MelfaMxt(r3, SetPointStream(datagrams.transport, checked, name="robot (MXT)"), checked)
+        try:
+            await robot.connect()
+            yield Led(robot, controller, port, main, aside)
+        finally:
+            await robot.close()
+
+
+async def test_set_points_lead_from_rest_to_rest_through_every_target() -> None:
+    async with led() as bench:
+        await bench.robot.follow(WAY)
+        points = bench.port.set_points
+        assert points[-1] == pytest.approx(WAY[-1], abs=1e-4)
+        steps = [
+            max(abs(two[axis] - one[axis]) for axis in (0, 1, 3)) for one, two in itertools.pairwise(points)
+        ]
+        # 20 deg/s in cycles of 7.1 ms, and an override of 20 % of 420 deg/s bounds nothing further.
+        assert max(steps) <= 20.0 * 0.0071 * 1.001
+        assert steps[0] < 0.2 * max(steps)
+        assert bench.port.ends >= 1
+        assert await bench.robot.joints() == pytest.approx(WAY[-1], abs=1e-4)
+
+
+async def test_the_override_bounds_the_set_points() -> None:
+    async with led(full_speed=(10.0, 10.0, 100.0, 10.0)) as bench:
+        await bench.robot.follow(WAY)
+        points = bench.port.set_points
+        fastest = max(abs(two[3] - one[3]) for one, two in itertools.pairwise(points)) / 0.0071
+        # STATE of the scripted controller tells an override of 20 %.
+        assert fastest == pytest.approx(2.0, rel=0.01)
+
+
+async def test_single_losses_are_counted_and_no_set_point_is_sent_twice_on_the_way() -> None:
+    async with led() as bench:
+        bench.port.lose = lambda number: number % 20 == 7
+        await bench.robot.follow(WAY)
+        on_the_way = [p for p in bench.port.set_points if p != bench.port.set_points[-1]]
+        assert len(set(on_the_way)) == len(on_the_way)
+        assert "answers to set points were lost" in " ".join(bench.robot.notes)
+
+
+async def test_an_arm_that_does_not_follow_is_not_where_it_was_sent() -> None:
+    async with led() as bench:
+        bench.port.frozen = True
+        with pytest.raises(NotArrivedError):
+            await bench.robot.follow(WAY)
+
+
+async def test_a_port_that_falls_silent_stops_the_arm() -> None:
+    async with led() as bench:
+        bench.port.lose = lambda number: number > 10
+        with pytest.raises(NotArrivedError, match="lost"):
+            await bench.robot.follow(WAY)
+        assert any(b"STOP" in request for request in bench.main.requests + bench.aside.requests)
+
+
+async def test_an_alarm_behind_the_silence_is_told() -> None:
+    async with led() as bench:
+
+        def lose(number: int) -> bool:
+            if number > 10:
+                bench.controller.flags = "80067820"
+            return number > 10
+
+        bench.port.lose = lose
+        with pytest.raises(AlarmError, match="7820"):
+            await bench.robot.follow(WAY)
+
+
+async def test_a_port_without_a_program_says_what_to_start() -> None:
+    async with led() as bench:
+        bench.port.deaf = True
+        with pytest.raises((LinkTimeoutError, NotArrivedError), match="CATSMXT"):
+            await bench.robot.follow(WAY)
+        assert bench.port.set_points == []
+
+
+async def test_a_cancelled_way_ends_with_stop_and_end() -> None:
+    async with led() as bench:
+        task = asyncio.create_task(bench.robot.follow(((150.0, 0.0, 0.0, 0.0),)))
+        await until(lambda: len(bench.port.set_points) > 5)
+        task.cancel()
+        with pytest.raises(asyncio.CancelledError):
+            await task
+        sent = len(bench.port.set_points)
+        await asyncio.sleep(0)
+        assert len(bench.port.set_points) == sent
+        assert any(b"STOP" in request for request in bench.aside.requests)
+        assert bench.port.ends >= 1
+
+
+async def test_after_a_stop_the_program_of_set_points_is_started_again() -> None:
+    async with led() as bench:
+        await bench.robot.stop()
+        await bench.robot.follow(WAY)
+        assert b"1;1;RUNCATSMXT;1\r" in bench.main.requests
+
+
+def test_endpoints_that_are_missing_are_named() -> None:
+    with pytest.raises(LinkError, match="datalink_endpoint"):
+        MelfaDatalink.at("tcp://127.0.0.1:1", StepClock())
+    with pytest.raises(LinkError, match="mxt_endpoint"):
+        MelfaMxt.at("tcp://127.0.0.1:1", StepClock())
