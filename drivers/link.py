@@ -209,13 +209,16 @@ class RequestLink:
         reply: T | None = None
         while reply is None:
             try:
-                async with asyncio.timeout(self._quiet_s if decoder.may_end else None):
-                    chunk = await self._transport.read()
+                chunk = await (self._soon() if decoder.may_end else self._transport.read())
             except TimeoutError:
                 return decoder.end()
             self._received = (self._received + chunk)[-_SHOWN_BYTES:]
             reply = self._feed(decoder, chunk)
         return reply
+
+    async def _soon(self) -> bytes:
+        async with asyncio.timeout(self._quiet_s):
+            return await self._transport.read()
 
     def _feed(self, decoder: Decoder[T], chunk: bytes) -> T | None:
         try:
@@ -238,7 +241,7 @@ class RequestLink:
         if not self._is_open:
             raise LinkError(f"{self.where}: not connected: connect first")
         if not self._doubt:
-            await self._look_for_unsolicited()
+            self._look_for_unsolicited()
         if not self._doubt:
             return
         if not heal:
@@ -276,21 +279,13 @@ class RequestLink:
                 ) from None
         return first
 
-    async def _look_for_unsolicited(self) -> None:
+    def _look_for_unsolicited(self) -> None:
         """Doubt the link if bytes lie there that nobody asked for, or if the other side is gone."""
-        # Two turns of the loop: one finds the socket readable, one moves its bytes to where read looks.
-        await asyncio.sleep(0)
-        await asyncio.sleep(0)
-        while not self._doubt:
-            try:
-                async with asyncio.timeout(0):
-                    chunk = await self._transport.read()
-            except TimeoutError:
-                return
-            except LinkError as exc:
-                self._doubt = str(exc)
-            else:
+        try:
+            while not self._doubt and (chunk := self._transport.waiting()):
                 self._doubt = self._surplus(chunk)
+        except LinkError as exc:
+            self._doubt = str(exc)
 
     def _surplus(self, data: bytes) -> str:
         """Return the doubt about bytes outside of an answer, and count them."""

@@ -64,9 +64,23 @@ class MemoryTransport:
         Raises:
             LinkError: this end is closed or the other end has been closed.
         """
+        self._require_open()
+        return self._checked(await self._inbox.get())
+
+    def waiting(self) -> bytes:
+        """Return a chunk that has come, empty bytes when nothing has.
+
+        Raises:
+            LinkError: this end is closed or the other end has been closed.
+        """
+        self._require_open()
+        return b"" if self._inbox.empty() else self._checked(self._inbox.get_nowait())
+
+    def _require_open(self) -> None:
         if not self._is_open:
             raise LinkError(f"{self._endpoint}: the link is closed: open it first")
-        chunk = await self._inbox.get()
+
+    def _checked(self, chunk: bytes | None) -> bytes:
         if chunk is None:
             raise LinkError(f"{self._endpoint}: the other side has closed the link: open it again")
         return chunk

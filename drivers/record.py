@@ -60,3 +60,14 @@ class RecordingTransport:
         data = await self._inner.read()
         self._sink("rx", data)
         return data
+
+    def waiting(self) -> bytes:
+        """Return a chunk that has come, empty bytes when nothing has.
+
+        Raises:
+            LinkError: the other side has closed the link.
+        """
+        data = self._inner.waiting()
+        if data:
+            self._sink("rx", data)
+        return data

@@ -8,7 +8,7 @@ class Transport(Protocol):
 
     @property
     def endpoint(self) -> str:
-        """Where it leads, as in the cell file: tcp://host:port."""
+        """Where it leads, as in the cell file."""
         ...
 
     async def open(self) -> None:
@@ -33,6 +33,14 @@ class Transport(Protocol):
 
     async def read(self) -> bytes:
         """Return the next chunk, at least one byte.
+
+        Raises:
+            LinkError: the other side has closed the link.
+        """
+        ...
+
+    def waiting(self) -> bytes:
+        """Return a chunk that has come and was not read, empty bytes when there is none; never waits.
 
         Raises:
             LinkError: the other side has closed the link.

@@ -70,7 +70,7 @@ async def test_tcp_connect_timeout_is_an_error_of_the_link(monkeypatch: pytest.M
     async def never(*_: object) -> None:
         await asyncio.Event().wait()
 
-    monkeypatch.setattr(asyncio, "open_connection", never)
+    monkeypatch.setattr(asyncio.get_running_loop(), "sock_connect", never)
     with pytest.raises(LinkError, match=r"no connection within 0\.001 s"):
         await TcpTransport("192.0.2.1", 10001, connect_timeout_s=0.001).open()
 
