@@ -17,6 +17,9 @@ from simulators.truth import TrueArm
 _REST_STEP_S = 10.0
 """While nothing moves only warming changes the beam; it is looked at this often."""
 
+_MOMENT_S = 1e-3
+"""Speeds are taken over this time."""
+
 Witness = Callable[[str], None]
 """Is told what happens on the bench, at the moment it happens."""
 
@@ -80,6 +83,10 @@ class Bench:
         """Joints as commanded at this moment, deg, deg, mm, deg."""
         return self._arm.motion.joints_at(self.time_s)
 
+    def joints_at(self, time_s: float) -> Joints:
+        """Return the joints as commanded at a moment of the present motion or after it."""
+        return self._arm.motion.joints_at(time_s)
+
     @property
     def destination(self) -> Joints:
         """Joints at the end of the present motion."""
@@ -116,6 +123,8 @@ class Bench:
             self._pass_to(first[0])
             first[1]()
         self._pass_to(time_s)
+        if not self.moving:
+            self._note_arrival()
 
     def _pass_to(self, time_s: float) -> None:
         if time_s <= self.time_s:
@@ -123,11 +132,17 @@ class Bench:
         due = self._due_times(time_s)
         if due.size:
             self._follow(self._look(due))
-        if not self._arrived and time_s >= self.standstill_s:
-            self._arrived = True
-            self.time_s = self.standstill_s
-            self._witness(f"arrival at {_listed(self.destination)}")
+        if time_s > self.standstill_s:
+            self._note_arrival()
         self.time_s = time_s
+
+    def _note_arrival(self) -> None:
+        """Tell of the end of a motion; at its very end something that is to be done may still continue it."""
+        if self._arrived:
+            return
+        self._arrived = True
+        self.time_s = self.standstill_s
+        self._witness(f"arrival at {_listed(self.destination)}")
 
     def move_to(self, target: Joints, override_percent: float = 100.0, accel_percent: float = 100.0) -> None:
         """Start a joint-interpolated motion.
@@ -140,12 +155,55 @@ class Bench:
         Raises:
             BenchError: the arm moves already.
         """
-        if self.moving:
-            raise BenchError("the arm moves already")
+        self._require_rest()
         self._observe()
         self._arm.move_to(target, self.time_s, override_percent / 100.0, accel_percent / 100.0)
         self._witness(f"motion to {_listed(target)} at {override_percent:g} %")
         self._restart_looks()
+
+    def follow(self, times_s: Floats, joints: Floats) -> None:
+        """Start a motion through knots, straight and at constant speed from one to the next.
+
+        Args:
+            times_s: when each knot is passed, s from now, above 0 and increasing, shape (m,).
+            joints: knots, deg, deg, mm, deg, shape (m, 4).
+
+        Raises:
+            BenchError: the arm moves already, or the knots do not fit each other.
+        """
+        self._require_rest()
+        if (
+            not times_s.size
+            or joints.shape != (times_s.size, 4)
+            or np.any(np.diff(times_s, prepend=0.0) <= 0.0)
+        ):
+            raise BenchError("a way needs knots of four joints, and times above 0 that increase")
+        self._observe()
+        self._arm.follow(times_s, joints, self.time_s)
+        self._witness(f"way through {times_s.size} knots to {_listed(self.destination)}")
+        self._restart_looks()
+
+    def glide(self, target: Joints, duration_s: float) -> None:
+        """Move at constant speed to joints within a time, s: one cycle of real-time control.
+
+        Consecutive glides join without standing still; one that comes early leaves the one before where it is.
+
+        Raises:
+            BenchError: the arm moves otherwise than by a glide.
+        """
+        if self.moving and not self._arm.gliding:
+            raise BenchError("the arm moves already")
+        self._observe()
+        rested = self._arrived
+        if self._arm.glide(target, self.time_s, duration_s):
+            if rested:
+                self._witness(f"stream from {_listed(self._arm.motion.start)}")
+            self._restart_looks()
+
+    def _require_rest(self) -> None:
+        if self.moving:
+            raise BenchError("the arm moves already")
+        self._note_arrival()
 
     def stop(self) -> None:
         """Decelerate to standstill; without a motion nothing happens."""
@@ -181,19 +239,26 @@ class Bench:
 
     def velocity_mm_s(self) -> float:
         """Return the displacement rate at this moment, mm/s; 0 without a beam."""
-        since_s = max(self._arm.motion.start_s, self.time_s - 1e-3)
-        before, now = (self._look(np.array([t])) for t in (since_s, self.time_s))
-        if now.index[0] == NOBODY or before.index[0] != now.index[0] or since_s == self.time_s:
+        since_s, until_s = self._moment()
+        before, after = (self._look(np.array([t])) for t in (since_s, until_s))
+        if after.index[0] == NOBODY or before.index[0] != after.index[0] or since_s == until_s:
             return 0.0
-        return float(now.length_mm[0] - before.length_mm[0]) / (self.time_s - since_s)
+        return float(after.length_mm[0] - before.length_mm[0]) / (until_s - since_s)
 
     def tool_speed_mm_s(self) -> float:
         """Return the speed of the J4 axis at this moment, mm/s."""
-        since_s = max(self._arm.motion.start_s, self.time_s - 1e-3)
-        if not self.moving or since_s == self.time_s:
+        since_s, until_s = self._moment()
+        if not self.moving or since_s == until_s:
             return 0.0
-        before, now = self._arm.poses(np.array([since_s, self.time_s])).axis_mm
-        return float(abs(now - before)) / (self.time_s - since_s)
+        before, after = self._arm.poses(np.array([since_s, until_s])).axis_mm
+        return float(abs(after - before)) / (until_s - since_s)
+
+    def _moment(self) -> tuple[float, float]:
+        """Return the millisecond before now, or that after the start of the present motion, s."""
+        start_s = self._arm.motion.start_s
+        if self.time_s - start_s >= _MOMENT_S:
+            return self.time_s - _MOMENT_S, self.time_s
+        return start_s, max(self.time_s, min(start_s + _MOMENT_S, self.standstill_s))
 
     def air(self) -> AirSample:
         """Return the air's state at this moment."""
@@ -301,6 +366,16 @@ class Instrument:
     def beam_lost(self) -> bool:
         """The latch of this instrument."""
         return self._counter.beam_lost
+
+    @property
+    def break_count(self) -> int:
+        """Breaks of the beam so far."""
+        return self._counter.break_count
+
+    @property
+    def overspeed_count(self) -> int:
+        """How often the beam's length changed too fast so far."""
+        return self._counter.overspeed_count
 
     def read(self) -> Reading:
         """Return one reading at this moment."""

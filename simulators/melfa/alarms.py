@@ -8,11 +8,16 @@ SERVO_IS_OFF = 2000
 DESTINATION_OUT_OF_RANGE = 2602
 NO_SOLUTION = 2802
 OUT_OF_RANGE = 3110
+LINE_TOO_LONG = 4210
 SYNTAX = 4220
 NO_PROGRAM = 4140
 UNDEFINED = 4340
 DUPLICATE = 4350
+NOT_EDITING = 4820
+PENDANT_ENABLED = 5000
+START_DISABLED = 5010
 NOTHING_SELECTED = 5100
+PROGRAM_PAUSED = 5110
 SLOT_NOT_SELECTABLE = 5120
 SERVO_ON_IMPOSSIBLE = 5130
 BAD_ROBOT = 5430
@@ -21,7 +26,12 @@ STOP_IS_ON = 5610
 WHILE_RUNNING = 5640
 ILLEGAL_COMMAND = 6010
 NO_OPERATION_RIGHT = 6020
+NO_EDIT_RIGHT = 6030
+FILE = 6050
 TOO_LONG = 6080
+BAD_SIGNAL = 6600
+JOINT_LIMIT_ABOVE = 2160
+JOINT_LIMIT_BELOW = 2170
 
 _TEXTS = {
     EMERGENCY_STOP: "Emergency stop input open",
@@ -30,11 +40,16 @@ _TEXTS = {
     DESTINATION_OUT_OF_RANGE: "Destination outside the joint limits",
     NO_SOLUTION: "Destination out of reach",
     OUT_OF_RANGE: "Value out of range",
+    LINE_TOO_LONG: "Line too long",
     SYNTAX: "Statement not understood",
     NO_PROGRAM: "No such program",
     UNDEFINED: "Variable undefined",
     DUPLICATE: "Variable defined already",
+    NOT_EDITING: "No program open for editing",
+    PENDANT_ENABLED: "Pendant or TEACH has the control",
+    START_DISABLED: "Start is disabled",
     NOTHING_SELECTED: "No program selected",
+    PROGRAM_PAUSED: "A program is paused",
     SLOT_NOT_SELECTABLE: "Slot not selectable",
     SERVO_ON_IMPOSSIBLE: "Servo cannot go on now",
     BAD_ROBOT: "No such robot",
@@ -43,12 +58,17 @@ _TEXTS = {
     WHILE_RUNNING: "Not while the robot moves",
     ILLEGAL_COMMAND: "Command not known",
     NO_OPERATION_RIGHT: "No operation right",
+    NO_EDIT_RIGHT: "Another client edits",
+    FILE: "File not accessible",
     TOO_LONG: "Command too long",
+    BAD_SIGNAL: "No such signal",
+    **{JOINT_LIMIT_ABOVE + axis: f"Upper limit of J{axis}" for axis in range(1, 9)},
+    **{JOINT_LIMIT_BELOW + axis: f"Lower limit of J{axis}" for axis in range(1, 9)},
 }
 
 # Groups of the sheet whose alarms switch the servo off.
-_HIGH_RANGES = ((50, 1629), (1680, 1769), (2130, 2199), (7810, 7849), (9000, 9099))
-_CAUTION_RANGES = ((1630, 1679), (1770, 1779), (9200, 9299))
+_HIGH_RANGES = ((50, 1629), (1680, 1769), (2130, 2199), (5000, 5000), (7810, 7849), (9000, 9099))
+_CAUTION_RANGES = ((1630, 1679), (1770, 1779), (5610, 5610), (6050, 6089), (6500, 6500), (9200, 9299))
 
 
 def level(number: int) -> int:
@@ -71,9 +91,11 @@ class Refusal(Exception):  # noqa: N818 - an answer of the controller, not a fau
     Args:
         number: error number, four digits.
         detail: detail, five digits.
+        place: where an edited line is wrong, `;position` or `;line;position`; only editing commands tell it.
     """
 
-    def __init__(self, number: int, detail: int = 0) -> None:
+    def __init__(self, number: int, detail: int = 0, place: str = "") -> None:
         super().__init__(f"{number:04d}-{detail:05d} {text(number)}")
         self.number = number
         self.detail = detail
+        self.place = place

@@ -1,4 +1,4 @@
-"""The robot controller: servo, alarms, stop, overrides and variables over the bench's arm."""
+"""The robot controller: servo, alarms, stop, overrides, variables, memory and task over the bench's arm."""
 
 from collections import deque
 from collections.abc import Callable
@@ -8,10 +8,13 @@ from simulators.bench.bench import Bench
 from simulators.config import EmulationConfig, Joints
 from simulators.melfa import alarms
 from simulators.melfa.alarms import Refusal
-from simulators.melfa.values import Position, joints_of, position_of, rounded
-
-Variable = Joints | Position | float
-"""Value of a variable of the language: J…, P… or M…."""
+from simulators.melfa.choices import Choices
+from simulators.melfa.jogging import Jog
+from simulators.melfa.parameters import Parameters
+from simulators.melfa.programs import Editor, ProgramMemory
+from simulators.melfa.signals import Signals
+from simulators.melfa.task import Task
+from simulators.melfa.values import Position, Variable, joints_of, position_of, rounded
 
 
 @dataclass
@@ -20,10 +23,12 @@ class Run:
 
     Attributes:
         end_s: bench time of its standstill, s.
+        target: joints at its end, unless it is interrupted.
         interrupted_by: error number that ended it early, 0 for none.
     """
 
     end_s: float
+    target: Joints = (0.0, 0.0, 0.0, 0.0)
     interrupted_by: int = 0
 
 
@@ -42,26 +47,49 @@ class Controller:
         bench: the arm.
         config: limits, nominal links, delays.
         changed: called when a motion ends at another moment than it would have.
+        choices: what no source tells of a controller.
     """
 
-    def __init__(self, bench: Bench, config: EmulationConfig, changed: Callable[[], None]) -> None:
-        self.bench = bench
+    def __init__(
+        self,
+        bench: Bench,
+        config: EmulationConfig,
+        changed: Callable[[], None],
+        choices: Choices | None = None,
+    ) -> None:
+        self.bench: Bench = bench
         self.config = config
-        self.override_percent = 100.0
-        self.program_override_percent = 100.0
-        self.joint_override_percent = 100.0
-        self.linear_speed_mm_s = 10_000.0
+        self.choices = choices or Choices()
+        self.override_percent: float = 100.0
+        self.program_override_percent: float = 100.0
+        self.joint_override_percent: float = 100.0
+        self.linear_speed_mm_s: float = 10_000.0
         self.accel_percent = 100.0
-        self.alarm = 0
+        self.tool: int = 0
+        self.alarm: int = 0
+        self.caution: int = 0
         self.emergency_stop = False
+        self.teach_mode = False
+        self.start_enabled = True
         self.stop_latched = False
         self.stopped = True
         self.variables: dict[str, Variable] = {}
-        self.outputs: dict[int, int] = {}
+        self.signals = Signals()
+        self.parameters = Parameters(config)
+        self.memory = ProgramMemory()
+        self.editor = Editor(self.memory, lambda: bench.time_s)
         self.log: deque[LogLine] = deque(maxlen=128)
+        self.right_holders: set[object] = set()
         self._changed = changed
         self._servo_from_s: float | None = None
         self._run = Run(0.0)
+        self.task = Task(self)
+        self.jog = Jog(self)
+
+    @property
+    def alarm_shown(self) -> int:
+        """The alarm that ERROR tells: the active one, else a caution that nobody has reset."""
+        return self.alarm or self.caution
 
     @property
     def servo_on(self) -> bool:
@@ -88,15 +116,19 @@ class Controller:
         Raises:
             Refusal: the controller or the arm is not in a state to move, or the target is not permitted.
         """
-        self._require_ready()
+        self.require_ready()
         joints = target if not isinstance(target, Position) else self._solve(target)
         joints = rounded(joints)
         limits = zip(joints, self.config.limits, strict=True)
         if not all(low - 1e-9 <= value <= high + 1e-9 for value, (low, high) in limits):
             raise Refusal(alarms.DESTINATION_OUT_OF_RANGE)
+        return self.start(joints, self.effective_percent)
+
+    def start(self, joints: Joints, percent: float) -> Run:
+        """Start a motion that is permitted, at a speed in per cent of the largest."""
         self.stopped = False
-        self.bench.move_to(joints, self.effective_percent, self.accel_percent)
-        self._run = Run(self.bench.standstill_s)
+        self.bench.move_to(joints, percent, self.accel_percent)
+        self._run = Run(self.bench.standstill_s, joints)
         return self._run
 
     @property
@@ -113,6 +145,7 @@ class Controller:
         """Let an alarm occur: the arm stops, one of high level switches the servo off too."""
         self.log.append(LogLine(self.bench.time_s, number))
         if alarms.level(number) == alarms.CAUTION:
+            self.caution = number
             return
         self.alarm = number
         if alarms.level(number) == alarms.HIGH:
@@ -126,15 +159,35 @@ class Controller:
         if on:
             self.raise_alarm(alarms.EMERGENCY_STOP)
 
+    def set_teach_mode(self, *, on: bool) -> None:
+        """Turn the key: the arm stops, and in TEACH the operation right is gone."""
+        self.teach_mode = on
+        self.stopped = True
+        self._interrupt(alarms.STOP_IS_ON)
+        if on and self.choices.teach_refuses_right:
+            self.right_holders.clear()
+
+    def take_right(self, client: object) -> None:
+        """Give a client the right to operate.
+
+        Raises:
+            Refusal: the key is at TEACH, or another client has the right; both only if so chosen.
+        """
+        if self.teach_mode and self.choices.teach_refuses_right:
+            raise Refusal(alarms.PENDANT_ENABLED)
+        if self.choices.exclusive_right and self.right_holders - {client}:
+            raise Refusal(alarms.NO_OPERATION_RIGHT)
+        self.right_holders.add(client)
+
     def reset_alarm(self) -> None:
-        """Clear the alarm.
+        """Clear alarm and caution.
 
         Raises:
             Refusal: its cause, the open emergency stop circuit, is still there.
         """
         if self.emergency_stop:
             raise Refusal(alarms.EMERGENCY_STOP)
-        self.alarm = 0
+        self.alarm = self.caution = 0
 
     def position(self) -> Position:
         """Return the nominal position of the commanded joints."""
@@ -151,7 +204,25 @@ class Controller:
     def _solve(self, position: Position) -> Joints:
         return joints_of(position, self.bench.joints, self.config)
 
-    def _require_ready(self) -> None:
+    def require_start(self) -> None:
+        """Raise a refusal unless a program may start.
+
+        Raises:
+            Refusal: an alarm is active, a STOP is on, or the start is disabled.
+        """
+        if self.alarm:
+            raise Refusal(alarms.ALARM_PRESENT)
+        if self.stop_latched:
+            raise Refusal(alarms.STOP_IS_ON)
+        if not self.start_enabled:
+            raise Refusal(alarms.START_DISABLED)
+
+    def require_ready(self) -> None:
+        """Raise a refusal unless the arm may move.
+
+        Raises:
+            Refusal: an alarm is active, the servo is off, a STOP is on, or the arm moves already.
+        """
         if self.alarm:
             raise Refusal(alarms.ALARM_PRESENT)
         if not self.servo_on:
@@ -162,6 +233,8 @@ class Controller:
             raise Refusal(alarms.WHILE_RUNNING)
 
     def _interrupt(self, number: int) -> None:
+        self.task.pause()
+        self.jog.forget()
         if not self.bench.moving:
             return
         self.bench.stop()

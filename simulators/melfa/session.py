@@ -5,7 +5,8 @@ from collections.abc import Callable
 
 from simulators.melfa import alarms
 from simulators.melfa.alarms import Refusal
-from simulators.melfa.commands import Client, cannot_go_on, carry_out
+from simulators.melfa.commands.command import Client
+from simulators.melfa.commands.table import cannot_go_on, carry_out
 from simulators.melfa.controller import Controller, Run
 from simulators.melfa.framing import TOO_LONG, RequestBuffer
 from simulators.serving import Answer, Pending, Session
@@ -20,10 +21,19 @@ class MelfaSession(Session):
         controller: the controller that all clients share.
         suffix: what is appended to each answer.
         note: is told each request.
+        segments: a request may end with its segment or a pause, as on TCP; on a serial line it has a terminator.
     """
 
-    def __init__(self, controller: Controller, suffix: str, note: Callable[[str], None]) -> None:
+    def __init__(
+        self,
+        controller: Controller,
+        suffix: str,
+        note: Callable[[str], None],
+        *,
+        segments: bool = True,
+    ) -> None:
         self._controller = controller
+        self._segments = segments
         self._suffix = suffix
         self._note = note
         self._buffer = RequestBuffer()
@@ -34,13 +44,13 @@ class MelfaSession(Session):
         """Take bytes; a request without terminator is complete at once if nothing could follow it."""
         self._buffer.feed(data)
         rest = self._buffer.rest
-        if rest and cannot_go_on(rest.decode("latin-1")):
+        if self._segments and rest and cannot_go_on(rest.decode("latin-1")):
             self._buffer.end_request()
         self._requests.extend(self._buffer.take())
 
     def silence_s(self) -> float | None:
         """A pause ends a request that came without terminator."""
-        return _SILENCE_S if self._buffer.waiting else None
+        return _SILENCE_S if self._segments and self._buffer.waiting else None
 
     def idle(self) -> None:
         """Take what has come as a request."""
@@ -65,8 +75,9 @@ class MelfaSession(Session):
         return self._accepted(done)
 
     def close(self) -> None:
-        """Release the operation right; a motion under way goes on."""
-        self._client.operation_right = False
+        """Release the operation right and the edit slot; a motion under way goes on."""
+        self._controller.right_holders.discard(self._client)
+        self._controller.editor.discard(self._client)
 
     def _when_finished(self, run: Run) -> Pending:
         bench = self._controller.bench
@@ -80,8 +91,11 @@ class MelfaSession(Session):
         return Pending(due, reply)
 
     def _accepted(self, text: str) -> bytes:
-        prefix = "Qok" if self._controller.alarm else "QoK"
+        prefix = "Qok" if self._controller.alarm_shown else "QoK"
         return f"{prefix}{text}{self._suffix}".encode("latin-1")
 
     def _refused(self, refusal: Refusal) -> bytes:
-        return f"QeR{refusal.number:04d}{refusal.detail:05d}{self._suffix}".encode("latin-1")
+        # Editing commands tell the place of the fault, behind another prefix (sheet, section 1.6).
+        prefix = "Qer" if refusal.place else "QeR"
+        said = f"{prefix}{refusal.number:04d}{refusal.detail:05d}{refusal.place}{self._suffix}"
+        return said.encode("latin-1")

@@ -4,15 +4,21 @@ A straight motion (MVS) is carried out joint-interpolated at the joints' speed: 
 TOOL, BASE, FINE, CNT, OADL and TORQ are accepted and have no effect.
 """
 
+from __future__ import annotations
+
 import re
 from collections.abc import Callable
 from dataclasses import replace
+from typing import TYPE_CHECKING
 
 from simulators.config import Joints
 from simulators.melfa import alarms
 from simulators.melfa.alarms import Refusal
-from simulators.melfa.controller import Controller, Run, Variable
-from simulators.melfa.values import Position, flags_text, joint_constant, number, position_constant
+from simulators.melfa.values import Position, Variable, joint_constant, number, position_constant
+
+if TYPE_CHECKING:
+    # The controller runs programs, and a program is a list of statements.
+    from simulators.melfa.controller import Controller, Run
 
 _NAME = re.compile(r"[JPM][A-Z0-9_]{0,15}")
 _ASSIGNMENT = re.compile(r"([JPM][A-Z0-9_]{0,15})\s*=\s*(.+)")
@@ -66,16 +72,6 @@ def read(controller: Controller, name: str) -> Variable:
     return controller.variables[name]
 
 
-def value_text(value: Variable) -> str:
-    """Return a value as a variable read shows it, signed, with two decimals for joints and positions."""
-    if isinstance(value, Position):
-        places = (value.x_mm, value.y_mm, value.z_mm, 0.0, 0.0, value.c_deg)
-        return f"({','.join(f'{place:+.2f}' for place in places)})({flags_text(value)})"
-    if isinstance(value, tuple):
-        return f"({','.join(f'{joint:+.2f}' for joint in value)})"
-    return f"{value:+g}"
-
-
 def _store(controller: Controller, name: str, value: Variable) -> None:
     if name not in controller.variables and len(controller.variables) >= _LARGEST_STORE:
         raise Refusal(alarms.OUT_OF_RANGE)
@@ -99,10 +95,10 @@ def _operand(controller: Controller, text: str, kind: str = "") -> Joints | Posi
             raise Refusal(alarms.SYNTAX)
         return value
     if (added := _SUM.fullmatch(text)) is not None:
-        base, shift = _operand(controller, added[1]), _constant(controller, added[2], "P")
+        base, shift = _operand(controller, added[1]), constant(controller, added[2], "P")
         if isinstance(base, Position) and isinstance(shift, Position):
             return _added(base, shift)
-    return _constant(controller, text, kind)
+    return constant(controller, text, kind)
 
 
 def _added(base: Position, shift: Position) -> Position:
@@ -115,7 +111,8 @@ def _added(base: Position, shift: Position) -> Position:
     )
 
 
-def _constant(controller: Controller, text: str, kind: str) -> Joints | Position:
+def constant(controller: Controller, text: str, kind: str) -> Joints | Position:
+    """Return the value of a constant `(…)` or `(…)(…)`; kind, J or P, says what it is, nothing lets its form tell."""
     found = _CONSTANT.fullmatch(text)
     if found is None:
         raise Refusal(alarms.SYNTAX)
@@ -213,7 +210,7 @@ _STATUS: dict[str, Callable[[Controller], Variable]] = {
     "M_NOVRD": lambda _c: 100.0,
     "M_NJOVRD": lambda _c: 100.0,
     "M_NSPD": lambda _c: 10_000.0,
-    "M_TOOL": lambda _c: 0.0,
+    "M_TOOL": lambda c: float(c.tool),
     "M_ERR": lambda c: float(c.alarm != 0),
     "M_ERRNO": lambda c: float(c.alarm),
     "J_CURR": lambda c: c.bench.joints,

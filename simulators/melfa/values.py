@@ -41,6 +41,20 @@ class Position:
     flag2: int = 0
 
 
+Variable = Joints | Position | float
+"""Value of a variable of the language: J…, P… or M…."""
+
+
+def value_text(value: Variable) -> str:
+    """Return a value as a variable read shows it, signed, with two decimals for joints and positions."""
+    if isinstance(value, Position):
+        places = (value.x_mm, value.y_mm, value.z_mm, 0.0, 0.0, value.c_deg)
+        return f"({','.join(f'{place:+.2f}' for place in places)})({flags_text(value)})"
+    if isinstance(value, tuple):
+        return f"({','.join(f'{joint:+.2f}' for joint in value)})"
+    return f"{value:+g}"
+
+
 def number(text: str) -> float:
     """Return a numeric constant; an empty place of a list counts as 0."""
     stripped = text.strip()

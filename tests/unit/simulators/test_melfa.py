@@ -246,7 +246,9 @@ def test_an_alarm_refuses_motion_until_it_is_reset() -> None:
 def test_a_caution_stops_nothing() -> None:
     robot = Desk().client().ready()
     robot.desk.controller.raise_alarm(9200)
-    assert robot.ask("EXEC2=MOV (1,0,0,0)") == "QoK"
+    # Section 1.13: level 3; it goes on all the same.
+    assert robot.ask("ERROR") == "Qok9200;3"
+    assert robot.ask("EXEC2=MOV (1,0,0,0)") == "Qok"
     assert robot.ask("ERRORLOGEND").endswith(";C;;0;920000000")
 
 

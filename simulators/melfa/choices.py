@@ -1,0 +1,26 @@
+"""What the sheet does not know of a controller (sections 1.7, 1.11, 5.1 and 7); choose what a client shall meet."""
+
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True)
+class Choices:
+    """How this controller behaves where no source tells.
+
+    Attributes:
+        exclusive_right: one connection only may hold the operation right; others are refused with 6020.
+        teach_refuses_right: in TEACH the right is lost, and CNTLON is refused with 5000.
+        jog_percent: jog speed at an override of 100 %, per cent of the largest speed.
+        inch_high: step of high inching, deg or mm.
+        inch_low: step of low inching, deg or mm.
+        pulses_per_unit: encoder pulses for one degree or millimetre.
+        line_time_s: bench time that a program's line takes beside its motion.
+    """
+
+    exclusive_right: bool = False
+    teach_refuses_right: bool = True
+    jog_percent: float = 10.0
+    inch_high: float = 0.1
+    inch_low: float = 0.01
+    pulses_per_unit: float = 1000.0
+    line_time_s: float = 0.01

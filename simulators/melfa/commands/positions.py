@@ -1,0 +1,78 @@
+"""Positions (sheet, section 1.11).
+
+No source tells the axis names of XPOS and RPOS: they are assumed to be X, Y, Z and the wrist's joints, and radius
+R, angle T and Z in the place of X, Y and Z.
+"""
+
+import math
+from collections.abc import Callable
+
+from simulators.config import Joints
+from simulators.melfa import alarms
+from simulators.melfa.alarms import Refusal
+from simulators.melfa.commands.command import Command, say
+from simulators.melfa.controller import Controller
+from simulators.melfa.values import flags_text, joint_pairs, position_pairs
+
+_NO_FLAGS = "****,****"
+Pairs = list[tuple[str, float]]
+
+
+def _joints(controller: Controller, joints: Joints) -> tuple[Pairs, str]:
+    return joint_pairs(joints, controller.config.axis_pattern), _NO_FLAGS
+
+
+def _position(controller: Controller, joints: Joints) -> tuple[Pairs, str]:
+    position = controller.position_of(joints)
+    return position_pairs(position, controller.config.axis_pattern), flags_text(position)
+
+
+def _three_axes(controller: Controller, joints: Joints) -> tuple[Pairs, str]:
+    pairs, flags = _position(controller, joints)
+    return pairs[:3] + joint_pairs(joints, controller.config.axis_pattern)[3:], flags
+
+
+def _cylinder(controller: Controller, joints: Joints) -> tuple[Pairs, str]:
+    pairs, flags = _position(controller, joints)
+    x_mm, y_mm = pairs[0][1], pairs[1][1]
+    angle_deg = math.degrees(math.atan2(y_mm, x_mm))
+    return [("R", math.hypot(x_mm, y_mm)), ("T", angle_deg), *pairs[2:]], flags
+
+
+def _read(controller: Controller, kind: str, which: str, joints: Joints) -> str:
+    pairs, flags = _KINDS[kind](controller, joints)
+    if which not in {"", "F"}:
+        if which not in {str(n) for n in range(1, len(pairs) + 1)}:
+            raise Refusal(alarms.ILLEGAL_COMMAND)
+        pairs = [pairs[int(which) - 1]]
+    values = "".join(f"{name};{value:.2f};" for name, value in pairs)
+    speed = controller.tool_speed_mm_s()
+    return f"{values};{flags};{controller.override_percent:g};{speed:.2f};00000000"
+
+
+_KINDS: dict[str, Callable[[Controller, Joints], tuple[Pairs, str]]] = {
+    "J": _joints,
+    "P": _position,
+    "X": _three_axes,
+    "R": _cylinder,
+}
+
+
+def _present(kind: str) -> Command:
+    return Command(say(lambda c, which: _read(c, kind, which, c.bench.joints)), arguments=True)
+
+
+def _complete(kind: str) -> Command:
+    return Command(say(lambda c, _a: _read(c, kind, "F", c.bench.joints)))
+
+
+def _destination(kind: str) -> Command:
+    return Command(say(lambda c, _a: _read(c, kind, "F", c.bench.destination)))
+
+
+COMMANDS = {
+    **{f"{kind}POS": _present(kind) for kind in _KINDS},
+    **{f"{kind}POSF": _complete(kind) for kind in _KINDS},
+    "GJPOSF": _destination("J"),
+    "GPPOSF": _destination("P"),
+}

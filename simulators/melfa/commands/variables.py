@@ -1,0 +1,79 @@
+"""Variables (sheet, section 1.14).
+
+A name whose second letter is an underscore is global. VALS and GVALS tell as many variables as fit into one
+answer; the client asks on with +1.
+"""
+
+from simulators.melfa import alarms, statements
+from simulators.melfa.alarms import Refusal
+from simulators.melfa.commands.command import Client, Command, place_in, say
+from simulators.melfa.controller import Controller
+from simulators.melfa.values import value_text
+
+_TYPES = {"M", "C", "P", "J"}
+_LONGEST_LIST = 200
+
+
+def _read(controller: Controller, client: Client, arguments: str) -> str:
+    which, separator, kind = arguments.partition(";")
+    if not separator:
+        return _entry(controller, arguments.strip().upper())
+    names = _names(controller, kind, is_global=False)
+    place = place_in(client, f"VAL{kind}", which, len(names))
+    return "" if place is None else _entry(controller, names[place])
+
+
+def _read_global(controller: Controller, client: Client, arguments: str) -> str:
+    del client
+    return _entry(controller, arguments.strip().upper())
+
+
+def _read_several(controller: Controller, client: Client, arguments: str, *, is_global: bool) -> str:
+    which, _, kind = arguments.partition(";")
+    names = _names(controller, kind, is_global=is_global)
+    place = place_in(client, f"VALS{kind}{is_global}", which, len(names))
+    if place is None:
+        return ""
+    entries: list[str] = []
+    while place < len(names) and sum(map(len, entries)) < _LONGEST_LIST:
+        entries.append(_entry(controller, names[place]))
+        place += 1
+    client.places[f"VALS{kind}{is_global}"] = place - 1
+    listed = "\v".join(entries)
+    return f"{listed};{len(entries)};{int(place < len(names))}"
+
+
+def _names(controller: Controller, kind: str, *, is_global: bool) -> list[str]:
+    if kind not in _TYPES:
+        raise Refusal(alarms.OUT_OF_RANGE)
+    return sorted(n for n in controller.variables if n[0] == kind and (n[1:2] == "_") == is_global)
+
+
+def _entry(controller: Controller, name: str) -> str:
+    return f"{name}={value_text(statements.read(controller, name))}"
+
+
+def _write(controller: Controller, arguments: str) -> str:
+    name, separator, value = arguments.partition("=")
+    if not separator:
+        raise Refusal(alarms.SYNTAX)
+    statements.assign(controller, name.strip().upper(), value.strip().upper())
+    return ""
+
+
+def _type(controller: Controller, arguments: str) -> str:
+    name = arguments.strip().upper()
+    statements.read(controller, name)
+    return name[0]
+
+
+COMMANDS = {
+    "VAL": Command(_read, arguments=True),
+    "VAL=": Command(say(_write), arguments=True),
+    "VALS": Command(lambda c, who, a: _read_several(c, who, a, is_global=False), arguments=True),
+    "GVAL": Command(_read_global, arguments=True),
+    "GVALS": Command(lambda c, who, a: _read_several(c, who, a, is_global=True), arguments=True),
+    # The name of the running program stands before the assignment.
+    "HOT": Command(say(lambda c, a: _write(c, a.partition(";")[2])), arguments=True),
+    "VTYPRD": Command(say(_type), arguments=True),
+}

@@ -1,0 +1,181 @@
+"""The task slot: which program is selected, and its execution (sheet, sections 1.9 and 1.10).
+
+There is one task; the slot in the header of a request has to exist, and leads to it. A program is carried out
+line by line, one statement after the other, each motion up to its end. There is no interpreter: a line that is
+not a statement of `simulators.melfa.statements`, a comment or END (labels, IF, GOTO, DLY, WAIT, Input …) stops
+the program with alarm 4220.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+from simulators.melfa import alarms, statements
+from simulators.melfa.alarms import Refusal
+from simulators.melfa.programs import EXTENSION
+
+if TYPE_CHECKING:
+    # The controller has the task, and the task commands the controller.
+    from simulators.melfa.controller import Controller, Run
+
+
+class Task:
+    """The selected program.
+
+    Args:
+        controller: what it commands.
+    """
+
+    def __init__(self, controller: Controller) -> None:
+        self._controller = controller
+        self.program = ""
+        self.running = False
+        self.paused = False
+        self.repeat = True
+        self.cycle_stop = False
+        self._place = 0
+        self._turn = 0
+        self._begun_s = 0.0
+
+    @property
+    def file_name(self) -> str:
+        """Name of the selected program's file, empty when none is selected."""
+        return f"{self.program}.{EXTENSION}" if self.program else ""
+
+    @property
+    def line(self) -> int:
+        """Number of the line that is next or being carried out, 0 when there is none."""
+        numbers = self._numbers
+        return numbers[self._place] if self._place < len(numbers) else 0
+
+    @property
+    def line_text(self) -> str:
+        """That line with its number."""
+        return self.text_of(self.line) if self.line else ""
+
+    def text_of(self, number: int) -> str:
+        """Return a line of the program with its number."""
+        return f"{number} {self._controller.memory.find(self.program).lines[number]}"
+
+    def load(self, name: str) -> None:
+        """Select a program.
+
+        Raises:
+            Refusal: one runs or is paused, or there is none of that name.
+        """
+        self._require_stopped()
+        if self.paused:
+            raise Refusal(alarms.PROGRAM_PAUSED)
+        self._controller.memory.find(name)
+        self.program = self._controller.memory.key(name)
+        self._place = 0
+
+    def go_to(self, number: int) -> None:
+        """Let the program go on at another line.
+
+        Raises:
+            Refusal: it runs, none is selected, or it has no such line.
+        """
+        self._require_stopped()
+        if not self.program:
+            raise Refusal(alarms.NOTHING_SELECTED)
+        if number not in self._numbers:
+            raise Refusal(alarms.OUT_OF_RANGE)
+        self._place = self._numbers.index(number)
+
+    def start(self, name: str, *, repeat: bool) -> None:
+        """Start the program, or let it go on where it was stopped.
+
+        Raises:
+            Refusal: the controller is not in a state to start, or there is no such program.
+        """
+        self._require_stopped()
+        self._controller.require_start()
+        if name and self._controller.memory.key(name) != self.program:
+            self.load(name)
+        if not self.program:
+            raise Refusal(alarms.NOTHING_SELECTED)
+        if not self.paused:
+            self._begun_s = self._controller.bench.time_s
+            self._controller.variables.update(self._controller.memory.find(self.program).positions)
+        self.running, self.paused, self.repeat, self.cycle_stop = True, False, repeat, False
+        self._controller.stopped = False
+        self._next()
+
+    def pause(self) -> None:
+        """Stop after what is under way; `start` goes on with the same line."""
+        if self.running:
+            self.running, self.paused = False, True
+            self._turn += 1
+
+    def reset(self) -> None:
+        """Begin at the top next time, and let another program be selected.
+
+        Raises:
+            Refusal: it runs.
+        """
+        self._require_stopped()
+        self.paused = False
+        self._place = 0
+
+    @property
+    def _numbers(self) -> list[int]:
+        memory = self._controller.memory
+        return list(memory.find(self.program).lines) if memory.has(self.program) else []
+
+    def _require_stopped(self) -> None:
+        if self.running:
+            raise Refusal(alarms.WHILE_RUNNING)
+
+    def _next(self) -> None:
+        bench, self._turn = self._controller.bench, self._turn + 1
+        turn = self._turn
+        due_s = bench.time_s + self._controller.choices.line_time_s
+        bench.call_at(due_s, lambda: self._carry_out(turn))
+
+    def _carry_out(self, turn: int) -> None:
+        if turn != self._turn:
+            return
+        word = self.line_text.partition(" ")[2].strip().upper()
+        if not self.line or word == "END":
+            self._finish_cycle()
+            return
+        try:
+            run = None if _is_comment(word) else statements.execute(self._controller, word)
+        except Refusal as refusal:
+            self.pause()
+            self._controller.raise_alarm(refusal.number)
+            return
+        if run is None:
+            self._go_on(turn)
+        else:
+            self._await(run, turn)
+
+    def _await(self, run: Run, turn: int) -> None:
+        self._controller.bench.call_at(run.end_s, lambda: self._go_on(turn))
+
+    def _go_on(self, turn: int) -> None:
+        if turn != self._turn:
+            return
+        self._place += 1
+        self._next()
+
+    def _finish_cycle(self) -> None:
+        memory, now_s = self._controller.memory, self._controller.bench.time_s
+        if memory.has(self.program):
+            program = memory.find(self.program)
+            took_s = now_s - self._begun_s
+            counted = replace(
+                program, cycles=program.cycles + 1, last_s=took_s, total_s=program.total_s + took_s
+            )
+            memory.put(self.program, counted)
+        self._place, self._begun_s = 0, now_s
+        if self.repeat and not self.cycle_stop and self._numbers:
+            self._next()
+        else:
+            self.running = False
+
+
+def _is_comment(line: str) -> bool:
+    return not line or line.startswith(("'", "REM"))
