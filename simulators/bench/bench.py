@@ -377,6 +377,16 @@ class Instrument:
         """How often the beam's length changed too fast so far."""
         return self._counter.overspeed_count
 
+    @property
+    def break_count(self) -> int:
+        """Breaks of the beam so far."""
+        return self._counter.break_count
+
+    @property
+    def overspeed_count(self) -> int:
+        """How often the beam's length changed too fast so far."""
+        return self._counter.overspeed_count
+
     def read(self) -> Reading:
         """Return one reading at this moment."""
         return self.bench.read(self._counter)
