@@ -5,9 +5,11 @@ from collections.abc import Callable
 from simulators.config import EmulatedDevice, Option
 from simulators.counter.session import CounterSession
 from simulators.errors import EmulatorError
+from simulators.lasertex.session import Hpi, HpiSession
 from simulators.melfa.session import MelfaSession
 from simulators.modbus.air_sensor import AirSensor
 from simulators.modbus.protocol import ModbusSession
+from simulators.options import LengthOptions, number
 from simulators.serving import Session
 from simulators.world import World
 
@@ -22,13 +24,21 @@ Maker = Callable[[World, EmulatedDevice, Note], NewSession]
 
 
 def _melfa_r3(world: World, device: EmulatedDevice, note: Note) -> NewSession:
-    del device
+    if device.endpoint.startswith("serial:"):
+        # On RS-232 requests have a terminator, and answers end with CR (sheet `melfa`, section 1.2).
+        return lambda: MelfaSession(world.controller, "\r", note, segments=False)
     return lambda: MelfaSession(world.controller, world.config.answer_suffix, note)
 
 
 def _line_counter(world: World, device: EmulatedDevice, note: Note) -> NewSession:
     instrument = world.instrument(device.name)
     return lambda: CounterSession(instrument, note)
+
+
+def _lasertex_hpi(world: World, device: EmulatedDevice, note: Note) -> NewSession:
+    full_scale = int(number(device, "signal_full_scale", 100))
+    hpi = Hpi(world.instrument(device.name), world.probe, LengthOptions.of(device), full_scale)
+    return lambda: HpiSession(hpi, note)
 
 
 def _modbus_air(world: World, device: EmulatedDevice, note: Note) -> NewSession:
@@ -46,6 +56,7 @@ def _whole(device: EmulatedDevice, key: str, default: int) -> int:
 PROTOCOLS: dict[str, Maker] = {
     "melfa-r3": _melfa_r3,
     "line-counter": _line_counter,
+    "lasertex-hpi": _lasertex_hpi,
     "modbus-air": _modbus_air,
 }
 

@@ -63,6 +63,13 @@ class Counter:
         first: what the beam meets at bench time 0, shape (1,).
         air_index: refractive index of the air at a bench time.
         number: of the counters on one bench, each has noise and errors of its own.
+
+    Attributes:
+        beam_lost: latched since the last zero.
+        overspeed: latched since the last zero.
+        zero_id: number of zeros so far.
+        break_count: breaks of the beam so far, for instruments that clear their flags in a way of their own.
+        overspeed_count: how often the length changed too fast so far.
     """
 
     def __init__(
@@ -86,6 +93,8 @@ class Counter:
         self.beam_lost = int(first.index[0]) == NOBODY
         self.overspeed = False
         self.zero_id = 0
+        self.break_count = int(self.beam_lost)
+        self.overspeed_count = 0
 
     def follow(self, sight: Sight) -> None:
         """Count along consecutive looks at the beam, in the order of bench time."""
@@ -174,11 +183,13 @@ class Counter:
     def _skip(self, before: int, after: int, lengths: "_Lengths", *, fast: bool) -> None:
         if fast:
             self.overspeed = True
+            self.overspeed_count += 1
             self._origin_mm += lengths.after_mm - lengths.before_mm
             self._optical_origin_mm += lengths.optical_after_mm - lengths.optical_before_mm
             return
         if before != NOBODY:
             self.beam_lost = True
+            self.break_count += 1
             slip_mm = self._slip_mm()
             self._held_mm = lengths.before_mm - self._origin_mm + slip_mm
             self._optical_held_mm = lengths.optical_before_mm - self._optical_origin_mm + slip_mm

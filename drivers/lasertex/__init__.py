@@ -1,0 +1,1 @@
+"""Lasertex HPI-3D and Status Pro µLine F1."""

@@ -1,0 +1,199 @@
+"""Lasertex HPI-3D: a laser interferometer that streams distances at about 25 Hz."""
+
+import asyncio
+from typing import Any, ClassVar, Literal, Self
+
+from pydantic import BaseModel, ConfigDict, Field
+
+from drivers.clock import Clock
+from drivers.endpoint import open_transport
+from drivers.errors import LinkTimeoutError, RefusedError, WrongDeviceError
+from drivers.lasertex import codec
+from drivers.latches import Latches
+from drivers.readings import CounterReading, CounterStatus, Identity
+from drivers.record import Sink
+from drivers.stream import StreamLink
+from drivers.transport import Transport
+
+MODEL = "Lasertex HPI-3D"
+
+
+class HpiSettings(BaseModel):
+    """What a cell file may set. Times are real seconds.
+
+    Attributes:
+        sign: -1 when the distance falls while the beam grows longer.
+        compensated: `instrument` when the distances are corrected for the air by the instrument; no public
+            source says that they are.
+        signal_full_scale: level that means 1; the level's unit is not published.
+        timeout_s: for an acknowledgement, and for the next distance of the stream.
+        connect_timeout_s: for connecting.
+    """
+
+    model_config = ConfigDict(strict=True, extra="forbid", frozen=True)
+
+    sign: Literal[1, -1] = 1
+    compensated: Literal["none", "instrument"] = "none"
+    signal_full_scale: int = Field(default=100, gt=0, le=255)
+    timeout_s: float = Field(default=1.0, gt=0)
+    connect_timeout_s: float = Field(default=5.0, gt=0)
+
+
+class LasertexHpi:
+    """Interferometer driver.
+
+    Args:
+        transport: the connection.
+        clock: time of the readings.
+        settings: see there.
+    """
+
+    Settings: ClassVar[type[HpiSettings]] = HpiSettings
+
+    def __init__(self, transport: Transport, clock: Clock, settings: HpiSettings | None = None) -> None:
+        self._settings = settings or HpiSettings()
+        self._latches = Latches()
+        self._lock = asyncio.Lock()
+        self._acknowledged: dict[int, bytes] = {}
+        self._newest: tuple[codec.Distance, float] | None = None
+        self._count = 0
+        self._simulated = False
+        self._link = StreamLink(
+            transport, clock, name=MODEL, decoder=codec.FrameDecoder, take=self._take, greet=self._greet
+        )
+
+    @classmethod
+    def at(cls, endpoint: str, clock: Clock, sink: Sink | None = None, **settings: Any) -> Self:
+        """Return a driver for an endpoint as the cell file writes it; nothing is opened yet.
+
+        Args:
+            endpoint: of the instrument; its virtual serial port runs at 3000000 baud, 8N1.
+            clock: time of the readings.
+            sink: is shown all bytes.
+            settings: fields of `HpiSettings`.
+
+        Raises:
+            LinkError: the endpoint is wrong.
+            pydantic.ValidationError: a setting is unknown or wrong.
+        """
+        checked = HpiSettings(**settings)
+        transport = open_transport(endpoint, connect_timeout_s=checked.connect_timeout_s, sink=sink)
+        return cls(transport, clock, checked)
+
+    @property
+    def notes(self) -> tuple[str, ...]:
+        """What an operator should know about this counter."""
+        return ()
+
+    @property
+    def compensated(self) -> Literal["none", "instrument"]:
+        """Whether the instrument corrects its lengths for the air by itself."""
+        return self._settings.compensated
+
+    async def connect(self) -> Identity:
+        """Open the link, start the stream of distances and wait for the first.
+
+        Raises:
+            WrongDeviceError: something else answers.
+            LinkError: unreachable or silent.
+        """
+        await self._link.open()
+        return Identity(model=MODEL, firmware="", serial="", simulated=self._simulated)
+
+    async def close(self) -> None:
+        """Disconnect; may be called any number of times."""
+        await self._link.close()
+
+    async def zero(self) -> int:
+        """Zero the count, clear the latched faults; return the new zero's number.
+
+        Raises:
+            RefusedError: no beam returns.
+            LinkError: lost or silent.
+        """
+        async with self._lock:
+            await self._link.ensure()
+            for code in (codec.CLEAR_SMALL_SIGNAL, codec.CLEAR_OVERSPEED, codec.ZERO):
+                await self._order(code)
+            distance, _ = await self._next()
+            if not distance.signal_ok:
+                raise RefusedError(
+                    f"{self._link.where}: no zero, the signal is too small (level {distance.level}): "
+                    "aim the beam first",
+                    0,
+                )
+            return self._latches.zeroed()
+
+    async def read(self) -> CounterReading:
+        """Return the first distance that arrives after this call.
+
+        Raises:
+            LinkError: lost, or the stream has stopped.
+        """
+        await self._link.ensure()
+        distance, time_s = await self._next()
+        value_mm = self._settings.sign * distance.length_mm
+        return CounterReading(value_mm, f"{distance.count} x 100 pm", time_s, self._latches.zero_id)
+
+    async def status(self) -> CounterStatus:
+        """Return the state of the beam.
+
+        A flag for a small signal may still tell of the past: it is cleared and looked at again.
+
+        Raises:
+            LinkError: lost, or the stream has stopped.
+        """
+        async with self._lock:
+            await self._link.ensure()
+            distance, _ = await self._next()
+            if not distance.signal_ok:
+                await self._order(codec.CLEAR_SMALL_SIGNAL)
+                distance, _ = await self._next()
+        return CounterStatus(
+            beam_ok=distance.signal_ok,
+            beam_lost=self._latches.beam_lost,
+            overspeed=self._latches.overspeed,
+            laser_ready=distance.laser_ready,
+            signal=min(1.0, distance.level / self._settings.signal_full_scale),
+            signal_native=f"{distance.level}",
+            zero_id=self._latches.zero_id,
+        )
+
+    def _take(self, frame: codec.Frame, time_s: float) -> None:
+        if frame.code != codec.DISTANCE:
+            self._acknowledged[frame.code] = frame.data
+            return
+        distance = codec.parse_distance(frame)
+        self._latches.note(beam_lost=not distance.signal_ok, overspeed=distance.overspeed)
+        self._newest = distance, time_s
+        self._count += 1
+
+    async def _next(self) -> tuple[codec.Distance, float]:
+        """Return the next distance to arrive."""
+        before = self._count
+        await self._link.wait(lambda: self._count > before, self._settings.timeout_s, "distance")
+        assert self._newest is not None  # noqa: S101  # the count has grown
+        return self._newest
+
+    async def _order(self, code: int) -> bytes:
+        """Send a command; return the data of its acknowledgement."""
+        self._acknowledged.pop(code, None)
+        await self._link.send(codec.command(code))
+        what = f"acknowledgement of {code:04X}"
+        await self._link.wait(lambda: code in self._acknowledged, self._settings.timeout_s, what)
+        return self._acknowledged.pop(code)
+
+    async def _greet(self) -> None:
+        self._latches.greeting()
+        try:
+            await self._order(codec.STOP_STREAMS)
+            # The data of an acknowledgement mean nothing; an emulator writes there what it is.
+            self._simulated = b"EMULATOR" in await self._order(codec.DISTANCE_ON)
+            await self._next()
+        except LinkTimeoutError as exc:
+            if not self._link.last_bytes or self._newest is not None:
+                raise
+            raise WrongDeviceError(
+                f"{self._link.where}: what answers here is no {MODEL}: check the port in the cell file; {exc}"
+            ) from None
+        self._latches.greeted()

@@ -1,0 +1,1 @@
+"""Emulator of a Lasertex HPI-3D."""

@@ -1,0 +1,64 @@
+"""Options of emulated devices, checked."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Self
+
+from simulators.bench.counter import Reading
+from simulators.config import EmulatedDevice
+from simulators.errors import EmulatorError
+
+
+def number(device: EmulatedDevice, key: str, default: float) -> float:
+    """Return an option that is a number.
+
+    Raises:
+        EmulatorError: it is none.
+    """
+    value = device.options.get(key, default)
+    if isinstance(value, bool) or not isinstance(value, int | float):
+        raise EmulatorError(f"{device.name}: option {key} has to be a number, not {value!r}")
+    return value
+
+
+def choice(device: EmulatedDevice, key: str, choices: Sequence[str]) -> str:
+    """Return an option that is one of some words; the first is the default.
+
+    Raises:
+        EmulatorError: it is none of them.
+    """
+    value = device.options.get(key, choices[0])
+    if value not in choices:
+        raise EmulatorError(
+            f"{device.name}: option {key} has to be one of {', '.join(choices)}, not {value!r}"
+        )
+    return str(value)
+
+
+@dataclass(frozen=True)
+class LengthOptions:
+    """How an emulated interferometer tells lengths.
+
+    Attributes:
+        compensated: it corrects for the air by itself; otherwise lengths are vacuum wavelengths, counted.
+        sign: -1 when its lengths fall while the beam grows longer.
+    """
+
+    compensated: bool = False
+    sign: int = 1
+
+    @classmethod
+    def of(cls, device: EmulatedDevice) -> Self:
+        """Read the options `compensated` and `sign`.
+
+        Raises:
+            EmulatorError: one of them is wrong.
+        """
+        sign = number(device, "sign", 1)
+        if sign not in {1, -1}:
+            raise EmulatorError(f"{device.name}: option sign has to be 1 or -1, not {sign!r}")
+        return cls(choice(device, "compensated", ("none", "instrument")) == "instrument", int(sign))
+
+    def shown_mm(self, reading: Reading) -> float:
+        """Return the length that the instrument shows, mm."""
+        return self.sign * (reading.displacement_mm if self.compensated else reading.vacuum_mm)

@@ -1,0 +1,1 @@
+"""Each interferometer's driver against its own emulator, in memory."""

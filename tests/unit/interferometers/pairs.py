@@ -1,0 +1,135 @@
+"""A driver and its emulator, joined by a pipe; bench time passes as fast as the stream is taken."""
+
+import asyncio
+import contextlib
+from collections.abc import AsyncIterator, Callable, Mapping
+from contextlib import asynccontextmanager
+from dataclasses import dataclass
+from types import TracebackType
+from typing import Any, Self
+
+from drivers.errors import LinkError
+from drivers.memory import MemoryTransport, pipe
+from simulators.air_probe import AirProbe
+from simulators.bench.bench import Bench
+from simulators.config import EmulatedDevice, Option
+from simulators.journal import Journal
+from simulators.melfa.controller import Controller
+from simulators.protocols import session_maker
+from simulators.serving import Pending, Session
+from simulators.timekeeper import TimeKeeper
+from simulators.world import World
+from tests.unit.drivers.peers import StepClock
+from tests.unit.simulators.benches import QUIET, aimed, go, quiet_bench
+
+
+def quiet_world() -> World:
+    """Return a world whose beam returns from P2, without noise."""
+    bench = quiet_bench()
+    go(bench, aimed(20.0, 30.0))
+    controller = Controller(bench, QUIET, lambda: None)
+    journal = Journal(lambda: bench.time_s)
+    return World(QUIET, bench, controller, TimeKeeper(bench, clock=lambda: 0.0), journal, AirProbe(bench))
+
+
+def new_session(world: World, protocol: str, options: Mapping[str, Option] | None = None) -> Session:
+    """Return a session of a protocol as a client of the emulation meets it."""
+    device = EmulatedDevice("interferometer", protocol, options=options or {})
+    return session_maker(world, device, lambda _text: None)()
+
+
+class Far:
+    """Plays the emulator at the far end of a pipe.
+
+    Args:
+        world: the emulated bench.
+        session: makes the session of a new client.
+    """
+
+    def __init__(self, world: World, session: Callable[[], Session]) -> None:
+        self.near, self.far = pipe("memory://instrument")
+        self.world = world
+        self.muted = False
+        self._new_session = session
+        self._task: asyncio.Task[None] | None = None
+
+    async def __aenter__(self) -> Self:
+        await self.far.open()
+        self._task = asyncio.create_task(self._serve())
+        return self
+
+    async def __aexit__(
+        self, kind: type[BaseException] | None, exc: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        if self._task:
+            self._task.cancel()
+            with contextlib.suppress(asyncio.CancelledError):
+                await self._task
+        await self.near.close()
+
+    async def _serve(self) -> None:
+        while True:
+            session = self._new_session()
+            with contextlib.suppress(LinkError):
+                await self._converse(session)
+            session.close()
+
+    async def _converse(self, session: Session) -> None:
+        while True:
+            due_s = session.next_output_s()
+            if due_s is None:
+                session.feed(await self.far.read())
+            else:
+                with contextlib.suppress(TimeoutError):
+                    async with asyncio.timeout(0):
+                        session.feed(await self.far.read())
+            await self._answer(session)
+            if (due_s := session.next_output_s()) is not None:
+                self.world.bench.advance_to(due_s)
+                await self._say(session.output())
+            await asyncio.sleep(0)
+
+    async def _answer(self, session: Session) -> None:
+        while (answer := session.answer()) is not None:
+            if isinstance(answer, Pending):
+                while (due_s := answer.due()) is not None:
+                    self.world.bench.advance_to(due_s)
+                answer = answer.reply()
+            await self._say(answer)
+
+    async def _say(self, data: bytes) -> None:
+        if data and not self.muted and self.near.is_open:
+            await self.far.write(data)
+
+
+@dataclass(frozen=True)
+class Pair:
+    """A driver and the world that it looks at."""
+
+    driver: Any
+    world: World
+    far: Far
+    clock: StepClock
+
+    @property
+    def bench(self) -> Bench:
+        return self.world.bench
+
+
+Make = Callable[[MemoryTransport, StepClock], Any]
+
+
+@asynccontextmanager
+async def paired(
+    protocol: str, make: Make, options: Mapping[str, Option] | None = None, *, connect: bool = True
+) -> AsyncIterator[Pair]:
+    """Join a driver to the emulator of its protocol."""
+    world, clock = quiet_world(), StepClock()
+    async with Far(world, lambda: new_session(world, protocol, options)) as far:
+        driver = make(far.near, clock)
+        if connect:
+            await driver.connect()
+        try:
+            yield Pair(driver, world, far, clock)
+        finally:
+            await driver.close()

@@ -1,0 +1,80 @@
+"""What holds for every interferometer: a returning beam never revives an old count, a new link neither."""
+
+from typing import Any
+
+import pytest
+
+from drivers.counter.counter import LineCounter
+from drivers.counter.profile import load_profile
+from drivers.lasertex.hpi import HpiSettings, LasertexHpi
+from tests.unit.interferometers.pairs import Make, Pair, paired
+from tests.unit.simulators.benches import aimed, go
+
+DRIVERS: dict[str, Make] = {
+    "line-counter": lambda transport, clock: LineCounter(
+        transport, clock, load_profile("default"), quiet_s=0.001
+    ),
+    "lasertex-hpi": lambda transport, clock: LasertexHpi(transport, clock, HpiSettings(timeout_s=0.5)),
+}
+
+every_interferometer = pytest.mark.parametrize("protocol", sorted(DRIVERS))
+
+
+async def seen(pair: Pair) -> Any:
+    await pair.driver.read()
+    return await pair.driver.status()
+
+
+@every_interferometer
+async def test_a_returning_beam_does_not_revive_the_count(protocol: str) -> None:
+    async with paired(protocol, DRIVERS[protocol]) as pair:
+        assert await pair.driver.zero() == 1
+        status = await seen(pair)
+        assert (status.beam_ok, status.beam_lost, status.overspeed) == (True, False, False)
+        assert status.zero_id == 1
+        assert 0.0 < status.signal <= 1.0
+        pair.bench.block_beam(None)
+        assert not (await seen(pair)).beam_ok
+        pair.bench.unblock_beam()
+        status = await seen(pair)
+        assert (status.beam_ok, status.beam_lost) == (True, True)
+        assert await pair.driver.zero() == 2
+        status = await seen(pair)
+        assert (status.beam_ok, status.beam_lost) == (True, False)
+
+
+@every_interferometer
+async def test_zero_and_way(protocol: str) -> None:
+    async with paired(protocol, DRIVERS[protocol]) as pair:
+        await pair.driver.zero()
+        assert abs((await pair.driver.read()).displacement_mm) < 1e-3
+        before_mm = pair.bench.insight().length_mm
+        go(pair.bench, aimed(20.01, 30.01))
+        way_mm = pair.bench.insight().length_mm - before_mm
+        reading = await pair.driver.read()
+        assert reading.displacement_mm == pytest.approx(way_mm, rel=1e-3, abs=1.1e-3)
+        assert reading.zero_id == 1
+        assert not (await pair.driver.status()).beam_lost
+
+
+@every_interferometer
+async def test_a_count_before_a_new_link_is_not_trusted(protocol: str) -> None:
+    async with paired(protocol, DRIVERS[protocol]) as pair:
+        await pair.driver.zero()
+        await pair.far.far.close()
+        await pair.far.far.open()
+        assert (await seen(pair)).beam_lost
+        await pair.driver.zero()
+        assert not (await seen(pair)).beam_lost
+
+
+@every_interferometer
+async def test_the_instruments_on_one_beam_have_their_own_zeros(protocol: str) -> None:
+    async with paired(protocol, DRIVERS[protocol]) as pair:
+        await pair.driver.zero()
+        other = pair.bench.new_instrument()
+        go(pair.bench, aimed(20.01, 30.01))
+        shown_mm = (await pair.driver.read()).displacement_mm
+        assert other.zero()
+        assert (await pair.driver.read()).displacement_mm == pytest.approx(shown_mm, abs=1e-6)
+        assert pair.bench.read().zero_id == 0
