@@ -1,7 +1,7 @@
 """The instruments as the engine needs them. Drivers fit these by shape, not by inheritance."""
 
 from collections.abc import Sequence
-from typing import Protocol, runtime_checkable
+from typing import Literal, Protocol, runtime_checkable
 
 Joints = tuple[float, float, float, float]
 """J1 deg, J2 deg, J3 mm, J4 deg."""
@@ -74,6 +74,7 @@ class Air(Protocol):
     def humidity_percent(self) -> float | None: ...  # noqa: D102 - the attribute's name says it
 
 
+@runtime_checkable
 class Robot(Protocol):
     """A robot controller that moves joints and stops."""
 
@@ -119,8 +120,14 @@ class WayRobot(Robot, Protocol):
         ...
 
 
+@runtime_checkable
 class Interferometer(Protocol):
     """A length counter on a beam."""
+
+    @property
+    def compensated(self) -> Literal["none", "instrument"]:
+        """Whether the instrument corrects its lengths for the air by itself."""
+        ...
 
     async def connect(self) -> DeviceIdentity:
         """Open the link and check who answers."""
@@ -143,6 +150,7 @@ class Interferometer(Protocol):
         ...
 
 
+@runtime_checkable
 class Environment(Protocol):
     """An air sensor."""
 
@@ -170,6 +178,7 @@ class Position(Protocol):
     def u_mm(self) -> float: ...  # noqa: D102 - the attribute's name says it
 
 
+@runtime_checkable
 class Tracker(Protocol):
     """An independent instrument that locates the J4 axis."""
 

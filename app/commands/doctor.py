@@ -4,15 +4,22 @@ import asyncio
 from collections.abc import Awaitable, Callable
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
+from typing import Any
 
+from app.cell.bench import air_rule
 from app.cell.load import load_cell
 from app.cell.model import Cell
 from app.commands.output import emit, emit_json
+from app.engine.compensation import AirRule, Compensation
 from app.errors import LinkFailedError
-from app.instruments import device_builder
+from app.instruments import device_builder, further_device
 from drivers.clock import SystemClock
 from drivers.errors import DeviceError
 from procedures.devices import DeviceIdentity, Environment, Interferometer, Robot, Tracker
+
+
+Look = Callable[[], Awaitable[tuple[list[str], list[str]]]]
+"""Returns facts and advice about a connected device."""
 
 
 @dataclass
@@ -53,30 +60,47 @@ def doctor_command(file: Path, as_json: bool) -> None:
 
 
 async def _examine_all(cell: Cell) -> list[Finding]:
-    devices = device_builder(cell, SystemClock())(_ignore)
+    clock = SystemClock()
+    devices = device_builder(cell, clock)(_ignore)
+    endpoints = {
+        "robot": cell.robot.endpoint,
+        "interferometer": cell.interferometer.endpoint,
+        "environment": cell.environment.endpoint,
+    }
+    if cell.tracker is not None:
+        endpoints["tracker"] = cell.tracker.endpoint
     examinations = [
-        _examine("robot", cell.robot.endpoint, devices.robot, lambda: _robot(devices.robot)),
-        _examine(
-            "interferometer",
-            cell.interferometer.endpoint,
-            devices.interferometer,
-            lambda: _beam(devices.interferometer),
-        ),
-        _examine(
-            "environment", cell.environment.endpoint, devices.environment, lambda: _air(devices.environment)
-        ),
+        _examine(name, endpoints[name], driver, _look_at(driver)) for name, driver in devices.named().items()
     ]
-    if devices.tracker is not None and cell.tracker is not None:
-        tracker = devices.tracker
-        examinations.append(_examine("tracker", cell.tracker.endpoint, tracker, lambda: _tracker(tracker)))
+    for device in cell.device:
+        driver = further_device(device, clock, _ignore)
+        examinations.append(_examine(device.name, device.endpoint, driver, _look_at(driver)))
     return list(await asyncio.gather(*examinations))
+
+
+def _look_at(driver: Any) -> Look:
+    """Return the look that fits a driver's shape."""
+    if isinstance(driver, Robot):
+        return lambda: _robot(driver)
+    if isinstance(driver, Interferometer):
+        return lambda: _beam(driver)
+    if isinstance(driver, Environment):
+        return lambda: _air(driver)
+    if isinstance(driver, Tracker):
+        return lambda: _tracker(driver)
+    return _nothing_more
+
+
+async def _nothing_more() -> tuple[list[str], list[str]]:
+    """Find nothing beyond the identity: this kind of device is not known."""
+    return [], []
 
 
 async def _examine(
     device: str,
     endpoint: str,
-    driver: Robot | Interferometer | Environment | Tracker,
-    look: Callable[[], Awaitable[tuple[list[str], list[str]]]],
+    driver: Any,
+    look: Look,
 ) -> Finding:
     finding = Finding(device, endpoint)
     try:
@@ -110,13 +134,14 @@ async def _robot(robot: Robot) -> tuple[list[str], list[str]]:
     return facts, advice
 
 
-async def _beam(counter: Interferometer) -> tuple[list[str], list[str]]:
+async def _beam(counter: Interferometer, air: AirRule) -> tuple[list[str], list[str]]:
     status, reading = await counter.status(), await counter.read()
     facts = [
         f"displacement {reading.displacement_mm:+.6f} mm, signal {status.signal:.0%}, "
         f"beam {'returns' if status.beam_ok else 'does not return'}"
         f"{', lost since the last zero' if status.beam_lost else ''}"
-        f"{', overspeed since the last zero' if status.overspeed else ''}"
+        f"{', overspeed since the last zero' if status.overspeed else ''}",
+        Compensation(counter.compensated, air).sentence,
     ]
     return facts, [] if status.laser_ready else ["the laser is not stable: let it warm up"]
 
