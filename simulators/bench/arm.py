@@ -2,16 +2,28 @@
 
 Every quantity is a closed function of bench time within one motion (and the rest that follows it), so results do
 not depend on the steps in which bench time advances. Play is closed too: each joint moves in one direction only
-within a motion, and clipping a monotone function once is the same as integrating the play operator.
+within a leg of a motion, and clipping a monotone function once is the same as integrating the play operator.
+
+Glides that follow each other without a standstill are one stream with one draw of the scatter and one
+ringing at its end.
 """
 
 from dataclasses import dataclass
+from itertools import accumulate
 
 import numpy as np
 
 from calibration.error_map import BidirectionalMap
-from simulators.bench.motion import STANDSTILL, Motion, plan_motion, plan_stop
-from simulators.bench.types import Floats, Plane
+from simulators.bench.motion import (
+    SHORTEST,
+    STANDSTILL,
+    Motion,
+    plan_glide,
+    plan_motion,
+    plan_stop,
+    plan_way,
+)
+from simulators.bench.types import Floats, Ints, Plane
 from simulators.config import EmulationConfig, Joints
 from simulators.truth import TrueArm
 
@@ -67,6 +79,7 @@ class FlankTable:
         half = (table.positive_rad - table.negative_rad) / 2.0
         self._nodes_deg = np.rad2deg(table.nodes_rad)
         self._tables = mid + 1j * half
+        self._half_rad = half
 
     def deviation_rad(self, theta_deg: Floats, play: Floats) -> Floats:
         """Return the deviations, rad, for command angles and states of the play (-1...1)."""
@@ -74,10 +87,11 @@ class FlankTable:
         deviation: Floats = both.real + play * both.imag
         return deviation
 
-    def width_deg(self, theta_deg: float) -> float:
-        """Return the distance between the two tables at a command angle, deg."""
-        half = np.interp(theta_deg, self._nodes_deg, self._tables.imag)
-        return float(np.rad2deg(2.0 * abs(half)))
+    def width_deg(self, theta_deg: Floats) -> Floats:
+        """Return the distances between the two tables at command angles, deg."""
+        half = np.interp(theta_deg, self._nodes_deg, self._half_rad)
+        width: Floats = np.abs(half) * (2.0 / _TO_RAD)
+        return width
 
 
 class RadialError:
@@ -128,9 +142,11 @@ class Arm:
         radial_um = (config.budget.radial_j1_um, config.budget.radial_j2_um, config.budget.radial_j4_um)
         self._radial = [RadialError(rng, rms_um) for rms_um in radial_um]
         self._arrivals = np.random.default_rng([config.seed, 4])
-        self.motion = Motion(config.start_joints, config.start_joints, 0.0, STANDSTILL)
-        self._play = np.array([-1.0, -1.0, -1.0])
-        self._travel_deg = np.ones(3)
+        self.motion = Motion.straight(config.start_joints, config.start_joints, 0.0, STANDSTILL)
+        self.gliding = False
+        self._stream_mm = 0.0
+        self._play = np.full((3, 1), -1.0)
+        self._play_steps = np.zeros((3, 1))
         self._scatter_from = self._scatter_to = self._draw_scatter()
         self._ringing = np.zeros(2, dtype=np.complex128)
         self._kick_mm = 0j
@@ -144,25 +160,43 @@ class Arm:
         """Start a motion at a bench time at which the arm stands still."""
         start = self.motion.joints_at(time_s)
         motion = plan_motion(start, target, time_s, self._dynamics, speed_fraction, acceleration_fraction)
-        self._begin(motion, time_s)
+        self._begin(motion)
+
+    def follow(self, times_s: Floats, joints: Floats, time_s: float) -> None:
+        """Start a motion through knots at a bench time at which the arm stands still; see `plan_way`."""
+        self._begin(plan_way(self.motion.joints_at(time_s), times_s, joints, time_s))
+
+    def glide(self, target: Joints, time_s: float, duration_s: float) -> bool:
+        """Move at constant speed, from standstill or from a glide under way.
+
+        Returns:
+            False when the arm stands there already: nothing was changed.
+        """
+        here = self.motion.joints_at(time_s)
+        way = max(abs(b - a) for a, b in zip(here, target, strict=True))
+        if way < SHORTEST and time_s >= self.motion.end_s:
+            return False
+        goes_on = self.gliding and time_s <= self.motion.end_s + SHORTEST
+        self._begin(plan_glide(here, target, time_s, duration_s), goes_on=goes_on)
+        self.gliding = True
+        return True
 
     def stop(self, time_s: float) -> None:
         """Decelerate from a bench time on; the path is not left."""
-        self._begin(plan_stop(self.motion, time_s, self._dynamics), time_s)
+        self._begin(plan_stop(self.motion, time_s, self._dynamics))
 
     def play_at(self, time_s: float) -> Floats:
         """Return the states of the play of J1, J2 and J4 (-1...1), shape (3,)."""
-        done = self._done(np.array([time_s]))
-        return np.array([self._play_of(k, done)[0] for k in range(3)])
+        play: Floats = self._play_on(*self.motion.legs(self.motion.done(np.array([time_s]))))[:, 0]
+        return play
 
     def true_joints(self, time_s: float) -> Joints:
         """Return the joints as they really are: command plus deviation, deg, deg, mm, deg."""
         command = self.motion.joints_at(time_s)
-        done = self._done(np.array([time_s]))
+        play = self.play_at(time_s)
         j1, j2, j4 = (
             command[joint]
-            + float(self._tables[k].deviation_rad(np.array([command[joint]]), self._play_of(k, done))[0])
-            / _TO_RAD
+            + float(self._tables[k].deviation_rad(np.array([command[joint]]), play[k : k + 1])[0]) / _TO_RAD
             for k, joint in enumerate(_PLAY_JOINTS)
         )
         return (j1, j2, command[2], j4)
@@ -170,8 +204,7 @@ class Arm:
     def sample_times(self) -> Floats:
         """Return the bench times at which the beam has to be looked at, from the motion's start until it is calm."""
         profile = self.motion.profile
-        spans = [abs(self.motion.end[j] - self.motion.start[j]) for j in _PLAY_JOINTS]
-        fastest_deg_s = max(spans) * profile.speed
+        fastest_deg_s = self.motion.largest_slope_deg * profile.speed
         step_s = min(_STEP_S, _STEP_DEG / fastest_deg_s) if fastest_deg_s else _STEP_S
         moving = np.linspace(0.0, profile.duration_s, int(np.ceil(profile.duration_s / step_s)) + 1)
         calm = np.arange(1, self._calm_steps() + 1) * _STEP_S + profile.duration_s
@@ -185,16 +218,18 @@ class Arm:
         """
         shape = self._rest_shape if time_s[0] >= self.motion.end_s else None
         if shape is None:
-            shape = self._shape(self._done(time_s))
+            shape = self._shape(self.motion.done(time_s))
         axis = shape.reach_mm * self._growth(time_s) + shape.shift_mm + self._ringing_at(time_s)
         spread = np.zeros(time_s.shape)
         return Poses(time_s, axis, spread + shape.beam_rad, spread + shape.height_mm, spread + shape.white_mm)
 
     def _shape(self, done: Floats) -> _Shape:
-        j1, j2, j3, j4 = (a + done * (b - a) for a, b in zip(self.motion.start, self.motion.end, strict=True))
-        turn1 = _TO_RAD * j1 + self._tables[0].deviation_rad(j1, self._play_of(0, done))
-        turn2 = turn1 + _TO_RAD * j2 + self._tables[1].deviation_rad(j2, self._play_of(1, done))
-        turn4 = turn2 + _TO_RAD * j4 + self._tables[2].deviation_rad(j4, self._play_of(2, done))
+        leg, part = self.motion.legs(done)
+        j1, j2, j3, j4 = (self.motion.knots[leg] + part[:, None] * self.motion.steps[leg]).T
+        play1, play2, play4 = self._play_on(leg, part)
+        turn1 = _TO_RAD * j1 + self._tables[0].deviation_rad(j1, play1)
+        turn2 = turn1 + _TO_RAD * j2 + self._tables[1].deviation_rad(j2, play2)
+        turn4 = turn2 + _TO_RAD * j4 + self._tables[2].deviation_rad(j4, play4)
         link1, link2 = np.exp(1j * turn1), np.exp(1j * turn2)
         (xy0, white0), (xy1, white1) = self._scatter_from, self._scatter_to
         shift = self._radial[0].shift_mm(j1) + link1 * self._radial[1].shift_mm(j2)
@@ -202,34 +237,42 @@ class Arm:
         reach = self._truth.link1_mm * link1 + self._truth.link2_mm * link2
         return _Shape(reach, shift, turn4 + self._truth.theta40_rad, j3, white0 + done * (white1 - white0))
 
-    def _begin(self, motion: Motion, time_s: float) -> None:
-        now = np.array([time_s])
-        done = float(self._done(now)[0])
-        self._play = self.play_at(time_s)
+    def _begin(self, motion: Motion, *, goes_on: bool = False) -> None:
+        """Start a motion; one that goes on belongs to the same stream as the one before."""
+        now = np.array([motion.start_s])
+        done = float(self.motion.done(now)[0])
+        play = self.play_at(motion.start_s)
+        if goes_on:
+            self._kick_mm = 0j
         left = self._phasors_at(now)[:, 0]
         self._ringing = np.where(np.abs(left) > _CALM_MM, left, 0.0)
         (xy0, w0), (xy1, w1) = self._scatter_from, self._scatter_to
         self._scatter_from = (xy0 + done * (xy1 - xy0), w0 + done * (w1 - w0))
-        self._scatter_to = self._draw_scatter() if motion.profile.duration_s else self._scatter_from
+        if not goes_on:
+            self._scatter_to = self._draw_scatter() if motion.profile.duration_s else self._scatter_from
+            self._stream_mm = 0.0
         self.motion = motion
-        for k, joint in enumerate(_PLAY_JOINTS):
-            width_deg = self._tables[k].width_deg(motion.start[joint])
-            self._travel_deg[k] = max(width_deg, self._dynamics.reversal_travel_deg)
+        self.gliding = False
+        self._plan_play(play)
         self._kick_mm = self._kick()
         # At rest one reading follows another: their common part is worked out once.
         self._rest_shape = self._shape(np.ones(1))
 
-    def _done(self, time_s: Floats) -> Floats:
-        if self.motion.profile.duration_s == 0.0:
-            return np.ones_like(time_s)
-        return self.motion.profile.fraction(time_s - self.motion.start_s)
+    def _plan_play(self, play: Floats) -> None:
+        """Work out the play at the start of each leg, and what it would change by on it without its bounds."""
+        legs = len(self.motion.steps)
+        self._play, self._play_steps = np.empty((3, legs)), np.empty((3, legs))
+        for k, joint in enumerate(_PLAY_JOINTS):
+            width_deg = self._tables[k].width_deg(self.motion.knots[:-1, joint])
+            travel_deg = np.maximum(width_deg, self._dynamics.reversal_travel_deg)
+            self._play_steps[k] = 2.0 * self.motion.steps[:, joint] / travel_deg
+            changes = self._play_steps[k, :-1].tolist()
+            self._play[k] = list(accumulate(changes, _played, initial=float(play[k])))
 
-    def _play_of(self, k: int, done: Floats) -> Floats:
-        joint = _PLAY_JOINTS[k]
-        travelled_deg = self.motion.end[joint] - self.motion.start[joint]
-        play = self._play[k] + done * (2.0 * travelled_deg / self._travel_deg[k])
-        clipped: Floats = np.clip(play, -1.0, 1.0, out=play)
-        return clipped
+    def _play_on(self, leg: Ints, part: Floats) -> Floats:
+        """Return the states of the play on legs of the motion, -1...1, shape (3, n)."""
+        play: Floats = self._play[:, leg] + part * self._play_steps[:, leg]
+        return np.minimum(np.maximum(play, -1.0, out=play), 1.0, out=play)
 
     def _draw_scatter(self) -> tuple[complex, float]:
         x, y, white = (float(value) for value in self._arrivals.standard_normal(3))
@@ -241,11 +284,18 @@ class Arm:
         return 1.0 - final * warmed
 
     def _kick(self) -> complex:
-        """Return the ringing that the end of the motion excites, mm along its chord."""
-        reach = self._shape(np.array([0.0, 1.0])).reach_mm
-        chord = complex(reach[1] - reach[0])
-        # Very small steps excite in proportion to their size.
-        return self._budget.vibration_um * 1e-3 * chord / max(1.0, abs(chord))
+        """Return the ringing that the end of the motion excites, mm."""
+        if not self._budget.vibration_um:
+            return 0j
+        chords = np.diff(self._shape(self.motion.marks).reach_mm)
+        lengths = np.abs(chords)
+        moved = np.flatnonzero(lengths)
+        if not moved.size:
+            return 0j
+        self._stream_mm += float(lengths.sum())
+        # Very small ways excite in proportion to their size, in the direction of the arrival.
+        size_um = self._budget.vibration_um * min(1.0, self._stream_mm)
+        return complex(size_um * 1e-3 * chords[moved[-1]] / lengths[moved[-1]])
 
     def _phasors_at(self, time_s: Floats) -> Plane:
         """Return the complex amplitudes of the ringing in x and y, mm, shape (2, n)."""
@@ -269,3 +319,7 @@ class Arm:
     def _calm_steps(self) -> int:
         ringing = bool(self._kick_mm) or bool(self._ringing.any())
         return int(np.ceil(5.0 * self._budget.vibration_decay_s / _STEP_S)) if ringing else 0
+
+
+def _played(play: float, change: float) -> float:
+    return min(1.0, max(-1.0, play + change))

@@ -8,6 +8,7 @@ import numpy as np
 from simulators.bench.air import Air, AirSample
 from simulators.bench.arm import Arm
 from simulators.bench.counter import Counter, Reading
+from simulators.bench.motion import SHORTEST
 from simulators.bench.optics import NOBODY, Optics, Sight
 from simulators.bench.types import Floats
 from simulators.config import EmulationConfig, Joints
@@ -132,7 +133,7 @@ class Bench:
         due = self._due_times(time_s)
         if due.size:
             self._follow(self._look(due))
-        if time_s > self.standstill_s:
+        if time_s > self.standstill_s + SHORTEST:
             self._note_arrival()
         self.time_s = time_s
 
@@ -366,16 +367,6 @@ class Instrument:
     def beam_lost(self) -> bool:
         """The latch of this instrument."""
         return self._counter.beam_lost
-
-    @property
-    def break_count(self) -> int:
-        """Breaks of the beam so far."""
-        return self._counter.break_count
-
-    @property
-    def overspeed_count(self) -> int:
-        """How often the beam's length changed too fast so far."""
-        return self._counter.overspeed_count
 
     @property
     def break_count(self) -> int:
