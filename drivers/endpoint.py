@@ -7,15 +7,18 @@ from urllib.parse import SplitResult, parse_qsl, urlsplit
 
 from drivers.errors import LinkError
 from drivers.record import RecordingTransport, Sink
+from drivers.serial_line import Handshake, LineSettings, Parity, SerialTransport, StopBits
 from drivers.tcp import TcpTransport
 from drivers.transport import Transport
+from drivers.udp import UdpTransport
 
-Parity = Literal["N", "E", "O"]
-StopBits = Literal["1", "1.5", "2"]
-
-_FORMS = "write tcp://host:port or serial:///dev/ttyUSB0?baud=9600&parity=E&stopbits=2"
+_FORMS = (
+    "write tcp://host:port, udp://host:port or serial:///dev/ttyUSB0?baud=9600&parity=E&bits=8&stopbits=2"
+)
 _PARITIES: dict[str, Parity] = {"N": "N", "E": "E", "O": "O"}
+_BITS: dict[str, Literal[7, 8]] = {"7": 7, "8": 8}
 _STOP_BITS: dict[str, StopBits] = {"1": "1", "1.5": "1.5", "2": "2"}
+_HANDSHAKES: dict[str, Handshake] = {"none": "none", "xonxoff": "xonxoff", "rtscts": "rtscts"}
 
 
 @dataclass(frozen=True)
@@ -36,6 +39,23 @@ class TcpEndpoint:
 
 
 @dataclass(frozen=True)
+class UdpEndpoint:
+    """A datagram socket.
+
+    Attributes:
+        host: name or address.
+        port: 1...65535.
+    """
+
+    host: str
+    port: int
+
+    def __str__(self) -> str:
+        host = f"[{self.host}]" if ":" in self.host else self.host
+        return f"udp://{host}:{self.port}"
+
+
+@dataclass(frozen=True)
 class SerialEndpoint:
     """A serial line.
 
@@ -44,22 +64,35 @@ class SerialEndpoint:
         baud: symbols a second.
         parity: none, even or odd.
         stopbits: stop bits.
+        bits: data bits of a byte.
+        handshake: none, by characters or by lines.
     """
 
     device: str
     baud: int = 9600
     parity: Parity = "N"
     stopbits: StopBits = "1"
+    bits: Literal[7, 8] = 8
+    handshake: Handshake = "none"
+
+    @property
+    def settings(self) -> LineSettings:
+        """How bytes go over the line."""
+        return LineSettings(self.baud, self.parity, self.bits, self.stopbits, self.handshake)
 
     def __str__(self) -> str:
-        return f"serial://{self.device}?baud={self.baud}&parity={self.parity}&stopbits={self.stopbits}"
+        return f"serial://{self.device}?{self.settings.query}"
 
 
-def parse_endpoint(text: str) -> TcpEndpoint | SerialEndpoint:
+Endpoint = TcpEndpoint | UdpEndpoint | SerialEndpoint
+
+
+def parse_endpoint(text: str) -> Endpoint:
     """Read an endpoint.
 
     Args:
-        text: `tcp://host:port` or `serial:///device?baud=..&parity=N|E|O&stopbits=1|1.5|2`.
+        text: `tcp://host:port`, `udp://host:port` or
+            `serial:///device?baud=..&parity=N|E|O&bits=7|8&stopbits=1|1.5|2&handshake=none|xonxoff|rtscts`.
 
     Raises:
         ValueError: the text is no endpoint; the message names the fault and shows the forms.
@@ -70,14 +103,16 @@ def parse_endpoint(text: str) -> TcpEndpoint | SerialEndpoint:
         raise ValueError(f"endpoint {text!r}: {exc}; {_FORMS}") from None
     match parts.scheme:
         case "tcp":
-            return _parse_tcp(text, parts)
+            return TcpEndpoint(*_parse_socket(text, parts))
+        case "udp":
+            return UdpEndpoint(*_parse_socket(text, parts))
         case "serial":
             return _parse_serial(text, parts)
         case other:
             raise ValueError(f"endpoint {text!r}: unknown kind {other!r}; {_FORMS}")
 
 
-def _parse_tcp(text: str, parts: SplitResult) -> TcpEndpoint:
+def _parse_socket(text: str, parts: SplitResult) -> tuple[str, int]:
     try:
         port = parts.port
     except ValueError:
@@ -88,28 +123,37 @@ def _parse_tcp(text: str, parts: SplitResult) -> TcpEndpoint:
         raise ValueError(f"endpoint {text!r}: the port must be a number from 1 to 65535; {_FORMS}")
     if parts.path or parts.query or parts.fragment or parts.username:
         raise ValueError(f"endpoint {text!r}: nothing may follow the port nor precede the host; {_FORMS}")
-    return TcpEndpoint(parts.hostname, port)
+    return parts.hostname, port
 
 
 def _parse_serial(text: str, parts: SplitResult) -> SerialEndpoint:
     if parts.netloc or parts.path in {"", "/"}:
         raise ValueError(f"endpoint {text!r}: the device path must follow serial:// ; {_FORMS}")
     values = dict(parse_qsl(parts.query, keep_blank_values=True))
-    known = {"baud": "9600", "parity": "N", "stopbits": "1"}
+    known = {"baud": "9600", "parity": "N", "bits": "8", "stopbits": "1", "handshake": "none"}
     if unknown := values.keys() - known.keys():
         raise ValueError(f"endpoint {text!r}: unknown setting {min(unknown)!r}; known are {_words(known)}")
     values = known | values
     if not values["baud"].isdecimal() or not int(values["baud"]):
         raise ValueError(f"endpoint {text!r}: baud must be a positive integer, got {values['baud']!r}")
-    if values["parity"] not in _PARITIES:
-        raise ValueError(f"endpoint {text!r}: parity must be one of N, E, O, got {values['parity']!r}")
-    if values["stopbits"] not in _STOP_BITS:
-        raise ValueError(f"endpoint {text!r}: stopbits must be one of 1, 1.5, 2, got {values['stopbits']!r}")
+    choices: dict[str, Iterable[str]] = {
+        "parity": _PARITIES,
+        "bits": _BITS,
+        "stopbits": _STOP_BITS,
+        "handshake": _HANDSHAKES,
+    }
+    for key, allowed in choices.items():
+        if values[key] not in allowed:
+            raise ValueError(
+                f"endpoint {text!r}: {key} must be one of {_words(allowed)}, got {values[key]!r}"
+            )
     return SerialEndpoint(
         parts.path,
         int(values["baud"]),
         _PARITIES[values["parity"]],
         _STOP_BITS[values["stopbits"]],
+        _BITS[values["bits"]],
+        _HANDSHAKES[values["handshake"]],
     )
 
 
@@ -118,20 +162,17 @@ def _words(names: Iterable[str]) -> str:
 
 
 def require_tcp(text: str) -> TcpEndpoint:
-    """Read an endpoint that has to be a socket.
+    """Read an endpoint that has to be a TCP socket.
 
     Raises:
-        LinkError: it is no endpoint, or a serial line; the text says what to use instead.
+        LinkError: it is no endpoint, or of another kind.
     """
     try:
         endpoint = parse_endpoint(text)
     except ValueError as exc:
         raise LinkError(str(exc)) from None
-    if isinstance(endpoint, SerialEndpoint):
-        raise LinkError(
-            f"{endpoint}: serial links come with a later version; "
-            "use tcp://host:port, for a serial device through a serial device server"
-        )
+    if not isinstance(endpoint, TcpEndpoint):
+        raise LinkError(f"{endpoint}: this driver speaks over TCP only: write tcp://host:port")
     return endpoint
 
 
@@ -144,8 +185,18 @@ def open_transport(text: str, *, connect_timeout_s: float = 5.0, sink: Sink | No
         sink: is called with all bytes that pass, when given.
 
     Raises:
-        LinkError: the endpoint is wrong or of a kind that is not available.
+        LinkError: the endpoint is wrong.
     """
-    endpoint = require_tcp(text)
-    transport = TcpTransport(endpoint.host, endpoint.port, connect_timeout_s=connect_timeout_s)
+    try:
+        endpoint = parse_endpoint(text)
+    except ValueError as exc:
+        raise LinkError(str(exc)) from None
+    transport: Transport
+    match endpoint:
+        case TcpEndpoint(host, port):
+            transport = TcpTransport(host, port, connect_timeout_s=connect_timeout_s)
+        case UdpEndpoint(host, port):
+            transport = UdpTransport(host, port)
+        case SerialEndpoint():
+            transport = SerialTransport(endpoint.device, endpoint.settings, open_timeout_s=connect_timeout_s)
     return RecordingTransport(transport, sink) if sink else transport

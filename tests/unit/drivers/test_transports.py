@@ -6,7 +6,14 @@ from contextlib import AbstractAsyncContextManager
 
 import pytest
 
-from drivers.endpoint import SerialEndpoint, TcpEndpoint, open_transport, parse_endpoint
+from drivers.endpoint import (
+    Endpoint,
+    SerialEndpoint,
+    TcpEndpoint,
+    UdpEndpoint,
+    open_transport,
+    parse_endpoint,
+)
 from drivers.errors import LinkError
 from drivers.memory import pipe
 from drivers.record import RecordingTransport
@@ -64,6 +71,61 @@ async def test_tcp_that_is_not_open_refuses_to_write_and_to_read() -> None:
         await link.write(b"x")
     with pytest.raises(LinkError, match="not open: connect first"):
         await link.read()
+
+
+async def test_tcp_sees_what_has_come_without_waiting() -> None:
+    told: list[socket.socket] = []
+    with socket.create_server(("127.0.0.1", 0)) as listener:
+        link = TcpTransport("127.0.0.1", listener.getsockname()[1])
+        await link.open()
+        told.append(listener.accept()[0])
+        assert link.waiting() == b""
+        told[0].sendall(b"unasked")
+        assert link.waiting() == b"unasked"
+        told[0].sendall(b"last")
+        told[0].shutdown(socket.SHUT_WR)
+        assert link.waiting() == b"last"
+        with pytest.raises(LinkError, match="other side has closed"):
+            link.waiting()
+        # A peer that says no more may still listen: this is how a STOP gets through.
+        await link.write(b"STOP")
+        assert told[0].recv(100) == b"STOP"
+        told[0].close()
+        await link.close()
+
+
+async def test_tcp_waits_until_a_slow_peer_takes_everything() -> None:
+    with socket.create_server(("127.0.0.1", 0)) as listener:
+        link = TcpTransport("127.0.0.1", listener.getsockname()[1])
+        await link.open()
+        peer = listener.accept()[0]
+        data = bytes(range(256)) * 100_000
+        writing = asyncio.create_task(link.write(data))
+        await asyncio.sleep(0)
+        assert not writing.done()
+        came = bytearray()
+        while len(came) < len(data):
+            came += peer.recv(1 << 20)
+            await asyncio.sleep(0)
+        await writing
+        assert came == data
+        stuck = asyncio.create_task(link.write(data))
+        await asyncio.sleep(0)
+        await link.close()
+        with pytest.raises(LinkError, match="was closed"):
+            await stuck
+        peer.close()
+
+
+async def test_tcp_that_is_closed_wakes_its_reader() -> None:
+    with socket.create_server(("127.0.0.1", 0)) as listener:
+        link = TcpTransport("127.0.0.1", listener.getsockname()[1])
+        await link.open()
+        reading = asyncio.create_task(link.read())
+        await asyncio.sleep(0)
+        await link.close()
+        with pytest.raises(LinkError, match="the link was closed: connect again"):
+            await reading
 
 
 async def test_tcp_connect_timeout_is_an_error_of_the_link(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -150,11 +212,14 @@ async def test_recording_shows_what_a_failed_write_may_have_sent() -> None:
             SerialEndpoint("/dev/ttyUSB0", 9600, "E", "2"),
         ),
         ("serial:///dev/serial/by-id/x?stopbits=1.5", SerialEndpoint("/dev/serial/by-id/x", stopbits="1.5")),
+        (
+            "serial:///dev/ttyS0?bits=7&handshake=rtscts",
+            SerialEndpoint("/dev/ttyS0", bits=7, handshake="rtscts"),
+        ),
+        ("udp://192.168.0.20:10000", UdpEndpoint("192.168.0.20", 10000)),
     ],
 )
-def test_endpoints_of_cell_files_are_read_and_written_back(
-    text: str, endpoint: TcpEndpoint | SerialEndpoint
-) -> None:
+def test_endpoints_of_cell_files_are_read_and_written_back(text: str, endpoint: Endpoint) -> None:
     assert parse_endpoint(text) == endpoint
     assert parse_endpoint(str(endpoint)) == endpoint
 
@@ -164,7 +229,8 @@ def test_endpoints_of_cell_files_are_read_and_written_back(
     [
         ("192.168.0.20:10001", "unknown kind"),
         ("", "unknown kind"),
-        ("udp://host:1", "unknown kind 'udp'"),
+        ("pipe://host:1", "unknown kind 'pipe'"),
+        ("udp://host", "port must be a number from 1 to 65535"),
         ("tcp://host", "port must be a number from 1 to 65535"),
         ("tcp://host:0", "port must be a number from 1 to 65535"),
         ("tcp://host:70000", "port must be a number from 1 to 65535"),
@@ -173,21 +239,21 @@ def test_endpoints_of_cell_files_are_read_and_written_back(
         ("tcp://host:1/path", "nothing may follow"),
         ("tcp://[::1:502", "write tcp://host:port"),
         ("serial://ttyUSB0", "device path must follow"),
-        ("serial:///dev/ttyUSB0?boud=9600", "unknown setting 'boud'; known are baud, parity, stopbits"),
+        (
+            "serial:///dev/ttyUSB0?boud=9600",
+            "setting 'boud'; known are baud, parity, bits, stopbits, handshake",
+        ),
         ("serial:///dev/ttyUSB0?baud=fast", "baud must be a positive integer"),
         ("serial:///dev/ttyUSB0?baud=0", "baud must be a positive integer"),
         ("serial:///dev/ttyUSB0?parity=even", "parity must be one of N, E, O"),
+        ("serial:///dev/ttyUSB0?bits=9", "bits must be one of 7, 8"),
+        ("serial:///dev/ttyUSB0?handshake=dtr", "handshake must be one of none, xonxoff, rtscts"),
         ("serial:///dev/ttyUSB0?stopbits=3", "stopbits must be one of 1, 1.5, 2"),
     ],
 )
 def test_wrong_endpoints_say_what_is_wrong(text: str, fault: str) -> None:
     with pytest.raises(ValueError, match=fault):
         parse_endpoint(text)
-
-
-def test_serial_endpoint_says_that_it_comes_later_and_what_to_use() -> None:
-    with pytest.raises(LinkError, match=r"/dev/ttyUSB0.*later version; use tcp://host:port"):
-        open_transport("serial:///dev/ttyUSB0")
 
 
 def test_wrong_endpoint_is_an_error_of_the_link() -> None:
