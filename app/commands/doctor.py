@@ -17,7 +17,6 @@ from drivers.clock import SystemClock
 from drivers.errors import DeviceError
 from procedures.devices import DeviceIdentity, Environment, Interferometer, Robot, Tracker
 
-
 Look = Callable[[], Awaitable[tuple[list[str], list[str]]]]
 """Returns facts and advice about a connected device."""
 
@@ -60,7 +59,7 @@ def doctor_command(file: Path, as_json: bool) -> None:
 
 
 async def _examine_all(cell: Cell) -> list[Finding]:
-    clock = SystemClock()
+    clock, rule = SystemClock(), air_rule(cell)
     devices = device_builder(cell, clock)(_ignore)
     endpoints = {
         "robot": cell.robot.endpoint,
@@ -70,20 +69,21 @@ async def _examine_all(cell: Cell) -> list[Finding]:
     if cell.tracker is not None:
         endpoints["tracker"] = cell.tracker.endpoint
     examinations = [
-        _examine(name, endpoints[name], driver, _look_at(driver)) for name, driver in devices.named().items()
+        _examine(name, endpoints[name], driver, _look_at(driver, rule))
+        for name, driver in devices.named().items()
     ]
     for device in cell.device:
         driver = further_device(device, clock, _ignore)
-        examinations.append(_examine(device.name, device.endpoint, driver, _look_at(driver)))
+        examinations.append(_examine(device.name, device.endpoint, driver, _look_at(driver, rule)))
     return list(await asyncio.gather(*examinations))
 
 
-def _look_at(driver: Any) -> Look:
+def _look_at(driver: Any, rule: AirRule) -> Look:
     """Return the look that fits a driver's shape."""
     if isinstance(driver, Robot):
         return lambda: _robot(driver)
     if isinstance(driver, Interferometer):
-        return lambda: _beam(driver)
+        return lambda: _beam(driver, rule)
     if isinstance(driver, Environment):
         return lambda: _air(driver)
     if isinstance(driver, Tracker):
