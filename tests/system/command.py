@@ -2,6 +2,7 @@
 
 import json
 import os
+import re
 import socket
 import subprocess
 import sys
@@ -11,10 +12,11 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from app.cell.load import load_cell
 from app.cell.template import TEMPLATE
+from app.emulation import emulated_devices
 
 SPEED = "400"
-_PORTS = {"robot": "10001", "interferometer": "10002", "environment": "10502", "control": "10099"}
 _LIMIT_S = 110
 
 
@@ -79,25 +81,29 @@ def emulated(folder: Path, *options: str, edit: dict[str, str] | None = None) ->
     for old, new in (edit or {}).items():
         assert old in text, old
         text = text.replace(old, new)
+    cell = folder / "cell.toml"
+    cell.write_text(text, encoding="utf-8")
+    asked = _endpoints(cell)
     free = folder / "emulator.toml"
-    free.write_text(_with_ports(text, dict.fromkeys(_PORTS, "0")), encoding="utf-8")
+    free.write_text(re.sub(r"(://127\.0\.0\.1):\d+", r"\1:0", text), encoding="utf-8")
     process = start("emulate", free, "--speed", SPEED, *options, cwd=folder)
     try:
         assert process.stdout is not None
-        served = [json.loads(process.stdout.readline()) for _ in _PORTS]
-        ports = {row["device"]: row["endpoint"].rpartition(":")[2] for row in served}
-        cell = folder / "cell.toml"
-        cell.write_text(_with_ports(text, ports), encoding="utf-8")
-        yield Emulated(cell, ("127.0.0.1", int(ports["control"])), process)
+        served = [json.loads(process.stdout.readline())["endpoint"] for _ in asked]
+        for old, new in zip(asked, served, strict=True):
+            text = text.replace(f'"{old}"', f'"{new}"')
+        cell.write_text(text, encoding="utf-8")
+        yield Emulated(cell, ("127.0.0.1", int(served[-1].rpartition(":")[2])), process)
     finally:
         process.terminate()
         process.communicate(timeout=10)
 
 
-def _with_ports(text: str, ports: dict[str, str]) -> str:
-    for device, number in _PORTS.items():
-        text = text.replace(f"127.0.0.1:{number}", f"127.0.0.1:{ports[device]}")
-    return text
+def _endpoints(cell: Path) -> list[str]:
+    """Return the endpoints of a cell's devices in the order in which the emulator tells them."""
+    loaded = load_cell(cell).cell
+    assert loaded.tracker is not None
+    return [*(device.endpoint for device in emulated_devices(loaded)), loaded.tracker.endpoint]
 
 
 def last_run(folder: Path, procedure: str) -> str:
