@@ -176,7 +176,7 @@ class SerialTransport:
             self._device,
             baudrate=s.baud,
             bytesize=8 if emulated else s.bits,
-            parity=s.parity,
+            parity="N" if emulated else s.parity,
             stopbits=float(s.stopbits),
             xonxoff=s.handshake == "xonxoff",
             rtscts=s.handshake == "rtscts",

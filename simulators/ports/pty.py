@@ -12,6 +12,7 @@ things are only seen in part:
 
 import asyncio
 import os
+import termios
 import tty
 from collections.abc import Callable
 from pathlib import Path
@@ -137,9 +138,8 @@ class _Line:
         self._converse = converse
         self._master, slave = os.openpty()
         self._slave: int | None = slave
-        # Terminals begin with echo and line editing; an instrument has neither.
         tty.setraw(self._master)
-        tty.setraw(slave)
+        _make_plain(slave)
         os.set_blocking(self._master, False)
         self.name = os.ttyname(slave)
         self._in = Pacer(byte_s, self._arrived, _IN_BYTES)
@@ -206,7 +206,7 @@ class _Line:
     def _hung_up(self) -> None:
         """Keep the line alive for the next client and start anew."""
         self._slave = os.open(self.name, os.O_RDWR | os.O_NOCTTY)
-        tty.setraw(self._slave)
+        _make_plain(self._slave)
         self._in.clear()
         self._out.clear()
         self.conversation.end()
@@ -224,3 +224,15 @@ class _Line:
         except BlockingIOError:
             # Nobody reads: the bytes are gone, as on a real line.
             return
+
+
+def _make_plain(terminal: int) -> None:
+    """Switch off echo and line editing, which terminals begin with, and set a rate that no client asks for.
+
+    A pseudo-terminal drops parity and 7 bits. The C library calls that an error for a client whose settings
+    change nothing else; with this rate there is always something that changes.
+    """
+    tty.setraw(terminal)
+    attributes = termios.tcgetattr(terminal)
+    attributes[4] = attributes[5] = termios.B50
+    termios.tcsetattr(terminal, termios.TCSANOW, attributes)

@@ -8,8 +8,10 @@ from collections import deque
 from collections.abc import AsyncIterator, Callable, Iterator
 from contextlib import asynccontextmanager, contextmanager
 from pathlib import Path
+from typing import Any
 
 import pytest
+import serial
 
 from simulators.errors import EmulatorError
 from simulators.ports.address import LineAddress, parse_address
@@ -191,6 +193,17 @@ async def test_a_client_that_comes_again_has_a_session_of_its_own() -> None:
                 await until(lambda: b"half a line" in b"".join(serving.sessions[-1].feeds))
             before = len(serving.sessions)
             await until(lambda before=before: len(serving.sessions) > before)  # type: ignore[misc]  # bound early
+
+
+@pytest.mark.parametrize("settings", [{"parity": "E"}, {"parity": "O", "bytesize": 7}])
+async def test_a_client_may_ask_for_parity_and_bits_again_and_again(settings: dict[str, Any]) -> None:
+    async with served(f"serial:///dev/ptmx?{FAST}") as serving:
+        for number in range(1, 4):
+            line = serial.Serial(serving.path, 9600, exclusive=True, timeout=LIMIT_S, **settings)
+            line.write(b"x\n")
+            assert await asyncio.to_thread(line.readline) == b"1 x\n"
+            line.close()
+            await until(lambda number=number: len(serving.sessions) > number)  # type: ignore[misc]  # bound early
 
 
 async def test_a_line_takes_the_time_of_its_bytes() -> None:
