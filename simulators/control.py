@@ -87,6 +87,7 @@ class _State(_Request):
             "lost_of": latches,
             "nearest": insight.nearest,
             "miss_mm": insight.miss_mm,
+            "largest_miss_mm": bench.largest_miss_mm,
             "length_mm": insight.length_mm,
             "direction_deg": insight.beam_deg,
         }

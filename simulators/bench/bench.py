@@ -73,6 +73,7 @@ class Bench:
         self._config = config
         self._counter = Counter(config, self._look(np.zeros(1)), self._air.index_at)
         self._instruments: list[Counter] = []
+        self._largest_miss_mm = 0.0
         self._witness = witness or (lambda _text: None)
         self._times = self._arm.sample_times()
         self._taken = self._times.size
@@ -236,6 +237,7 @@ class Bench:
     def zero(self, counter: Counter | None = None) -> bool:
         """Zero a counter, by default the bench's own; False when it refuses because no beam returns."""
         self._observe()
+        self._largest_miss_mm = 0.0
         return (counter or self._counter).zero(self.time_s)
 
     def velocity_mm_s(self) -> float:
@@ -285,6 +287,11 @@ class Bench:
         )
 
     @property
+    def largest_miss_mm(self) -> float:
+        """Largest distance between beam and reflector since a counter was zeroed last, mm."""
+        return self._largest_miss_mm
+
+    @property
     def beam_lost(self) -> bool:
         """The counter's latch."""
         return self._counter.beam_lost
@@ -326,6 +333,7 @@ class Bench:
         return sight
 
     def _follow(self, sight: Sight) -> None:
+        self._largest_miss_mm = max(self._largest_miss_mm, float(sight.miss_mm.max()))
         self._counter.follow(sight)
         for counter in self._instruments:
             counter.follow(sight)

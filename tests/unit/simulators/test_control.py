@@ -70,6 +70,7 @@ def test_the_state_is_that_of_the_bench(panel: Panel) -> None:
     assert isinstance(beam, dict)
     assert beam["nearest"] == "P2"
     assert beam["miss_mm"] == pytest.approx(insight.miss_mm)
+    assert beam["largest_miss_mm"] >= beam["miss_mm"]
 
 
 def test_the_tracker_sees_the_axis_in_its_own_frame() -> None:
