@@ -10,8 +10,10 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, BinaryIO
 
-from app.cell.model import Cell
+from app.cell.model import Cell, Interferometer
 from app.errors import ConfigError, LinkFailedError
+from drivers.counter.profile import load_profile
+from drivers.errors import ProfileError
 from simulators.config import EmulatedDevice, EmulationConfig, Option, ReflectorPlace
 from simulators.protocols import PROTOCOLS
 
@@ -65,10 +67,21 @@ def emulated_devices(cell: Cell) -> tuple[EmulatedDevice, ...]:
         devices.append(EmulatedDevice("robot", "melfa-datalink", robot.datalink_endpoint))
     if robot.mxt_endpoint is not None:
         devices.append(EmulatedDevice("robot", "melfa-mxt", robot.mxt_endpoint, _plain(robot.settings)))
-    devices.append(_device("interferometer", counter.driver, counter.endpoint, counter.settings))
+    settings = {**_lengths_of(counter), **counter.settings}
+    devices.append(_device("interferometer", counter.driver, counter.endpoint, settings))
     devices.append(_device("environment", air.driver, air.endpoint, options))
     devices += [_device(d.name, d.driver, d.endpoint, d.settings) for d in cell.device]
     return tuple(devices)
+
+
+def _lengths_of(counter: Interferometer) -> dict[str, str]:
+    """Return whether an emulated line counter corrects for the air: as its profile says."""
+    if counter.driver != "line-counter":
+        return {}
+    try:
+        return {"compensated": load_profile(counter.profile or "default").compensated}
+    except ProfileError as error:
+        raise ConfigError(f"[interferometer]: {error}") from error
 
 
 def _device(name: str, driver: str, endpoint: str, settings: Mapping[str, Any]) -> EmulatedDevice:

@@ -140,6 +140,7 @@ def _run_parts(readers: Sequence[RunReader], cell: Cell) -> dict[str, Any]:
         "events": [f"{e.time_utc[:19]} {e.kind}: {_facts(e.data)}" for e in events if e.kind in _TOLD_EVENTS],
         "devices": _devices(readers, cell),
         "environment": _environment([point for reader in readers for point in reader.points()]),
+        "compensation": _compensation(readers),
         "runs": [_run_record(reader) for reader in readers],
     }
 
@@ -172,6 +173,12 @@ def _environment(points: Sequence[Mapping[str, Any]]) -> EnvironmentSummary | No
             for key in ("temperature_c", "pressure_hpa", "humidity_percent")
         )
     )
+
+
+def _compensation(readers: Sequence[RunReader]) -> list[str]:
+    """Return who corrected the lengths for the air; runs of earlier versions do not say it."""
+    facts = [reader.meta.get("compensation") for reader in readers if reader.count("points")]
+    return list(dict.fromkeys(str(fact["sentence"]) for fact in facts if isinstance(fact, dict)))
 
 
 def _spread(values: Iterable[float | None]) -> Spread | None:

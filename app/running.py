@@ -9,7 +9,7 @@ from typing import Any
 from pydantic import BaseModel
 
 from app.aim import find_aim
-from app.cell.bench import bench_of
+from app.cell.bench import air_rule, bench_of
 from app.cell.load import LoadedCell
 from app.engine.announcer import Publish
 from app.engine.arm_model import MoveTiming, reflector_beam
@@ -98,6 +98,7 @@ async def carry_out(
         cell=cell.name,
         limits=joint_limits(planned.bench),
         override_cap_percent=cell.robot.override_cap_percent,
+        air=air_rule(cell),
         meta=_meta(planned, speed),
         arm=arm,
         answers=_answers(answers),

@@ -14,11 +14,30 @@ Row = Mapping[str, Json]
 
 
 @dataclass(frozen=True)
+class AirCorrection:
+    """How a distance was corrected for the air. All but the raw reading are None when the instrument corrects.
+
+    Attributes:
+        raw_displacement_mm: mean of the readings as the instrument gave them.
+        refractive_index: of the air during the readings.
+        zero_refractive_index: the same at the last zero.
+        dead_path_mm: length of the beam at the last zero.
+        formula: of the index.
+    """
+
+    raw_displacement_mm: float
+    refractive_index: float | None = None
+    zero_refractive_index: float | None = None
+    dead_path_mm: float | None = None
+    formula: str | None = None
+
+
+@dataclass(frozen=True)
 class Measurement:
     """A distance measured at standstill.
 
     Attributes:
-        displacement_mm: mean of the readings.
+        displacement_mm: mean of the readings, corrected for the air.
         spread_mm: standard deviation of the readings, 0 for a single one.
         readings: how many.
         signal: level of the returning beam, 0...1.
@@ -27,6 +46,7 @@ class Measurement:
         air: state of the air.
         time_utc: ISO 8601 UTC time of the first reading.
         duration_s: from the first to the last reading, s.
+        correction: raw reading and what was used to correct it; None for an ideal distance.
     """
 
     displacement_mm: float
@@ -38,6 +58,7 @@ class Measurement:
     air: Air
     time_utc: str
     duration_s: float
+    correction: AirCorrection | None = None
 
 
 @dataclass(frozen=True)
@@ -124,8 +145,12 @@ class Context(Protocol):
         """Return the state of the beam now."""
         ...
 
-    async def zero(self) -> None:
-        """Zero the count: a new dead path begins."""
+    async def zero(self, dead_path_mm: float) -> None:
+        """Zero the count: a new dead path begins.
+
+        Args:
+            dead_path_mm: length of the beam here, mm.
+        """
         ...
 
     async def locate(self, settle_time_s: float) -> Location:

@@ -7,7 +7,7 @@ from pydantic import BaseModel, ConfigDict, Field
 
 from procedures.beam_scan import find_return, half_window_deg
 from procedures.bench import Bench
-from procedures.context import Context, Measurement, Row
+from procedures.context import Context, Json, Measurement, Row
 from procedures.devices import Joints
 from procedures.errors import BeamLostError
 from procedures.open_loop_plan import OpenLoopPlan, ReflectorPlan, Visit, plan_open_loop
@@ -125,7 +125,7 @@ class _ReflectorCampaign:
         """Find the beam at or near the aim, begin a new segment and measure; None when it is not to be had."""
         found = (await self._ctx.beam()).beam_ok or await self._found_near(visit.moves[-1], visit.beam_mm)
         if found:
-            await self._ctx.zero()
+            await self._ctx.zero(visit.beam_mm)
             self._segment += 1
             measured = await self._measure()
             if measured.beam_ok:
@@ -181,8 +181,22 @@ class _ReflectorCampaign:
                 "humidity_percent": measured.air.humidity_percent,
                 "time_utc": measured.time_utc,
                 "duration_s": measured.duration_s,
+                **_correction(measured),
             },
         )
+
+
+def _correction(measured: Measurement) -> dict[str, Json]:
+    used = measured.correction
+    if used is None:
+        return {}
+    return {
+        "raw_displacement_mm": used.raw_displacement_mm,
+        "refractive_index": used.refractive_index,
+        "zero_refractive_index": used.zero_refractive_index,
+        "dead_path_mm": used.dead_path_mm,
+        "formula": used.formula,
+    }
 
 
 def _integer(value: object) -> int:

@@ -9,7 +9,7 @@ from simulators.lasertex.session import Hpi, HpiSession
 from simulators.melfa.session import MelfaSession
 from simulators.modbus.air_sensor import AirSensor
 from simulators.modbus.protocol import ModbusSession
-from simulators.options import LengthOptions, number
+from simulators.options import LengthOptions, choice, number
 from simulators.serving import Session
 from simulators.world import World
 
@@ -32,7 +32,9 @@ def _melfa_r3(world: World, device: EmulatedDevice, note: Note) -> NewSession:
 
 def _line_counter(world: World, device: EmulatedDevice, note: Note) -> NewSession:
     instrument = world.instrument(device.name)
-    return lambda: CounterSession(instrument, note)
+    corrected = choice(device, "compensated", ("instrument", "none")) == "instrument"
+    lengths = LengthOptions(compensated=corrected)
+    return lambda: CounterSession(instrument, note, lengths)
 
 
 def _lasertex_hpi(world: World, device: EmulatedDevice, note: Note) -> NewSession:

@@ -3,6 +3,7 @@
 import math
 
 from app.cell.model import Cell
+from app.engine.compensation import AirRule
 from app.errors import ConfigError
 from drivers.registry import load_driver
 from procedures.bench import Arm, Bench, Following, Optics, Reflector, Timing
@@ -25,6 +26,11 @@ def bench_of(cell: Cell) -> Bench:
         nodes2_deg=tuple(cell.measurement.theta2_deg),
         take_up_deg=cell.measurement.take_up_deg,
     )
+
+
+def air_rule(cell: Cell) -> AirRule:
+    """Return how the program corrects lengths for the air where the interferometer does not."""
+    return AirRule(**cell.air.model_dump())
 
 
 def facing_deg(x_mm: float, y_mm: float, given_deg: float | None) -> float:

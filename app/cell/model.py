@@ -103,6 +103,15 @@ class Environment(Section):
     _endpoint = field_validator("endpoint")(_checked_endpoint)
 
 
+class Air(Section):
+    """[air]: how the program corrects lengths for the air where the interferometer does not."""
+
+    formula: Literal["ciddor", "edlen"] = "ciddor"
+    co2_ppm: Annotated[float, Field(ge=0.0, le=50_000.0, allow_inf_nan=False)] = 450.0
+    vacuum_wavelength_nm: Annotated[float, Field(ge=200.0, le=3000.0, allow_inf_nan=False)] = 632.9908
+    max_age_s: Positive = 2.0
+
+
 class FurtherDevice(Section):
     """[[device]]: an instrument beyond the three that a measurement needs; doctor, terminal and emulate know it."""
 
@@ -205,6 +214,7 @@ class Cell(Section):
     robot: Robot
     interferometer: Interferometer
     environment: Environment
+    air: Air = Air()
     tracker: Tracker | None = None
     device: list[FurtherDevice] = []
     optics: Optics = Optics()

@@ -39,6 +39,13 @@ map = "vaisala"
 # confirm it with your sensor's manual.
 pressure_register = 44
 
+# An interferometer that does not correct for the air by itself (its profile or settings say so) is corrected by the
+# program, with the dead path; without temperature, pressure and humidity nothing is measured then.
+[air]
+formula = "ciddor"                      # or "edlen", the modified equation of the NIST
+co2_ppm = 450
+vacuum_wavelength_nm = 632.9908         # helium-neon; better: the value in the laser's certificate
+
 [tracker]                               # only the emulated bench has one; leave this out for real hardware
 driver = "bench-tracker"
 endpoint = "tcp://127.0.0.1:10099"

@@ -5,6 +5,7 @@ from dataclasses import dataclass, field, replace
 from typing import Literal
 
 from app.engine.announcer import Announcer
+from app.engine.compensation import AirRule, Compensation, missing_quantities
 from app.engine.control import RunControl
 from app.engine.devices import Devices
 from app.engine.gate import MotionGate
@@ -17,7 +18,9 @@ from app.store.rows import Table, encode
 from app.store.run_store import RunStore
 from drivers.clock import Clock
 from procedures.context import Json, Location, Measurement, Prompt, Row
-from procedures.devices import BeamStatus, Joints, Tracker, WayRobot
+from procedures.devices import Air, BeamStatus, Joints, Tracker, WayRobot
+
+_DEFAULT_AIR = AirRule()
 
 
 @dataclass
@@ -41,7 +44,7 @@ class RunContext:
         gate: passes motions.
         operator: answers prompts.
         announcer: tells front ends.
-        air_max_age_s: how old a sample of the air may be, s of the clock.
+        air: how the program corrects for the air where the instrument does not.
 
     Attributes:
         step_times: where the time of each step that ran went.
@@ -56,7 +59,7 @@ class RunContext:
         gate: MotionGate,
         operator: Operator,
         announcer: Announcer,
-        air_max_age_s: float = 2.0,
+        air: AirRule = _DEFAULT_AIR,
     ) -> None:
         self.step_times: list[StepTime] = []
         self._devices = devices
@@ -66,7 +69,9 @@ class RunContext:
         self._gate = gate
         self._operator = operator
         self._announcer = announcer
-        self._air = AirCache(devices, clock, air_max_age_s)
+        self._air = AirCache(devices, clock, air.max_age_s)
+        self._compensation = Compensation(devices.interferometer.compensated, air)
+        self._doubts_told: set[str] = set()
         self._progress = Progress(clock)
         self._step: _OpenStep | None = None
         self._prompt_open = False
@@ -159,12 +164,16 @@ class RunContext:
         await self._control.checkpoint()
         return await self._control.command(self._devices.interferometer.status())
 
-    async def zero(self) -> None:
-        """Zero the count."""
+    async def zero(self, dead_path_mm: float) -> None:
+        """Zero the count.
+
+        Raises:
+            MeasurementRejectedError: the program has to correct for the air and does not know it.
+        """
         await self._control.checkpoint()
-        number = await self._control.command(self._devices.interferometer.zero())
+        number = await self._control.command(self._zero(dead_path_mm))
         self._zeroed = True
-        await self.event("zero", number=number)
+        await self.event("zero", number=number, dead_path_mm=dead_path_mm)
 
     async def locate(self, settle_time_s: float) -> Location:
         """Return where the independent instrument sees the J4 axis after settling.
@@ -250,8 +259,30 @@ class RunContext:
 
     async def _measure(self, settle_time_s: float, dwell_time_s: float, readings: int) -> Measurement:
         await self._sleep(settle_time_s)
-        measured = await measure(self._devices, self._air, self._clock, dwell_time_s, readings, self._waited)
+        measured = await measure(
+            self._devices,
+            self._air,
+            self._compensation,
+            self._clock,
+            dwell_time_s,
+            readings,
+            self._waited,
+        )
+        await self._tell_doubt(measured.air)
         return replace(measured, beam_ok=measured.beam_ok and self._zeroed)
+
+    async def _zero(self, dead_path_mm: float) -> int:
+        number = await self._devices.interferometer.zero()
+        self._compensation.zeroed(await self._air.get(), dead_path_mm)
+        return number
+
+    async def _tell_doubt(self, air: Air) -> None:
+        """Warn once of each thing that is wrong with the samples of the air."""
+        kind = ", ".join(missing_quantities(air)) or "range"
+        doubt = None if kind in self._doubts_told else self._compensation.doubt(air)
+        if doubt is not None:
+            self._doubts_told.add(kind)
+            await self.warn(doubt)
 
     async def _locate(self, tracker: Tracker, settle_time_s: float) -> Location:
         await self._sleep(settle_time_s)

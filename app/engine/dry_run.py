@@ -175,8 +175,9 @@ class DryRunContext:
         hit = self.beam_at(self.pose) is not None
         return DryBeam(beam_ok=hit, beam_lost=self._lost, signal=1.0 if hit else 0.0)
 
-    async def zero(self) -> None:
-        """Begin a new dead path."""
+    async def zero(self, dead_path_mm: float) -> None:
+        """Begin a new dead path; an ideal distance needs no correction for it."""
+        del dead_path_mm
         length_mm = self.beam_at(self.pose)
         self._lost = length_mm is None
         self._zero_mm = length_mm or 0.0

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any, Protocol
 
 from app.engine.announcer import Announcer, Publish
+from app.engine.compensation import AirRule, Compensation
 from app.engine.context import RunContext
 from app.engine.control import RunControl
 from app.engine.devices import (
@@ -76,7 +77,7 @@ class RunRequest:
         answers: answers file, by prompt id.
         answerer: a front end that answers prompts.
         resume: directory of a run to go on with, instead of a new one.
-        air_max_age_s: how old a sample of the air may be, s of the clock.
+        air: how the program corrects for the air where the instrument does not.
         reserve_bytes: free disk space needed.
         halt_limits: how long a halt may take, real time.
         teardown_limit_s: how long the teardown, and the closing of the devices, may take, real s.
@@ -95,7 +96,7 @@ class RunRequest:
     answers: Mapping[str, str] = field(default_factory=dict)
     answerer: Answerer | None = None
     resume: Path | None = None
-    air_max_age_s: float = 2.0
+    air: AirRule = field(default_factory=AirRule)
     reserve_bytes: int = DEFAULT_RESERVE_BYTES
     halt_limits: HaltLimits = field(default_factory=HaltLimits)
     teardown_limit_s: float = 60.0
@@ -206,7 +207,13 @@ class _Run:
         if not simulated and self._request.clock_speed != 1.0:
             raise UsageError("the devices are real: leave --speed out, real time cannot run faster")
         self._require_same_world(simulated)
-        facts: dict[str, Json] = {"devices": identities_as_json(identities), "simulated": simulated}
+        compensation = Compensation(devices.interferometer.compensated, self._request.air).facts()
+        self._require_same_compensation(compensation)
+        facts: dict[str, Json] = {
+            "devices": identities_as_json(identities),
+            "simulated": simulated,
+            "compensation": compensation,
+        }
         await self._describe(facts, simulated)
         self._control.attach(devices.robot)
         gate = MotionGate(devices.robot, self._request.limits, self._request.override_cap_percent)
@@ -221,7 +228,7 @@ class _Run:
             gate,
             operator,
             self._announcer,
-            self._request.air_max_age_s,
+            self._request.air,
         )
         self._control.started()
         return self._context
@@ -233,6 +240,14 @@ class _Run:
             raise SafetyError(
                 f"the aim comes from a search on {searched} devices and these are {present}: nothing was moved; "
                 "search on this bench first, or plan with --search none"
+            )
+
+    def _require_same_compensation(self, present: dict[str, Json]) -> None:
+        stored = RunReader(self._store.path).meta.get("compensation", present)
+        if stored != present:
+            raise UsageError(
+                f"{self._store.path.name} was begun with another correction for the air and cannot go on with this "
+                "one: its points would not belong together; set [air] and the instrument as they were, or start anew"
             )
 
     async def _tell_notes(self, devices: Devices) -> None:

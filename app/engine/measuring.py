@@ -3,10 +3,11 @@
 import statistics
 from collections.abc import Callable
 
+from app.engine.compensation import Compensation
 from app.engine.devices import Devices
 from app.engine.waiting import together
 from drivers.clock import Clock
-from procedures.context import Measurement
+from procedures.context import AirCorrection, Measurement
 from procedures.devices import Air, BeamStatus, Joints, LengthReading
 
 
@@ -42,6 +43,7 @@ def dwell_interval_s(dwell_time_s: float, readings: int) -> float:
 async def measure(
     devices: Devices,
     air: AirCache,
+    compensation: Compensation,
     clock: Clock,
     dwell_time_s: float,
     readings: int,
@@ -54,10 +56,14 @@ async def measure(
     Args:
         devices: of the run.
         air: state of the air.
+        compensation: corrects for the air what the instrument does not.
         clock: of the run.
         dwell_time_s: from the first to the last reading, s.
         readings: how many, at least 1.
         waited: is told how long the dwell took, s of the clock.
+
+    Raises:
+        MeasurementRejectedError: the program has to correct for the air and does not know it.
     """
     if readings < 1:
         raise ValueError(f"readings = {readings}; a measurement needs at least 1")
@@ -84,15 +90,23 @@ async def measure(
 
     await together(read(), look(), sample())
     beam = await devices.interferometer.status()
-    return _average(taken, beam, reported[0], samples[0], time_utc)
+    return _average(taken, beam, reported[0], samples[0], time_utc, compensation)
 
 
 def _average(
-    taken: list[LengthReading], beam: BeamStatus, reported: Joints, air: Air, time_utc: str
+    taken: list[LengthReading],
+    beam: BeamStatus,
+    reported: Joints,
+    air: Air,
+    time_utc: str,
+    compensation: Compensation,
 ) -> Measurement:
     values = [reading.displacement_mm for reading in taken]
+    raw_mm = statistics.fmean(values)
+    corrected = compensation.correct(raw_mm, air)
+    zero = corrected.zero
     return Measurement(
-        displacement_mm=statistics.fmean(values),
+        displacement_mm=corrected.displacement_mm,
         spread_mm=statistics.stdev(values) if len(values) > 1 else 0.0,
         readings=len(values),
         signal=beam.signal,
@@ -102,4 +116,11 @@ def _average(
         air=air,
         time_utc=time_utc,
         duration_s=taken[-1].time_s - taken[0].time_s,
+        correction=AirCorrection(
+            raw_displacement_mm=raw_mm,
+            refractive_index=corrected.index,
+            zero_refractive_index=None if zero is None else zero.index,
+            dead_path_mm=None if zero is None else zero.dead_path_mm,
+            formula=corrected.formula,
+        ),
     )

@@ -135,6 +135,7 @@ class ReportContent:
         events: sentences about what happened: beam losses, interruptions.
         devices: who answered.
         environment: the air.
+        compensation: sentences about who corrected the lengths for the air.
         runs: runs that it was made from.
     """
 
@@ -152,6 +153,7 @@ class ReportContent:
     events: Sequence[str] = ()
     devices: Sequence[DeviceRecord] = ()
     environment: EnvironmentSummary | None = None
+    compensation: Sequence[str] = ()
     runs: Sequence[RunRecord] = ()
 
     @property

@@ -96,6 +96,7 @@ def run_section(content: ReportContent) -> Html:
         if devices
         else "",
         _air(content.environment),
+        paragraphs(*content.compensation),
     )
 
 

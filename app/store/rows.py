@@ -47,7 +47,16 @@ REQUIRED: Final[Mapping[Table, Mapping[str, type]]] = {
 """Columns that every row has."""
 
 OPTIONAL: Final[Mapping[Table, Mapping[str, type]]] = {
-    "points": {"temperature_c": float, "pressure_hpa": float, "humidity_percent": float},
+    "points": {
+        "temperature_c": float,
+        "pressure_hpa": float,
+        "humidity_percent": float,
+        "raw_displacement_mm": float,
+        "refractive_index": float,
+        "zero_refractive_index": float,
+        "dead_path_mm": float,
+        "formula": str,
+    },
     "search": {"j4_deg": float, "lower_deg": float, "upper_deg": float, "signal": float},
     "path": {"x_meas_mm": float, "y_meas_mm": float, "u_mm": float},
 }
@@ -83,6 +92,23 @@ def encode(table: Table, row: Row) -> tuple[Value, ...]:
 def insert(db: sqlite3.Connection, table: str, values: Sequence[object]) -> None:
     """Insert one row, its values in the order of the table's columns."""
     db.execute(f"INSERT INTO {table} VALUES ({', '.join('?' * len(values))})", values)
+
+
+def insert_data(
+    db: sqlite3.Connection, table: Table, key: Sequence[object], values: Sequence[object]
+) -> None:
+    """Insert one row of data.
+
+    Args:
+        db: the run's file.
+        table: which table.
+        key: step, attempt and number within the step.
+        values: what `encode` returned.
+    """
+    # Named, since columns that came with an upgrade stand behind the older ones.
+    names = ("step_id", "attempt", "seq", *REQUIRED[table], *OPTIONAL[table], "extra")
+    places = ", ".join("?" * len(names))
+    db.execute(f"INSERT INTO {table} ({', '.join(names)}) VALUES ({places})", (*key, *values))
 
 
 def _checked(table: str, name: str, kind: type, value: Json) -> Value:

@@ -20,7 +20,7 @@ from app.store.directory import make_directory, require_space
 from app.store.lines import DEFAULT_MAX_BYTES, JsonLines, WireLog
 from app.store.lock import RunLock
 from app.store.reader import RunReader
-from app.store.rows import Table, encode, insert, to_json
+from app.store.rows import Table, encode, insert, insert_data, to_json
 from app.store.writer import Writer
 from drivers.clock import Clock
 from procedures.context import Json, Row
@@ -182,18 +182,18 @@ class RunStore:
             StorageError: storage failed.
         """
         counts: dict[Table, int] = {}
-        encoded: list[tuple[Table, tuple[object, ...]]] = []
+        encoded: list[tuple[Table, tuple[object, ...], tuple[object, ...]]] = []
         for table, row in rows:
             counts[table] = counts.get(table, 0) + 1
-            encoded.append((table, (step_id, attempt, counts[table], *encode(table, row))))
+            encoded.append((table, (step_id, attempt, counts[table]), encode(table, row)))
         done_utc = self._now()
         step = (step_id, attempt, title, started_utc or done_utc, done_utc, len(encoded), to_json(result))
         self._require_running_space()
 
         def job(db: sqlite3.Connection) -> None:
             insert(db, "steps", step)
-            for table, values in encoded:
-                insert(db, table, values)
+            for table, key, values in encoded:
+                insert_data(db, table, key, values)
 
         await self._writer.transact(job)
         self._results[step_id] = dict(result)

@@ -64,7 +64,15 @@ _GUARDS = "".join(
     for verb in ("UPDATE", "DELETE")
 )
 
-UPGRADES: tuple[str, ...] = (_FIRST + _GUARDS,)
+_COMPENSATION = """
+ALTER TABLE points ADD COLUMN raw_displacement_mm REAL;
+ALTER TABLE points ADD COLUMN refractive_index REAL;
+ALTER TABLE points ADD COLUMN zero_refractive_index REAL;
+ALTER TABLE points ADD COLUMN dead_path_mm REAL;
+ALTER TABLE points ADD COLUMN formula TEXT;
+"""
+
+UPGRADES: tuple[str, ...] = (_FIRST + _GUARDS, _COMPENSATION)
 """UPGRADES[n] takes a file of version n to version n + 1; an empty file has version 0."""
 
 VERSION = len(UPGRADES)

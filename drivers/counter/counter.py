@@ -17,12 +17,6 @@ from drivers.readings import CounterReading, CounterStatus, Identity
 from drivers.record import Sink
 from drivers.transport import Transport
 
-_RAW_LENGTHS = (
-    "the lengths are not corrected for the refraction of air (about 270 ppm, 0.27 µm per mm), and this version of "
-    "the program does not correct them either: set the correction in the instrument or do not use the result for "
-    "link lengths"
-)
-
 
 class CounterSettings(BaseModel):
     """What a cell file may set of a line counter. Times are real seconds.
@@ -98,9 +92,7 @@ class LineCounter:
     @property
     def notes(self) -> tuple[str, ...]:
         """What an operator should know about this counter; empty when all is as it should be."""
-        claim = "" if self._profile.confirmed else self._claim
-        air = _RAW_LENGTHS if self.compensated == "none" else ""
-        return tuple(filter(None, (claim, air)))
+        return () if self._profile.confirmed or not self._claim else (self._claim,)
 
     @property
     def compensated(self) -> Literal["none", "instrument"]:

@@ -25,7 +25,8 @@ too long  ``E02``                                  more than 64 characters
 ========  =======================================  ==================================================================
 
 Status bits: 0 beam lost (latched), 1 overspeed (latched), 2 no beam returns now, 3 continuous output is on,
-4 laser ready. The displacement grows with the beam's length.
+4 laser ready. The displacement grows with the beam's length; it is corrected for the air unless the option
+`compensated` is "none", and then counted in vacuum wavelengths.
 """
 
 import re
@@ -33,6 +34,7 @@ from collections import deque
 from collections.abc import Callable
 
 from simulators.bench.bench import Instrument
+from simulators.options import LengthOptions
 from simulators.serving import Answer, Session
 
 IDENTITY = "CATSEYE LINE COUNTER EMULATOR 1.0"
@@ -44,6 +46,8 @@ _NO_BEAM = 0x04
 _STREAMING = 0x08
 _LASER_READY = 0x10
 
+_CORRECTED = LengthOptions(compensated=True)
+
 _END = re.compile(rb"[\r\n]")
 _EVERY = re.compile(r"B(\d{1,5})")
 
@@ -54,9 +58,13 @@ class CounterSession(Session):
     Args:
         instrument: what it shows.
         note: is told each request.
+        lengths: how it tells lengths; by default corrected for the air.
     """
 
-    def __init__(self, instrument: Instrument, note: Callable[[str], None]) -> None:
+    def __init__(
+        self, instrument: Instrument, note: Callable[[str], None], lengths: LengthOptions = _CORRECTED
+    ) -> None:
+        self._lengths = lengths
         self._instrument = instrument
         self._bench = instrument.bench
         self._note = note
@@ -133,7 +141,7 @@ class CounterSession(Session):
 
     def _value(self) -> str:
         # The display has six digits before the point; a longer value would shift the columns.
-        value_mm = min(999_999.0, max(-999_999.0, self._instrument.read().displacement_mm))
+        value_mm = min(999_999.0, max(-999_999.0, self._lengths.shown_mm(self._instrument.read())))
         return f"{value_mm:+014.6f} mm"
 
     def _status(self) -> str:

@@ -66,21 +66,14 @@ async def test_the_distax_profile_says_that_it_has_to_be_confirmed() -> None:
         identity = await counter.connect()
         claim = "DISTAX via user profile; protocol not published: complete and confirm the profile with the manual"
         assert identity.model == f"{claim}: EMULATOR line counter 1"
-        assert counter.notes[0] == claim
+        assert counter.notes == (claim,)
         assert counter.compensated == "none"
-        assert "not corrected for the refraction of air (about 270 ppm, 0.27 µm per mm)" in counter.notes[1]
-        assert (
-            "set the correction in the instrument or do not use the result for link lengths"
-            in counter.notes[1]
-        )
 
 
-async def test_a_confirmed_profile_of_raw_lengths_still_has_the_note_about_the_air() -> None:
-    tables = load_profile("default").model_dump(exclude_none=True) | {"compensated": "none"}
-    async with connected(used=CounterProfile.model_validate(tables)) as (counter, _, _, _):
-        assert [note.partition(" (")[0] for note in counter.notes] == [
-            "the lengths are not corrected for the refraction of air"
-        ]
+async def test_the_vacuum_profile_leaves_the_air_to_the_program() -> None:
+    async with connected(used=load_profile("vacuum")) as (counter, _, _, _):
+        assert counter.compensated == "none"
+        assert counter.notes == ()
 
 
 async def test_a_counter_without_identification_is_known_by_its_values() -> None:

@@ -28,7 +28,7 @@ unit = "mm"
 
 
 def test_the_built_in_profiles_are_there() -> None:
-    assert built_in_profiles() == ("default", "distax")
+    assert built_in_profiles() == ("default", "distax", "vacuum")
 
 
 def test_the_default_profile_holds_the_defaults_of_the_sheet() -> None:

@@ -229,9 +229,10 @@ class IdealContext:
         there = self.length_mm() is not None
         return BeamState(there, self.lost, 0.75 if there else 0.0)
 
-    async def zero(self) -> None:
+    async def zero(self, dead_path_mm: float) -> None:
         """Begin a new count."""
         length = self.length_mm()
+        assert length is None or math.isclose(dead_path_mm, length, abs_tol=2.0)
         self.zeros += 1
         self.lost = length is None
         self.zero_mm = length or 0.0

@@ -6,7 +6,7 @@ from contextlib import AbstractContextManager, contextmanager
 from dataclasses import dataclass, field, replace
 from datetime import UTC, datetime, timedelta
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal
 
 from app.engine.devices import Devices, WireRecorder
 from app.engine.gate import JointLimits
@@ -138,6 +138,7 @@ class FakeCounter:
     beam: CounterStatus = field(default_factory=lambda: CounterStatus(True, False, False, True, 0.8))
     count: int = 0
     zeros: int = 0
+    compensated: Literal["none", "instrument"] = "instrument"
 
     async def connect(self) -> Identity:
         if self.connect_error:
@@ -167,6 +168,7 @@ class FakeAir:
     simulated: bool = True
     connect_error: DeviceError | None = None
     samples: int = 0
+    pressure_hpa: float | None = 1013.0
 
     async def connect(self) -> Identity:
         if self.connect_error:
@@ -178,7 +180,7 @@ class FakeAir:
 
     async def sample(self) -> AirSample:
         self.samples += 1
-        return AirSample(20.0 + self.samples, 1013.0, 50.0, self.clock.monotonic_s())
+        return AirSample(20.0 + self.samples, self.pressure_hpa, 50.0, self.clock.monotonic_s())
 
 
 class Script:

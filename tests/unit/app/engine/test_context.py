@@ -166,7 +166,7 @@ async def test_the_controllers_state_is_looked_at_before_each_move(
 
 async def test_a_measurement_averages_readings_over_the_dwell(parts: Parts) -> None:
     parts.bench.robot.pose = AWAY
-    await parts.ctx.zero()
+    await parts.ctx.zero(500.0)
     measured = await parts.ctx.measure(0.5, 0.8, 5)
     assert measured.displacement_mm == pytest.approx(3e-3)
     assert measured.spread_mm == pytest.approx(1.5811e-3, rel=1e-4)
@@ -187,7 +187,7 @@ async def test_a_measurement_averages_readings_over_the_dwell(parts: Parts) -> N
 async def test_a_count_that_was_lost_is_not_ok_even_if_the_beam_is_back(
     parts: Parts, beam: CounterStatus
 ) -> None:
-    await parts.ctx.zero()
+    await parts.ctx.zero(500.0)
     parts.bench.counter.beam = beam
     assert not (await parts.ctx.measure(0.5, 0.5, 2)).beam_ok
 
@@ -220,8 +220,16 @@ async def test_software_time_is_what_is_neither_motion_nor_waiting(parts: Parts)
 
 
 async def test_a_zero_is_stored(parts: Parts) -> None:
-    await parts.ctx.zero()
-    assert parts.reader.events()[-1].data == {"number": 1}
+    await parts.ctx.zero(500.0)
+    assert parts.reader.events()[-1].data == {"number": 1, "dead_path_mm": 500.0}
+
+
+async def test_a_missing_quantity_is_warned_of_once_when_the_instrument_corrects(parts: Parts) -> None:
+    parts.bench.air.pressure_hpa = None
+    await parts.ctx.measure(0.1, 0.1, 1)
+    await parts.ctx.measure(0.1, 0.1, 1)
+    (warning,) = [event.data for event in parts.reader.events() if event.kind == "warning"]
+    assert "gives no pressure" in str(warning["text"])
 
 
 async def test_a_cell_without_a_tracker_says_so(parts: Parts) -> None:

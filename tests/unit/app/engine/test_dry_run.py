@@ -65,18 +65,18 @@ async def test_limits_hold_at_every_move(dry: DryRunContext) -> None:
 
 
 async def test_the_displacement_is_relative_to_the_zero(dry: DryRunContext) -> None:
-    await dry.zero()
+    await dry.zero(500.0)
     measured = await dry.measure(0.5, 0.5, 1)
     assert (measured.displacement_mm, measured.beam_ok, measured.reported) == (0.0, True, HOME)
     assert dry.total_s == pytest.approx(0.5)
 
 
 async def test_a_beam_that_broke_on_the_way_stays_lost_until_a_zero(dry: DryRunContext) -> None:
-    await dry.zero()
+    await dry.zero(500.0)
     await dry.move((0.0, 0.0, 0.0, 5.0))
     await dry.move(HOME)
     assert not (await dry.measure(0.5, 0.5, 1)).beam_ok
-    await dry.zero()
+    await dry.zero(500.0)
     assert (await dry.measure(0.5, 0.5, 1)).beam_ok
 
 

@@ -227,6 +227,33 @@ def test_commits_are_durable_and_the_version_is_known(tmp_path: Path) -> None:
     assert {name for (name,) in strict} == set(RAW_TABLES)
 
 
+async def test_a_run_of_the_first_version_is_read_and_goes_on(store: RunStore) -> None:
+    await store.append_step("s1", 1, "first", {}, [("points", POINT)])
+    await store.abandon()
+    database = store.path / "run.sqlite"
+    with closing(sqlite3.connect(database)) as connection:
+        names = (
+            "raw_displacement_mm",
+            "refractive_index",
+            "zero_refractive_index",
+            "dead_path_mm",
+            "formula",
+        )
+        for name in names:
+            connection.execute(f"ALTER TABLE points DROP COLUMN {name}")
+        connection.execute("PRAGMA user_version=1")
+    (old,) = RunReader(store.path).points()
+    assert (old["displacement_mm"], "raw_displacement_mm" in old) == (0.1, False)
+    again = await RunStore.reopen(store.path, TickingClock(), reserve_bytes=0)
+    corrected = {**POINT, "raw_displacement_mm": 0.1001, "refractive_index": 1.00027, "formula": "ciddor"}
+    await again.append_step("s2", 1, "second", {}, [("points", corrected)])
+    await again.abandon()
+    first, second = RunReader(store.path).points()
+    assert (first["displacement_mm"], first["raw_displacement_mm"], first["formula"]) == (0.1, None, None)
+    assert (second["raw_displacement_mm"], second["refractive_index"]) == (0.1001, 1.00027)
+    assert (second["formula"], second["dead_path_mm"]) == ("ciddor", None)
+
+
 def test_a_newer_file_is_refused(tmp_path: Path) -> None:
     path = tmp_path / "run.sqlite"
     with closing(open_writer(path)) as connection:
