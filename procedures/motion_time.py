@@ -45,7 +45,8 @@ def way_time_s(arm: Arm, poses_deg: NDArray[np.float64]) -> float:
 def _streaming(arm: Arm) -> Arm:
     full = np.asarray(arm.speed_deg_s) * arm.override_percent / 100.0
     one, two, four = (float(speed) for speed in np.minimum(full, arm.follow_speed_deg_s))
-    acceleration = arm.follow_acceleration_deg_s2
+    # Set points speed up as a squared sine, whose mean acceleration is 2/pi of its largest.
+    acceleration = arm.follow_acceleration_deg_s2 * 2.0 / np.pi
     return replace(
         arm,
         speed_deg_s=(one, two, four),

@@ -1,7 +1,7 @@
 """What a procedure is given, on scripted instruments and a real store."""
 
 import asyncio
-from collections.abc import AsyncIterator
+from collections.abc import AsyncIterator, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import NamedTuple
@@ -19,7 +19,7 @@ from app.store.reader import RunReader
 from app.store.run_store import RunStore
 from drivers.readings import CounterStatus, Joints, RobotStatus
 from procedures.context import Prompt, Row
-from tests.unit.app.engine.fakes import AWAY, LIMITS, FakeBench, point
+from tests.unit.app.engine.fakes import AWAY, HOME, LIMITS, FakeBench, FakeRobot, point
 
 READY = RobotStatus(True, False, True, False, False, 20.0, 0, "")
 
@@ -162,6 +162,36 @@ async def test_the_controllers_state_is_looked_at_before_each_move(
     with pytest.raises(SafetyError, match=text):
         await parts.ctx.move(AWAY)
     assert parts.bench.robot.calls.count("move") == 1
+
+
+class WayFakeRobot(FakeRobot):
+    """Passes the targets of a way in one motion."""
+
+    async def follow(self, way: Sequence[Joints]) -> None:
+        self.calls.append(f"follow {len(way)}")
+        self.pose = way[-1]
+
+
+async def test_a_way_is_one_motion_where_the_robot_can_pass_targets(parts: Parts) -> None:
+    robot = WayFakeRobot(parts.bench.clock, state=READY)
+    parts.control.attach(robot)
+    gate = MotionGate(robot, LIMITS, 20.0)
+    parts.ctx._gate = gate  # noqa: SLF001  # the fixture's own context, with another robot
+    parts.ctx._devices = replace(parts.ctx._devices, robot=robot)  # noqa: SLF001  # as above
+    await parts.ctx.follow((HOME, AWAY, HOME))
+    assert robot.calls == ["follow 3"]
+    with pytest.raises(LimitError, match="J1 = 171"):
+        await parts.ctx.follow((HOME, (171.0, 0.0, 0.0, 0.0), HOME))
+    robot.state = replace(READY, override_percent=50.0)
+    with pytest.raises(SafetyError, match="50 %"):
+        await parts.ctx.follow((HOME, AWAY))
+    assert robot.calls == ["follow 3"]
+
+
+async def test_a_way_is_a_motion_to_each_target_where_the_robot_cannot(parts: Parts) -> None:
+    await parts.ctx.follow((AWAY, HOME, AWAY))
+    assert parts.bench.robot.calls.count("move") == 3
+    assert parts.bench.robot.pose == AWAY
 
 
 async def test_a_measurement_averages_readings_over_the_dwell(parts: Parts) -> None:
