@@ -1,0 +1,1 @@
+"""For developers of drivers: emulators as pytest fixtures and a conformance suite."""
