@@ -8,6 +8,8 @@ SERVO_IS_OFF = 2000
 DESTINATION_OUT_OF_RANGE = 2602
 NO_SOLUTION = 2802
 OUT_OF_RANGE = 3110
+COUNT = 3120
+BAD_INPUT = 3500
 LINE_TOO_LONG = 4210
 SYNTAX = 4220
 NO_PROGRAM = 4140
@@ -30,6 +32,9 @@ NO_EDIT_RIGHT = 6030
 FILE = 6050
 TOO_LONG = 6080
 BAD_SIGNAL = 6600
+MXT_TIMEOUT = 7820
+MXT_PACKET = 7840
+OVER_SPEED = 2130
 JOINT_LIMIT_ABOVE = 2160
 JOINT_LIMIT_BELOW = 2170
 
@@ -40,6 +45,8 @@ _TEXTS = {
     DESTINATION_OUT_OF_RANGE: "Destination outside the joint limits",
     NO_SOLUTION: "Destination out of reach",
     OUT_OF_RANGE: "Value out of range",
+    COUNT: "Too many values",
+    BAD_INPUT: "Input is not what the program reads",
     LINE_TOO_LONG: "Line too long",
     SYNTAX: "Statement not understood",
     NO_PROGRAM: "No such program",
@@ -62,6 +69,9 @@ _TEXTS = {
     FILE: "File not accessible",
     TOO_LONG: "Command too long",
     BAD_SIGNAL: "No such signal",
+    MXT_TIMEOUT: "Real-time control hears nothing",
+    MXT_PACKET: "Real-time control does not understand a packet",
+    **{OVER_SPEED + axis: f"J{axis} too fast" for axis in range(1, 9)},
     **{JOINT_LIMIT_ABOVE + axis: f"Upper limit of J{axis}" for axis in range(1, 9)},
     **{JOINT_LIMIT_BELOW + axis: f"Lower limit of J{axis}" for axis in range(1, 9)},
 }

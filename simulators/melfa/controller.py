@@ -5,13 +5,15 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 from simulators.bench.bench import Bench
+from simulators.bench.types import Floats
 from simulators.config import EmulationConfig, Joints
 from simulators.melfa import alarms
 from simulators.melfa.alarms import Refusal
 from simulators.melfa.choices import Choices
 from simulators.melfa.jogging import Jog
 from simulators.melfa.parameters import Parameters
-from simulators.melfa.programs import Editor, ProgramMemory
+from simulators.melfa.programs import Editor, Program, ProgramMemory
+from simulators.melfa.resident import Resident
 from simulators.melfa.signals import Signals
 from simulators.melfa.task import Task
 from simulators.melfa.values import Position, Variable, joints_of, position_of, rounded
@@ -83,6 +85,7 @@ class Controller:
         self._changed = changed
         self._servo_from_s: float | None = None
         self._run = Run(0.0)
+        self.residents: dict[str, Resident] = {}
         self.task = Task(self)
         self.jog = Jog(self)
 
@@ -130,6 +133,20 @@ class Controller:
         self.bench.move_to(joints, percent, self.accel_percent)
         self._run = Run(self.bench.standstill_s, joints)
         return self._run
+
+    def follow(self, times_s: Floats, joints: Floats, target: Joints) -> Run:
+        """Start a motion through knots that is permitted; see `Bench.follow`."""
+        self.stopped = False
+        if times_s.size:
+            self.bench.follow(times_s, joints)
+        self._run = Run(self.bench.standstill_s, target)
+        return self._run
+
+    def install(self, resident: Resident) -> None:
+        """Keep a program whose behaviour is emulated without an interpreter."""
+        name = self.memory.key(resident.name)
+        self.memory.put(name, Program(lines={1: "' carried out by the emulator, line by line it is empty"}))
+        self.residents[name] = resident
 
     @property
     def effective_percent(self) -> float:
@@ -197,6 +214,10 @@ class Controller:
         """Return the nominal position of joints."""
         return position_of(joints, self.config)
 
+    def changed(self) -> None:
+        """Let everybody who waits for something look again."""
+        self._changed()
+
     def tool_speed_mm_s(self) -> float:
         """Return the speed of the tool's end at this moment, mm/s."""
         return self.bench.tool_speed_mm_s()
@@ -234,6 +255,8 @@ class Controller:
 
     def _interrupt(self, number: int) -> None:
         self.task.pause()
+        for resident in self.residents.values():
+            resident.halt(number)
         self.jog.forget()
         if not self.bench.moving:
             return

@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING
 from simulators.melfa import alarms, statements
 from simulators.melfa.alarms import Refusal
 from simulators.melfa.programs import EXTENSION
+from simulators.melfa.resident import Stage
 
 if TYPE_CHECKING:
     # The controller has the task, and the task commands the controller.
@@ -90,6 +91,8 @@ class Task:
         Raises:
             Refusal: the controller is not in a state to start, or there is no such program.
         """
+        if self._start_resident(name):
+            return
         self._require_stopped()
         self._controller.require_start()
         if name and self._controller.memory.key(name) != self.program:
@@ -118,11 +121,27 @@ class Task:
         self._require_stopped()
         self.paused = False
         self._place = 0
+        for resident in self._controller.residents.values():
+            resident.reset()
 
     @property
     def _numbers(self) -> list[int]:
         memory = self._controller.memory
         return list(memory.find(self.program).lines) if memory.has(self.program) else []
+
+    def _start_resident(self, name: str) -> bool:
+        """Start what has no lines to carry out; RUN without a name lets the halted ones go on."""
+        residents = self._controller.residents
+        if name:
+            started = [residents[key] for key in (self._controller.memory.key(name),) if key in residents]
+        else:
+            started = [resident for resident in residents.values() if resident.stage is Stage.HALTED]
+        if started:
+            self._controller.require_start()
+            self._controller.stopped = False
+        for resident in started:
+            resident.start()
+        return bool(started)
 
     def _require_stopped(self) -> None:
         if self.running:
