@@ -12,6 +12,7 @@ from app.errors import ConfigError
 from drivers.clock import Clock
 from drivers.errors import DeviceError
 from drivers.registry import load_driver
+from procedures.bench import Following
 
 
 def device_builder(cell: Cell, clock: Clock) -> DeviceBuilder:
@@ -68,18 +69,23 @@ def further_device(device: FurtherDevice, clock: Clock, record: WireRecorder) ->
 
 
 def robot_settings(robot: Robot) -> dict[str, Any]:
-    """Return the settings of the robot's driver; one that streams set points is told how fast."""
-    streamed = following_of(robot.driver) == "streamed"
-    speeds = {
-        "follow_speed_deg_s": robot.follow_speed_deg_s,
-        "follow_acceleration_deg_s2": robot.follow_acceleration_deg_s2,
+    """Return the settings of the robot's driver.
+
+    Further doors of the controller and the speed of set points are told to drivers that follow by them.
+
+    Raises:
+        ConfigError: no such driver is installed.
+    """
+    needed: dict[Following, dict[str, Any]] = {
+        "stops": {},
+        "blended": _given(datalink_endpoint=robot.datalink_endpoint),
+        "streamed": {
+            "follow_speed_deg_s": robot.follow_speed_deg_s,
+            "follow_acceleration_deg_s2": robot.follow_acceleration_deg_s2,
+            **_given(mxt_endpoint=robot.mxt_endpoint),
+        },
     }
-    return {
-        "expected_model": robot.expected_model,
-        **(speeds if streamed else {}),
-        **_given(datalink_endpoint=robot.datalink_endpoint, mxt_endpoint=robot.mxt_endpoint),
-        **robot.settings,
-    }
+    return {"expected_model": robot.expected_model, **needed[following_of(robot.driver)], **robot.settings}
 
 
 def _given(**values: Any) -> dict[str, Any]:
