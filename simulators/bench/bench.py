@@ -267,6 +267,10 @@ class Bench:
         """Return the air's state at this moment."""
         return self._air.at(self.time_s)
 
+    def air_index(self) -> float:
+        """Return the refractive index of the air for a helium-neon laser at this moment."""
+        return self._air.index_at(self.time_s)
+
     def insight(self) -> Insight:
         """Return the truth of this moment; nothing on the bench notices."""
         now = np.array([self.time_s])
