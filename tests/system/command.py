@@ -75,9 +75,10 @@ class Emulated:
 
 
 @contextmanager
-def emulated(folder: Path, *options: str, edit: dict[str, str] | None = None) -> Iterator[Emulated]:
-    """Emulate the template's bench, edited, on free ports."""
-    text = TEMPLATE
+def emulated(
+    folder: Path, *options: str, edit: dict[str, str] | None = None, text: str = TEMPLATE
+) -> Iterator[Emulated]:
+    """Emulate the bench of a cell file, edited, on free ports; serial lines as the file has them."""
     for old, new in (edit or {}).items():
         assert old in text, old
         text = text.replace(old, new)
