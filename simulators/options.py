@@ -21,6 +21,18 @@ def number(device: EmulatedDevice, key: str, default: float) -> float:
     return value
 
 
+def flag(device: EmulatedDevice, key: str) -> bool:
+    """Return an option that is true or false; false is the default.
+
+    Raises:
+        EmulatorError: it is neither.
+    """
+    value = device.options.get(key, False)
+    if not isinstance(value, bool):
+        raise EmulatorError(f"{device.name}: option {key} has to be true or false, not {value!r}")
+    return value
+
+
 def choice(device: EmulatedDevice, key: str, choices: Sequence[str]) -> str:
     """Return an option that is one of some words; the first is the default.
 
@@ -57,7 +69,8 @@ class LengthOptions:
         sign = number(device, "sign", 1)
         if sign not in {1, -1}:
             raise EmulatorError(f"{device.name}: option sign has to be 1 or -1, not {sign!r}")
-        return cls(choice(device, "compensated", ("none", "instrument")) == "instrument", int(sign))
+        compensated = choice(device, "compensated", ("none", "instrument", "auto"))
+        return cls(compensated == "instrument", int(sign))
 
     def shown_mm(self, reading: Reading) -> float:
         """Return the length that the instrument shows, mm."""

@@ -2,6 +2,8 @@
 
 from collections.abc import Callable
 
+from simulators.attocube.device import Ids, IdsOptions
+from simulators.attocube.session import IdsSession
 from simulators.config import EmulatedDevice, Option
 from simulators.counter.session import CounterSession
 from simulators.errors import EmulatorError
@@ -9,7 +11,7 @@ from simulators.lasertex.session import Hpi, HpiSession
 from simulators.melfa.session import MelfaSession
 from simulators.modbus.air_sensor import AirSensor
 from simulators.modbus.protocol import ModbusSession
-from simulators.options import LengthOptions, choice, number
+from simulators.options import LengthOptions, choice, flag, number
 from simulators.serving import Session
 from simulators.world import World
 
@@ -28,6 +30,19 @@ def _melfa_r3(world: World, device: EmulatedDevice, note: Note) -> NewSession:
         # On RS-232 requests have a terminator, and answers end with CR (sheet `melfa`, section 1.2).
         return lambda: MelfaSession(world.controller, "\r", note, segments=False)
     return lambda: MelfaSession(world.controller, world.config.answer_suffix, note)
+
+
+def _attocube_ids(world: World, device: EmulatedDevice, note: Note) -> NewSession:
+    options = IdsOptions(
+        dialect=choice(device, "dialect", ("ids", "sen")),
+        axis=int(number(device, "axis", 0)),
+        sign=LengthOptions.of(device).sign,
+        bare_mode=flag(device, "bare_mode"),
+        start_time_s=number(device, "start_time_s", 3.0),
+        ecu_enabled=flag(device, "ecu_enabled"),
+    )
+    ids = Ids(world.instrument(device.name), world.probe, options)
+    return lambda: IdsSession(ids, note)
 
 
 def _line_counter(world: World, device: EmulatedDevice, note: Note) -> NewSession:
@@ -56,6 +71,7 @@ def _whole(device: EmulatedDevice, key: str, default: int) -> int:
 
 
 PROTOCOLS: dict[str, Maker] = {
+    "attocube-ids": _attocube_ids,
     "melfa-r3": _melfa_r3,
     "line-counter": _line_counter,
     "lasertex-hpi": _lasertex_hpi,

@@ -32,10 +32,27 @@ def quiet_world() -> World:
     return World(QUIET, bench, controller, TimeKeeper(bench, clock=lambda: 0.0), journal, AirProbe(bench))
 
 
+def maker(world: World, protocol: str, options: Mapping[str, Option] | None = None) -> Callable[[], Session]:
+    """Return what makes the sessions of one emulated instrument."""
+    device = EmulatedDevice("interferometer", protocol, options=options or {})
+    return session_maker(world, device, lambda _text: None)
+
+
 def new_session(world: World, protocol: str, options: Mapping[str, Option] | None = None) -> Session:
     """Return a session of a protocol as a client of the emulation meets it."""
-    device = EmulatedDevice("interferometer", protocol, options=options or {})
-    return session_maker(world, device, lambda _text: None)()
+    return maker(world, protocol, options)()
+
+
+class BenchClock(StepClock):
+    """A clock whose sleeps let the bench's time pass, too."""
+
+    def __init__(self, bench: Bench) -> None:
+        super().__init__()
+        self._bench = bench
+
+    async def sleep(self, duration_s: float) -> None:
+        self._bench.advance(duration_s)
+        await super().sleep(duration_s)
 
 
 class Far:
@@ -50,7 +67,7 @@ class Far:
         self.near, self.far = pipe("memory://instrument")
         self.world = world
         self.muted = False
-        self._new_session = session
+        self.new_session = session
         self._task: asyncio.Task[None] | None = None
 
     async def __aenter__(self) -> Self:
@@ -69,7 +86,7 @@ class Far:
 
     async def _serve(self) -> None:
         while True:
-            session = self._new_session()
+            session = self.new_session()
             with contextlib.suppress(LinkError):
                 await self._converse(session)
             session.close()
@@ -124,8 +141,9 @@ async def paired(
     protocol: str, make: Make, options: Mapping[str, Option] | None = None, *, connect: bool = True
 ) -> AsyncIterator[Pair]:
     """Join a driver to the emulator of its protocol."""
-    world, clock = quiet_world(), StepClock()
-    async with Far(world, lambda: new_session(world, protocol, options)) as far:
+    world = quiet_world()
+    clock = BenchClock(world.bench)
+    async with Far(world, maker(world, protocol, options)) as far:
         driver = make(far.near, clock)
         if connect:
             await driver.connect()

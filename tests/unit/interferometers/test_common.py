@@ -4,9 +4,11 @@ from typing import Any
 
 import pytest
 
+from drivers.attocube.ids import AttocubeIds, IdsSettings
 from drivers.counter.counter import LineCounter
 from drivers.counter.profile import load_profile
 from drivers.lasertex.hpi import HpiSettings, LasertexHpi
+from simulators.config import Option
 from tests.unit.interferometers.pairs import Make, Pair, paired
 from tests.unit.simulators.benches import aimed, go
 
@@ -15,7 +17,10 @@ DRIVERS: dict[str, Make] = {
         transport, clock, load_profile("default"), quiet_s=0.001
     ),
     "lasertex-hpi": lambda transport, clock: LasertexHpi(transport, clock, HpiSettings(timeout_s=0.5)),
+    "attocube-ids": lambda transport, clock: AttocubeIds(transport, clock, IdsSettings(quiet_s=0.001)),
 }
+
+OPTIONS: dict[str, dict[str, Option]] = {"attocube-ids": {"start_time_s": 0}}
 
 every_interferometer = pytest.mark.parametrize("protocol", sorted(DRIVERS))
 
@@ -27,7 +32,7 @@ async def seen(pair: Pair) -> Any:
 
 @every_interferometer
 async def test_a_returning_beam_does_not_revive_the_count(protocol: str) -> None:
-    async with paired(protocol, DRIVERS[protocol]) as pair:
+    async with paired(protocol, DRIVERS[protocol], OPTIONS.get(protocol)) as pair:
         assert await pair.driver.zero() == 1
         status = await seen(pair)
         assert (status.beam_ok, status.beam_lost, status.overspeed) == (True, False, False)
@@ -45,7 +50,7 @@ async def test_a_returning_beam_does_not_revive_the_count(protocol: str) -> None
 
 @every_interferometer
 async def test_zero_and_way(protocol: str) -> None:
-    async with paired(protocol, DRIVERS[protocol]) as pair:
+    async with paired(protocol, DRIVERS[protocol], OPTIONS.get(protocol)) as pair:
         await pair.driver.zero()
         assert abs((await pair.driver.read()).displacement_mm) < 1e-3
         before_mm = pair.bench.insight().length_mm
@@ -59,7 +64,7 @@ async def test_zero_and_way(protocol: str) -> None:
 
 @every_interferometer
 async def test_a_count_before_a_new_link_is_not_trusted(protocol: str) -> None:
-    async with paired(protocol, DRIVERS[protocol]) as pair:
+    async with paired(protocol, DRIVERS[protocol], OPTIONS.get(protocol)) as pair:
         await pair.driver.zero()
         await pair.far.far.close()
         await pair.far.far.open()
@@ -70,7 +75,7 @@ async def test_a_count_before_a_new_link_is_not_trusted(protocol: str) -> None:
 
 @every_interferometer
 async def test_the_instruments_on_one_beam_have_their_own_zeros(protocol: str) -> None:
-    async with paired(protocol, DRIVERS[protocol]) as pair:
+    async with paired(protocol, DRIVERS[protocol], OPTIONS.get(protocol)) as pair:
         await pair.driver.zero()
         other = pair.bench.new_instrument()
         go(pair.bench, aimed(20.01, 30.01))

@@ -1,0 +1,1 @@
+"""Emulator of an attocube IDS3010."""
