@@ -103,6 +103,9 @@ class SetPointStream:
     async def _exchange(self, command: Command, target: Joints | None) -> Reply | None:
         """Send one datagram; return the answer, None when it does not come in time."""
         self._count += 1
+        # A late answer would let the next set point follow within the same cycle.
+        while self._transport.waiting():
+            pass
         await self._transport.write(codec.encode(command, self._count, target))
         try:
             async with asyncio.timeout(self._settings.reply_timeout_s):
