@@ -94,7 +94,7 @@ def _device(name: str, driver: str, endpoint: str, settings: Mapping[str, Any]) 
 
 
 def _plain(settings: Mapping[str, Any]) -> dict[str, Option]:
-    return {key: value for key, value in settings.items() if isinstance(value, str | int | float | bool)}
+    return {key: value for key, value in settings.items() if isinstance(value, str | int | float | bool | list)}
 
 
 @dataclass(frozen=True)

@@ -161,8 +161,8 @@ def _words(names: Iterable[str]) -> str:
     return ", ".join(names)
 
 
-def require_tcp(text: str) -> TcpEndpoint:
-    """Read an endpoint that has to be a TCP socket.
+def require_stream(text: str) -> TcpEndpoint | SerialEndpoint:
+    """Read an endpoint that has to be a TCP socket or a serial line.
 
     Raises:
         LinkError: it is no endpoint, or of another kind.
@@ -171,8 +171,8 @@ def require_tcp(text: str) -> TcpEndpoint:
         endpoint = parse_endpoint(text)
     except ValueError as exc:
         raise LinkError(str(exc)) from None
-    if not isinstance(endpoint, TcpEndpoint):
-        raise LinkError(f"{endpoint}: this driver speaks over TCP only: write tcp://host:port")
+    if isinstance(endpoint, UdpEndpoint):
+        raise LinkError(f"{endpoint}: this driver does not speak over datagrams: write tcp:// or serial://")
     return endpoint
 
 

@@ -3,6 +3,7 @@
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import Any
 
 Joints = tuple[float, float, float, float]
 """J1 deg, J2 deg, J3 mm, J4 deg."""
@@ -116,8 +117,8 @@ class AirState:
     drift_percent: float = 1.0
 
 
-Option = str | int | float | bool
-"""Value of an option of an emulated device."""
+Option = str | int | float | bool | list[dict[str, Any]]
+"""Value of an option of an emulated device: a plain one, or a list of tables."""
 
 _ANY_FREE = "tcp://127.0.0.1:0"
 

@@ -4,13 +4,14 @@ from collections.abc import Callable
 
 from simulators.attocube.device import Ids, IdsOptions
 from simulators.attocube.session import IdsSession
-from simulators.config import EmulatedDevice, Option
+from simulators.config import EmulatedDevice
 from simulators.counter.session import CounterSession
 from simulators.errors import EmulatorError
 from simulators.lasertex.session import Hpi, HpiSession
+from simulators.melfa.datalink import NUMBER_FORMATS, Datalink, DatalinkSession
+from simulators.melfa.mxt import MODES, Mxt, MxtOptions, MxtSession
 from simulators.melfa.session import MelfaSession
-from simulators.modbus.air_sensor import AirSensor
-from simulators.modbus.protocol import ModbusSession
+from simulators.modbus.devices import air_registers, modbus_sessions
 from simulators.options import LengthOptions, choice, flag, number
 from simulators.serving import Session
 from simulators.world import World
@@ -45,6 +46,30 @@ def _attocube_ids(world: World, device: EmulatedDevice, note: Note) -> NewSessio
     return lambda: IdsSession(ids, note)
 
 
+def _melfa_datalink(world: World, device: EmulatedDevice, note: Note) -> NewSession:
+    name = str(device.options.get("program") or "CATSDL")
+    program = Datalink(world.controller, name, choice(device, "number_format", NUMBER_FORMATS))
+    world.controller.install(program)
+    return lambda: DatalinkSession(program, note)
+
+
+def _melfa_mxt(world: World, device: EmulatedDevice, note: Note) -> NewSession:
+    options = MxtOptions(
+        program=str(device.options.get("program") or "CATSMXT"),
+        mode=choice(device, "mxt_mode", MODES),
+        cycle_s=number(device, "mxt_cycle_ms", 7.1) / 1e3,
+        filter_s=number(device, "mxt_filter_ms", 10.0) / 1e3,
+        timeout_s=number(device, "mxt_timeout_s", 1.0),
+        lag_s=number(device, "mxt_lag_ms", 8.0) / 1e3,
+        lag_spread_s=number(device, "mxt_lag_spread_ms", 0.2) / 1e3,
+    )
+    if not 1e-3 <= options.cycle_s <= 0.1 or not 0.0 <= options.filter_s <= 1.0:
+        raise EmulatorError(f"{device.name}: mxt_cycle_ms has to be 1 to 100 ms, mxt_filter_ms 0 to 1000 ms")
+    program = Mxt(world.controller, options, world.keeper.sync)
+    world.controller.install(program)
+    return lambda: MxtSession(program, note)
+
+
 def _line_counter(world: World, device: EmulatedDevice, note: Note) -> NewSession:
     instrument = world.instrument(device.name)
     corrected = choice(device, "compensated", ("instrument", "none")) == "instrument"
@@ -59,20 +84,14 @@ def _lasertex_hpi(world: World, device: EmulatedDevice, note: Note) -> NewSessio
 
 
 def _modbus_air(world: World, device: EmulatedDevice, note: Note) -> NewSession:
-    sensor = AirSensor(world.probe, _whole(device, "pressure_register", 0x2C))
-    return lambda: ModbusSession(sensor, note)
-
-
-def _whole(device: EmulatedDevice, key: str, default: int) -> int:
-    value: Option = device.options.get(key, default)
-    if not isinstance(value, int):
-        raise EmulatorError(f"{device.name}: option {key} has to be a whole number, not {value!r}")
-    return value
+    return modbus_sessions(air_registers(world.probe, device), device, note)
 
 
 PROTOCOLS: dict[str, Maker] = {
     "attocube-ids": _attocube_ids,
     "melfa-r3": _melfa_r3,
+    "melfa-datalink": _melfa_datalink,
+    "melfa-mxt": _melfa_mxt,
     "line-counter": _line_counter,
     "lasertex-hpi": _lasertex_hpi,
     "modbus-air": _modbus_air,

@@ -1,1 +1,1 @@
-"""Air sensors over Modbus TCP."""
+"""Air sensors over Modbus TCP and RTU, and in ASCII."""

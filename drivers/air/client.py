@@ -1,13 +1,15 @@
-"""The only module that touches pymodbus: registers over Modbus TCP."""
+"""The only module that touches pymodbus: registers over Modbus TCP and RTU."""
 
 import asyncio
 import logging
 
-from pymodbus.client import AsyncModbusTcpClient
+from pymodbus import FramerType
+from pymodbus.client import AsyncModbusSerialClient, AsyncModbusTcpClient
 from pymodbus.exceptions import ModbusException
 from pymodbus.pdu import ModbusPDU
 from pymodbus.pdu.mei_message import ReadDeviceInformationResponse
 
+from drivers.endpoint import SerialEndpoint, TcpEndpoint
 from drivers.errors import LinkError, LinkTimeoutError, ProtocolError, RefusedError, WrongDeviceError
 from drivers.record import Sink
 
@@ -15,42 +17,54 @@ from drivers.record import Sink
 logging.getLogger("pymodbus").addHandler(logging.NullHandler())
 
 _EXCEPTIONS = {
-    1: "illegal function: set function to 3 or 4 as the sensor's manual says",
+    1: "illegal function: set function to 3 or 4 as the device's manual says",
     2: "illegal data address: check map, the addresses and address_base",
     3: "illegal data value: check kind and the addresses",
-    4: "device failure: see the sensor's manual",
+    4: "device failure: see the device's manual",
     6: "device busy: give it longer pauses",
     11: "gateway target does not answer: check device_id and the wiring behind the gateway",
 }
 _SHOWN_BYTES = 80
 
 
+_Client = AsyncModbusTcpClient | AsyncModbusSerialClient
+
+
 class RegisterClient:
-    """Reads registers. Every answer carries the number of its request, so a late one is never mistaken.
+    """Reads and writes registers, coils and inputs of one device.
+
+    Over TCP every answer carries the number of its request, so a late one is never mistaken. RTU has no numbers:
+    after a silence the port is closed, and its opening throws away what came late.
 
     Args:
-        host: name or address of the sensor.
-        port: its port.
+        target: socket, or serial line for RTU.
         device_id: unit identifier.
+        name: what to call the device in texts.
         timeout_s: for connecting and for an answer, real s.
         sink: is shown all bytes.
     """
 
     def __init__(
-        self, host: str, port: int, *, device_id: int = 1, timeout_s: float = 3.0, sink: Sink | None = None
+        self,
+        target: TcpEndpoint | SerialEndpoint,
+        *,
+        device_id: int = 1,
+        name: str = "air sensor",
+        timeout_s: float = 3.0,
+        sink: Sink | None = None,
     ) -> None:
-        self._host = host
-        self._port = port
+        self._target = target
+        self._name = name
         self._device_id = device_id
         self._timeout_s = timeout_s
         self._sink = sink
-        self._client: AsyncModbusTcpClient | None = None
+        self._client: _Client | None = None
         self._received = b""
 
     @property
     def endpoint(self) -> str:
-        """Where it leads: tcp://host:port."""
-        return f"tcp://{self._host}:{self._port}"
+        """Where it leads."""
+        return str(self._target)
 
     async def open(self) -> None:
         """Connect; an open link is kept.
@@ -61,20 +75,41 @@ class RegisterClient:
         if self._client and self._client.connected:
             return
         await self.close()
-        client = AsyncModbusTcpClient(
-            self._host,
-            port=self._port,
+        client = self._new_client()
+        if not await client.connect():
+            advice = (
+                "the device path, and that no other program holds the port"
+                if isinstance(self._target, SerialEndpoint)
+                else "that it is switched on, address and port (502 is usual), and how many clients it serves at once"
+            )
+            raise LinkError(
+                f"{self._name} at {self.endpoint}: cannot connect within {self._timeout_s:g} s: check {advice}"
+            )
+        self._client = client
+
+    def _new_client(self) -> _Client:
+        target = self._target
+        if isinstance(target, TcpEndpoint):
+            return AsyncModbusTcpClient(
+                target.host,
+                port=target.port,
+                timeout=self._timeout_s,
+                retries=0,
+                reconnect_delay=0,
+                trace_packet=self._trace,
+            )
+        return AsyncModbusSerialClient(
+            target.device,
+            framer=FramerType.RTU,
+            baudrate=target.baud,
+            bytesize=target.bits,
+            parity=target.parity,
+            stopbits=2 if target.stopbits == "2" else 1,
             timeout=self._timeout_s,
             retries=0,
             reconnect_delay=0,
             trace_packet=self._trace,
         )
-        if not await client.connect():
-            raise LinkError(
-                f"air sensor at {self.endpoint}: cannot connect within {self._timeout_s:g} s: check that it is "
-                "switched on, its address and port (502 is usual), and how many clients it serves at once"
-            )
-        self._client = client
 
     async def close(self) -> None:
         """Disconnect; may be called any number of times."""
@@ -107,10 +142,54 @@ class RegisterClient:
         self._check(what, answer)
         if len(answer.registers) != count:
             raise ProtocolError(
-                f"air sensor at {self.endpoint}: {len(answer.registers)} registers came for {what}; "
-                f"last bytes {self._received!r}: check that this is a Modbus TCP device"
+                f"{self._name} at {self.endpoint}: {len(answer.registers)} registers came for {what}; "
+                f"last bytes {self._received!r}: check that this is the Modbus device meant"
             )
         return list(answer.registers)
+
+    async def read_bits(self, function: int, address: int, count: int) -> list[bool]:
+        """Return coils or inputs, on a new connection if the old one was lost.
+
+        Args:
+            function: 1 for coils, 2 for discrete inputs.
+            address: as sent.
+            count: how many.
+
+        Raises:
+            RefusedError: the device answers with an exception.
+            LinkError: lost or silent.
+            ProtocolError: too few bits came.
+        """
+        what = f"{count} bits from 0x{address:04X} by function {function}"
+        client = await self._connected()
+        call = client.read_coils if function == 1 else client.read_discrete_inputs
+        try:
+            answer = await call(address, count=count, device_id=self._device_id)
+        except ModbusException as exc:
+            raise await self._lost(what, exc) from None
+        self._check(what, answer)
+        if len(answer.bits) < count:
+            raise ProtocolError(f"{self._name} at {self.endpoint}: {len(answer.bits)} bits came for {what}")
+        return list(answer.bits[:count])
+
+    async def write_bits(self, address: int, bits: list[bool]) -> None:
+        """Set coils by function 15. A lost answer is an error: whether they were set is then unknown.
+
+        Args:
+            address: of the first one, as sent.
+            bits: what to set.
+
+        Raises:
+            RefusedError: the device answers with an exception.
+            LinkError: lost or silent.
+        """
+        what = f"writing {len(bits)} coils at 0x{address:04X}"
+        client = await self._connected()
+        try:
+            answer = await client.write_coils(address, bits, device_id=self._device_id)
+        except ModbusException as exc:
+            raise await self._lost(what, exc) from None
+        self._check(what, answer)
 
     async def identify(self) -> dict[int, str]:
         """Return the objects of function 43/14: 0 vendor, 1 product, 2 revision, 0x80 serial.
@@ -130,18 +209,18 @@ class RegisterClient:
             key: value.decode("latin-1") for key, value in information.items() if isinstance(value, bytes)
         }
 
-    async def _connected(self) -> AsyncModbusTcpClient:
+    async def _connected(self) -> _Client:
         await self.open()
         if not self._client:
-            raise LinkError(f"air sensor at {self.endpoint}: not connected: connect first")
+            raise LinkError(f"{self._name} at {self.endpoint}: not connected: connect first")
         return self._client
 
     def _check(self, what: str, answer: ModbusPDU) -> None:
         if answer.isError():
             code = answer.exception_code
-            meaning = _EXCEPTIONS.get(code, "see the sensor's manual")
+            meaning = _EXCEPTIONS.get(code, "see the device's manual")
             raise RefusedError(
-                f"air sensor at {self.endpoint} refused {what}: exception {code}, {meaning}", code
+                f"{self._name} at {self.endpoint} refused {what}: exception {code}, {meaning}", code
             )
 
     async def _lost(self, what: str, cause: ModbusException) -> LinkError | WrongDeviceError:
@@ -149,13 +228,18 @@ class RegisterClient:
         await self.close()
         if self._received:
             return WrongDeviceError(
-                f"air sensor at {self.endpoint}: no Modbus answer to {what}, but the bytes {self._received!r}: "
-                f"check host and port in the cell file; {cause}"
+                f"{self._name} at {self.endpoint}: no Modbus answer to {what}, but the bytes {self._received!r}: "
+                f"check {self._suspects} in the cell file; {cause}"
             )
         return LinkTimeoutError(
-            f"air sensor at {self.endpoint}: no answer to {what} within {self._timeout_s:g} s, no byte came: "
-            f"check device_id and that the sensor is not busy with other clients; {cause}"
+            f"{self._name} at {self.endpoint}: no answer to {what} within {self._timeout_s:g} s, no byte came: "
+            f"check device_id and that the device is not busy with other clients; {cause}"
         )
+
+    @property
+    def _suspects(self) -> str:
+        serial = isinstance(self._target, SerialEndpoint)
+        return "baud, parity and stopbits of the endpoint" if serial else "host and port"
 
     def _trace(self, sending: bool, data: bytes) -> bytes:
         """Show bytes to the sink. The library hands over what has piled up, not what has just come."""

@@ -34,11 +34,15 @@ class Quantity:
         address: register as the documents number it; `RegisterMap.address_base` is taken off on the wire.
         kind: representation.
         scale: factor from the number to °C, hPa or %RH.
+        offset: added after scaling, in °C, hPa or %RH.
+        invalid: numbers that mean "no value", before scaling; NaN always does.
     """
 
     address: int
     kind: Kind = "float32"
     scale: float = 1.0
+    offset: float = 0.0
+    invalid: tuple[float, ...] = ()
 
     @property
     def registers(self) -> int:
@@ -100,6 +104,8 @@ COMET_WEB = RegisterMap(
     humidity=Quantity(0x0032, "int16", 0.1),
     pressure=Quantity(0x0034, "int16", 0.1),
 )
+# The same documents for RS-485 transmit address 0x31 as 0x30.
+COMET_RTU = replace(COMET_WEB, title="Comet transmitter (RTU)", address_base=1)
 GENERIC = RegisterMap("Modbus air sensor")
 
 VAISALA_PRESSURE_NOTE = (
@@ -108,19 +114,41 @@ VAISALA_PRESSURE_NOTE = (
 )
 
 
+class Point(BaseModel):
+    """Where one quantity is: a line of `[[environment.settings.points]]`.
+
+    Attributes:
+        name: temperature, pressure or humidity.
+        address: register, as the documents number it.
+        type: representation.
+        scale: factor to °C, hPa or %RH.
+        offset: added after scaling.
+        invalid: numbers, before scaling, that mean "no value"; NaN always does, 0x8000 does for int16.
+    """
+
+    model_config = ConfigDict(strict=True, extra="forbid", frozen=True)
+
+    name: Name
+    address: int = Field(ge=0, le=0xFFFF)
+    type: Kind = "float32"
+    scale: float = Field(default=1.0, allow_inf_nan=False)
+    offset: float = Field(default=0.0, allow_inf_nan=False)
+    invalid: list[float] = []
+
+    @property
+    def quantity(self) -> Quantity:
+        """The quantity that it describes."""
+        return Quantity(self.address, self.type, self.scale, self.offset, tuple(self.invalid))
+
+
 class AirSettings(BaseModel):
     """What a cell file may set of a Modbus air sensor.
 
     Attributes:
         map: register map to start from; `generic` knows none.
         device_id: unit identifier; most TCP sensors ignore it.
-        temperature_address: register, as the documents number it; replaces the map's, as all that follow.
-        pressure_address: see above.
-        humidity_address: see above.
-        temperature_scale: factor to °C.
-        pressure_scale: factor to hPa.
-        humidity_scale: factor to %RH.
-        kind: representation of every value.
+        pressure_address: register of the pressure, for a map that knows all but that.
+        points: quantities of the cell file's own; each replaces the map's.
         function: 3 or 4.
         word_order: big or little.
         address_base: number that the documents give to the first register.
@@ -129,68 +157,62 @@ class AirSettings(BaseModel):
 
     model_config = ConfigDict(strict=True, extra="forbid", frozen=True)
 
-    map: Literal["vaisala", "comet_web", "generic"] = "vaisala"
+    map: Literal["vaisala", "comet_web", "comet_rtu", "generic"] = "vaisala"
     device_id: int = Field(default=1, ge=0, le=255)
-    temperature_address: int | None = Field(default=None, ge=0, le=0xFFFF)
     pressure_address: int | None = Field(default=None, ge=0, le=0xFFFF)
-    humidity_address: int | None = Field(default=None, ge=0, le=0xFFFF)
-    temperature_scale: float | None = None
-    pressure_scale: float | None = None
-    humidity_scale: float | None = None
-    kind: Kind | None = None
+    points: list[Point] = []
     function: Literal[3, 4] | None = None
     word_order: WordOrder | None = None
     address_base: Literal[0, 1] | None = None
     timeout_s: float = Field(default=3.0, gt=0)
 
 
-_MAPS = {"vaisala": VAISALA, "comet_web": COMET_WEB, "generic": GENERIC}
+_MAPS = {"vaisala": VAISALA, "comet_web": COMET_WEB, "comet_rtu": COMET_RTU, "generic": GENERIC}
 
 
 def resolve(settings: AirSettings) -> RegisterMap:
     """Return the map that the settings describe.
 
     Raises:
-        ProfileError: no quantity has an address, or one lies before the first register.
+        ProfileError: no quantity has an address, one has two, or one lies before the first register.
     """
     base = _MAPS[settings.map]
-    result = replace(
-        base,
-        temperature=_quantity(
-            base.temperature, settings.temperature_address, settings.temperature_scale, settings.kind
-        ),
-        pressure=_quantity(base.pressure, settings.pressure_address, settings.pressure_scale, settings.kind),
-        humidity=_quantity(base.humidity, settings.humidity_address, settings.humidity_scale, settings.kind),
+    named: dict[Name, Quantity] = base.quantities()
+    if settings.pressure_address is not None:
+        known = base.pressure or Quantity(0)
+        named["pressure"] = replace(known, address=settings.pressure_address)
+    named |= _own_points(settings.points)
+    result = RegisterMap(
+        base.title,
+        temperature=named.get("temperature"),
+        pressure=named.get("pressure"),
+        humidity=named.get("humidity"),
         function=settings.function or base.function,
         word_order=settings.word_order or base.word_order,
         address_base=base.address_base if settings.address_base is None else settings.address_base,
     )
-    quantities = result.quantities()
-    if not quantities:
+    if not named:
         raise ProfileError(
-            f"environment map {settings.map!r}: no quantity has a register: set temperature_address, "
-            "pressure_address or humidity_address"
+            f"environment map {settings.map!r}: no quantity has a register: write "
+            "[[environment.settings.points]] with name, address and type for temperature, pressure and humidity"
         )
-    if wrong := [name for name, quantity in quantities.items() if result.wire_address(quantity) < 0]:
-        raise ProfileError(f"environment: {wrong[0]}_address = 0 lies before address_base = 1: use 1 or more")
+    if wrong := [name for name, quantity in named.items() if result.wire_address(quantity) < 0]:
+        raise ProfileError(
+            f"environment: {wrong[0]}: address 0 lies before address_base = 1: use 1 or more, or address_base = 0"
+        )
     return result
 
 
-def _quantity(
-    base: Quantity | None, address: int | None, scale: float | None, kind: Kind | None
-) -> Quantity | None:
-    if base is None and address is None:
-        return None
-    start = base or Quantity(0)
-    return Quantity(
-        start.address if address is None else address,
-        kind or start.kind,
-        start.scale if scale is None else scale,
-    )
+def _own_points(points: Sequence[Point]) -> dict[Name, Quantity]:
+    named = {point.name: point.quantity for point in points}
+    if len(named) < len(points):
+        twice = next(p.name for n, p in enumerate(points) if p.name in [q.name for q in points[:n]])
+        raise ProfileError(f"environment: points name {twice} twice: leave one of them out")
+    return named
 
 
 def decode(words: Sequence[int], quantity: Quantity, word_order: WordOrder) -> float | None:
-    """Return the value in registers; None when the sensor says that it has none (NaN, 0x8000).
+    """Return the value in registers; None when the sensor says that it has none (NaN, 0x8000, its own numbers).
 
     Args:
         words: as many registers as the quantity takes.
@@ -201,7 +223,9 @@ def decode(words: Sequence[int], quantity: Quantity, word_order: WordOrder) -> f
         return None
     ordered = words if word_order == "big" else words[::-1]
     (number,) = struct.unpack(_FORMATS[quantity.kind], b"".join(w.to_bytes(2, "big") for w in ordered))
-    return None if math.isnan(number) else float(number) * quantity.scale
+    if math.isnan(number) or number in quantity.invalid:
+        return None
+    return float(number) * quantity.scale + quantity.offset
 
 
 def check_plausible(name: Name, value: float | None, register_map: RegisterMap) -> None:
@@ -217,5 +241,5 @@ def check_plausible(name: Name, value: float | None, register_map: RegisterMap) 
     if not low <= value <= high or 0 < abs(value) < _TINY:
         raise ProtocolError(
             f"{register_map.label(name)} reads {value:.6g} {unit}, outside of {low:g}...{high:g} {unit}: check "
-            f"word_order (now {register_map.word_order!r}), address_base, {name}_address, {name}_scale and kind"
+            f"word_order (now {register_map.word_order!r}), address_base, and address, type and scale in points"
         )

@@ -1,4 +1,4 @@
-"""An air sensor over Modbus TCP."""
+"""An air sensor over Modbus TCP or RTU."""
 
 from typing import Any, ClassVar, Protocol, Self
 
@@ -13,7 +13,7 @@ from drivers.air.maps import (
     resolve,
 )
 from drivers.clock import Clock
-from drivers.endpoint import require_tcp
+from drivers.endpoint import require_stream
 from drivers.errors import LinkTimeoutError, ProtocolError, RefusedError
 from drivers.readings import AirSample, Identity
 from drivers.record import Sink
@@ -80,10 +80,8 @@ class ModbusAir:
             pydantic.ValidationError: a setting is unknown or wrong.
         """
         checked = AirSettings(**settings)
-        target = require_tcp(endpoint)
-        client = RegisterClient(
-            target.host, target.port, device_id=checked.device_id, timeout_s=checked.timeout_s, sink=sink
-        )
+        target = require_stream(endpoint)
+        client = RegisterClient(target, device_id=checked.device_id, timeout_s=checked.timeout_s, sink=sink)
         return cls(client, clock, resolve(checked))
 
     @property

@@ -51,7 +51,10 @@ def test_both_ways_of_correcting_for_the_air_agree(tmp_path: Path) -> None:
     def largest_mm(value: str, power: int) -> float:
         """Return the largest difference, with the program's value divided by n so often."""
         return max(
-            abs(other[value] / other["refractive_index"] ** power - one["displacement_mm"])
+            abs(
+                float(other[value]) / float(other["refractive_index"]) ** power
+                - float(one["displacement_mm"])
+            )
             for one, other in pairs
         )
 

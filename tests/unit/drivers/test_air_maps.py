@@ -57,36 +57,59 @@ def test_comet() -> None:
     assert comet.humidity == Quantity(0x32, "int16", 0.1)
     assert comet.pressure == Quantity(0x34, "int16", 0.1)
     assert comet.wire_address(Quantity(0x31)) == 0x31
-    assert resolved(map="comet_web", address_base=1).wire_address(Quantity(0x31)) == 0x30
+    assert resolved(map="comet_rtu").wire_address(Quantity(0x31)) == 0x30
 
 
 def test_a_generic_sensor_is_described_by_settings() -> None:
     """Section 3: Campbell MetSENS300, 40001 P, 40003 RH, 40005 T, floats."""
     campbell = resolved(
         map="generic",
-        pressure_address=1,
-        humidity_address=3,
-        temperature_address=5,
+        points=[
+            {"name": "pressure", "address": 1},
+            {"name": "humidity", "address": 3},
+            {"name": "temperature", "address": 5},
+        ],
         address_base=1,
         function=4,
     )
     assert campbell.function == 4
-    assert [campbell.wire_address(q) for q in campbell.quantities().values()] == [4, 0, 2]
+    assert [campbell.wire_address(q) for q in campbell.quantities().values()] == [
+        4,
+        0,
+        2,
+    ]  # temperature, pressure, humidity
 
 
 def test_settings_replace_what_the_map_says() -> None:
-    kpa = resolved(map="comet_web", pressure_scale=0.1, kind="uint16", word_order="little")
-    assert kpa.pressure == Quantity(0x34, "uint16", 0.1)
+    kpa = resolved(
+        map="comet_web",
+        points=[{"name": "pressure", "address": 0x34, "type": "uint16", "scale": 0.1, "invalid": [65535]}],
+        word_order="little",
+    )
+    assert kpa.pressure == Quantity(0x34, "uint16", 0.1, invalid=(65535,))
+    assert kpa.temperature == Quantity(0x31, "int16", 0.1)
     assert kpa.word_order == "little"
 
 
+def test_offset_and_the_sensors_own_numbers_for_no_value() -> None:
+    kelvin = Quantity(0, "uint16", 0.1, -273.15, invalid=(9999.0,))
+    assert decode([2932], kelvin, "big") == pytest.approx(20.05)
+    assert decode([9999], kelvin, "big") is None
+
+
+def test_a_quantity_twice_is_refused() -> None:
+    twice = [{"name": "pressure", "address": 1}, {"name": "pressure", "address": 3}]
+    with pytest.raises(ProfileError, match="points name pressure twice"):
+        resolved(points=twice)
+
+
 def test_a_map_without_quantities_is_refused() -> None:
-    with pytest.raises(ProfileError, match="no quantity has a register: set temperature_address"):
+    with pytest.raises(ProfileError, match="no quantity has a register: write"):
         resolved(map="generic")
 
 
 def test_an_address_before_the_first_register_is_refused() -> None:
-    with pytest.raises(ProfileError, match="humidity_address = 0 lies before address_base = 1"):
+    with pytest.raises(ProfileError, match="humidity: address 0 lies before address_base = 1"):
         resolved(address_base=1)
 
 

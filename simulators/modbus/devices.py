@@ -1,0 +1,51 @@
+"""Emulated Modbus devices from their options: which registers, and over which kind of link."""
+
+from collections.abc import Callable
+
+from simulators.air_probe import AirProbe
+from simulators.config import EmulatedDevice
+from simulators.modbus.air_sensor import AirSensor
+from simulators.modbus.point_sensor import PointSensor, comet_points, read_points
+from simulators.modbus.protocol import ModbusSession, Registers
+from simulators.modbus.rtu import SHORTEST_SILENCE_S, RtuSession
+from simulators.options import choice, number
+from simulators.ports.address import LineAddress, parse_address
+from simulators.serving import Session
+
+_MAPS = ("vaisala", "comet_web", "comet_rtu", "generic")
+_SILENT_CHARACTERS = 3.5
+_COMET_SERIAL = {0x1035: 0x0000, 0x1036: 0x0001, 0x1037: 0x0000}
+
+
+def air_registers(probe: AirProbe, device: EmulatedDevice) -> Registers:
+    """Return the registers of an air sensor.
+
+    Raises:
+        EmulatorError: an option is wrong.
+    """
+    kind = choice(device, "map", _MAPS)
+    if kind == "vaisala":
+        return AirSensor(probe, int(number(device, "pressure_register", 0x2C)))
+    base = int(number(device, "address_base", 1 if kind == "comet_rtu" else 0))
+    if kind == "generic":
+        points = read_points(device.name, device.options.get("points"), base)
+        little = choice(device, "word_order", ("big", "little")) == "little"
+        return PointSensor(probe, "air sensor, register map of the cell file", points, little=little)
+    serial = {address - base: word for address, word in _COMET_SERIAL.items()}
+    return PointSensor(probe, "air sensor, Comet register map", comet_points(base), fixed=serial)
+
+
+def modbus_sessions(
+    registers: Registers, device: EmulatedDevice, note: Callable[[str], None]
+) -> Callable[[], Session]:
+    """Return what makes sessions: RTU on a serial line, TCP elsewhere.
+
+    Raises:
+        EmulatorError: an option is wrong.
+    """
+    address = parse_address(device.name, device.endpoint)
+    if not isinstance(address, LineAddress):
+        return lambda: ModbusSession(registers, note)
+    unit = int(number(device, "device_id", 1))
+    silence_s = max(SHORTEST_SILENCE_S, _SILENT_CHARACTERS * address.byte_s)
+    return lambda: RtuSession(registers, unit, note, silence_s)

@@ -1,0 +1,159 @@
+"""Air sensors that are told point by point: Comet's register map and maps of the cell file.
+
+Comet (sheet `modbus_env`, section 2): one register each, signed, from address 0x31: temperature, humidity, computed
+value (dew point here; it can be set on the device), pressure in hPa, dew point, all times 10; serial number and
+device type from 0x1035. What a Comet answers instead of a missing value is not in the public documents; here it is 0x8000.
+"""
+
+import math
+import struct
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+from simulators.air_probe import AirProbe
+from simulators.bench.air import AirSample
+from simulators.errors import EmulatorError
+from simulators.modbus.air_sensor import dew_point_c
+from simulators.modbus.protocol import ILLEGAL_ADDRESS, ModbusError
+
+_FORMATS = {"float32": ">f", "int16": ">h", "uint16": ">H", "int32": ">i"}
+_MISSING = {
+    "float32": struct.pack(">f", math.nan),
+    "int16": b"\x80\x00",
+    "uint16": b"\xff\xff",
+    "int32": b"\x80\x00\x00\x00",
+}
+_VALUES: dict[str, Callable[[AirSample], float]] = {
+    "temperature": lambda air: air.temperature_c,
+    "pressure": lambda air: air.pressure_hpa,
+    "humidity": lambda air: air.humidity_percent,
+    "dew_point": lambda air: dew_point_c(air.temperature_c, air.humidity_percent),
+}
+
+
+@dataclass(frozen=True)
+class SensorPoint:
+    """Where one quantity is.
+
+    Attributes:
+        name: temperature, pressure, humidity, dew_point.
+        address: as transmitted.
+        type: float32, int16, uint16 or int32.
+        scale: value of one step.
+        offset: value of the number 0.
+    """
+
+    name: str
+    address: int
+    type: str = "float32"
+    scale: float = 1.0
+    offset: float = 0.0
+
+    def words(self, air: AirSample | None, *, little: bool) -> list[int]:
+        """Return the registers; less significant word first when `little`."""
+        data = _MISSING[self.type] if air is None else self._packed(_VALUES[self.name](air))
+        words = [int.from_bytes(data[n : n + 2], "big") for n in range(0, len(data), 2)]
+        return words[::-1] if little else words
+
+    def _packed(self, value: float) -> bytes:
+        number = (value - self.offset) / self.scale
+        layout = _FORMATS[self.type]
+        return struct.pack(layout, number if layout == ">f" else round(number))
+
+
+def comet_points(base: int) -> tuple[SensorPoint, ...]:
+    """Return the points of a Comet transmitter.
+
+    Args:
+        base: number that its documents give to the first register: 0 for Web Sensors, 1 for RS-485.
+    """
+    names = ("temperature", "humidity", "dew_point", "pressure", "dew_point")
+    return tuple(SensorPoint(name, 0x31 - base + n, "int16", 0.1) for n, name in enumerate(names))
+
+
+def read_points(device: str, tables: Any, base: int) -> tuple[SensorPoint, ...]:
+    """Return the points that a cell file describes.
+
+    Args:
+        device: for texts.
+        tables: one table a point: name, address, type, scale, offset.
+        base: number that the documents give to the first register.
+
+    Raises:
+        EmulatorError: there are none, or one is wrong.
+    """
+    if not isinstance(tables, list) or not tables:
+        raise EmulatorError(f"{device}: option points has to list the registers of the map 'generic'")
+    return tuple(_point(device, table, base) for table in tables)
+
+
+def _point(device: str, table: Any, base: int) -> SensorPoint:
+    given: Mapping[str, Any] = table if isinstance(table, Mapping) else {}
+    try:
+        point = SensorPoint(
+            str(given["name"]),
+            int(given["address"]) - base,
+            str(given.get("type", "float32")),
+            float(given.get("scale", 1.0)),
+            float(given.get("offset", 0.0)),
+        )
+    except (KeyError, TypeError, ValueError) as error:
+        raise EmulatorError(f"{device}: option points: {table!r} is no point: {error}") from None
+    if point.name not in _VALUES or point.type not in _FORMATS or not point.scale or point.address < 0:
+        raise EmulatorError(f"{device}: option points: {table!r} cannot be emulated")
+    return point
+
+
+class PointSensor:
+    """Registers of the sensor; what lies between them does not exist.
+
+    Args:
+        probe: what it measures.
+        title: product name of its identification.
+        points: its quantities.
+        little: less significant word first.
+        fixed: registers with a fixed content, by address.
+    """
+
+    def __init__(
+        self,
+        probe: AirProbe,
+        title: str,
+        points: tuple[SensorPoint, ...],
+        *,
+        little: bool = False,
+        fixed: Mapping[int, int] | None = None,
+    ) -> None:
+        self._probe = probe
+        self._points = points
+        self._little = little
+        self._fixed = dict(fixed or {})
+        self.identity = {0: "EMULATOR of catseye", 1: title, 2: "1.0"}
+
+    def read_words(self, address: int, count: int) -> list[int]:
+        """Return registers."""
+        air = self._probe.sample()
+        held = dict(self._fixed)
+        for point in self._points:
+            for n, word in enumerate(point.words(air, little=self._little)):
+                held[point.address + n] = word
+        try:
+            return [held[address + n] for n in range(count)]
+        except KeyError:
+            raise ModbusError(ILLEGAL_ADDRESS) from None
+
+    def write_words(self, address: int, words: list[int]) -> None:
+        """Refuse: nothing can be written."""
+        del address, words
+        raise ModbusError(ILLEGAL_ADDRESS)
+
+    def read_bits(self, address: int, count: int) -> list[bool]:
+        """Refuse: the sensor has no coils."""
+        del address, count
+        raise ModbusError(ILLEGAL_ADDRESS)
+
+    def write_bits(self, address: int, bits: list[bool]) -> None:
+        """Refuse: the sensor has no coils."""
+        del address, bits
+        raise ModbusError(ILLEGAL_ADDRESS)
