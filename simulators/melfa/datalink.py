@@ -19,15 +19,15 @@ command  a, b, c, d                                     answer
 other    –                                              ``id,-1,<command>,0,0,0``
 =======  =============================================  ======================================================
 
-As on a controller, what goes wrong in a statement is an alarm that halts the program, and no answer comes: a record that
-is not six numbers L3500, a point out of reach of the joints L2602 (already at the start of the drive, which is
+As on a controller, what goes wrong in a statement is an alarm that halts the program, and no answer comes: a record
+that is not six numbers L3500, a point outside the joint limits L2602 (already at the start of the drive, which is
 earlier than on a controller), a drive with the servo off L2000, an override out of range L3110. STOP halts it too.
-RUN lets it go on, straight to the last point; after RSTPRG or SLOTINIT it begins anew, with RUN or the next connection.
-Requests that come during a drive wait. One client is served at a time, a second one waits.
+RUN lets it go on, straight to the last point; after RSTPRG or SLOTINIT it begins anew, with RUN or the next
+connection. Requests that come during a drive wait. One client is served at a time, a second one waits.
 
 The program ends by command 7 without closing the connection; the client closes it. Feedback (`J_Fbc`) is what the
-encoders read, before the gears' errors, in float32. How `Print #` writes numbers is unknown: the option `number_format`
-chooses. `Fine` changes nothing here: the answer comes 0.05 s after the standstill.
+encoders read, before the gears' errors, in float32. How `Print #` writes numbers is unknown: the option
+`number_format` chooses. `Fine` changes nothing here: the answer comes 0.05 s after the standstill.
 """
 
 import re
@@ -40,7 +40,7 @@ from simulators.config import Joints
 from simulators.melfa import alarms
 from simulators.melfa.alarms import Refusal
 from simulators.melfa.controller import Controller, Run
-from simulators.melfa.resident import Resident, Stage
+from simulators.melfa.resident import Resident
 from simulators.melfa.values import rounded
 from simulators.serving import Answer, Pending, Session
 
@@ -71,7 +71,7 @@ class Datalink(Resident):
     """
 
     def __init__(self, controller: Controller, name: str = "CATSDL", number_format: str = "plain") -> None:
-        super().__init__(name, controller.changed)
+        super().__init__(name, controller.require_start, controller.changed)
         self.controller = controller
         self.client: DatalinkSession | None = None
         self._format = _FORMATS[number_format]
@@ -102,15 +102,22 @@ class Datalink(Resident):
             Refusal: the program halts with this alarm.
         """
         number, command, *values = record
-        handler = self._handlers.get(command)
-        if handler is None:
-            return self._record(number, -1.0, command)
-        return handler(self, number, values)
+        handlers: dict[float, Callable[[float, list[float]], bytes | Run]] = {
+            1: self._add,
+            2: self._start,
+            3: self._read,
+            4: self._forget,
+            5: self._identify,
+            6: self._set_speed,
+            7: self._finish,
+        }
+        handler = handlers.get(command)
+        return _record(number, -1, f"{command:g}") if handler is None else handler(number, values)
 
     def arrived(self, number: float) -> bytes:
         """Return the answer to a drive that is over."""
         self._run = None
-        return self._tell(number, 2.0)
+        return self._tell(number, 2)
 
     def time_left_s(self) -> float | None:
         """Return the bench time at which the drive is over, None when it is."""
@@ -122,15 +129,15 @@ class Datalink(Resident):
 
     def _add(self, number: float, values: list[float]) -> bytes:
         if len(self._points) >= MOST_POINTS:
-            return self._record(number, -2.0, alarms.COUNT)
+            return _record(number, -2, str(alarms.COUNT))
         j1, j2, j3, j4 = values
         self._points.append(rounded((j1, j2, j3, j4)))
-        return self._record(number, 1.0, len(self._points))
+        return _record(number, 1, str(len(self._points)))
 
     def _start(self, number: float, values: list[float]) -> bytes | Run:
         del values
         if not self._points:
-            return self._tell(number, 2.0)
+            return self._tell(number, 2)
         points, self._points = self._points, []
         self._run = self._drive(points)
         return self._run
@@ -149,38 +156,39 @@ class Datalink(Resident):
 
     def _read(self, number: float, values: list[float]) -> bytes:
         del values
-        return self._tell(number, 3.0)
+        return self._tell(number, 3)
 
     def _forget(self, number: float, values: list[float]) -> bytes:
         del values
         self._points = []
-        return self._record(number, 4.0)
+        return _record(number, 4)
 
     def _identify(self, number: float, values: list[float]) -> bytes:
         del values
-        return self._record(number, 5.0, 1.0, 4.0, 0.0, 1.0)
+        return _record(number, 5, "1", "4", "0", "1")
 
     def _set_speed(self, number: float, values: list[float]) -> bytes:
         percent, pulses, *_ = values
         if not 0.0 < percent <= 100.0 or pulses < 0.0:
             raise Refusal(alarms.OUT_OF_RANGE)
         self._percent = percent
-        return self._record(number, 6.0, percent, pulses)
+        return _record(number, 6, self._printed(percent), self._printed(pulses))
 
     def _finish(self, number: float, values: list[float]) -> bytes:
         del values
         self.reset()
-        return self._record(number, 7.0)
+        return _record(number, 7)
 
-    def _tell(self, number: float, command: float) -> bytes:
-        return self._record(number, command, *self.controller.bench.joints)
+    def _tell(self, number: float, command: int) -> bytes:
+        return _record(number, command, *map(self._printed, self.controller.bench.joints))
 
-    def _record(self, number: float, command: float, *values: float) -> bytes:
-        fields = (*values, 0.0, 0.0, 0.0, 0.0)[:4]
-        told = (self._format.format(_FLOAT.unpack(_FLOAT.pack(value))[0] + 0.0) for value in fields)
-        return f"{number:g},{command:g},{','.join(told)}\r".encode("ascii")
+    def _printed(self, value: float) -> str:
+        return self._format.format(_FLOAT.unpack(_FLOAT.pack(value))[0])
 
-    _handlers = {1: _add, 2: _start, 3: _read, 4: _forget, 5: _identify, 6: _set_speed, 7: _finish}  # noqa: RUF012  # never changed
+
+def _record(number: float, command: int, *fields: str) -> bytes:
+    four = (*fields, "0", "0", "0", "0")[:4]
+    return f"{number:.0f},{command},{','.join(four)}\r".encode("ascii")
 
 
 class DatalinkSession(Session):
@@ -238,8 +246,7 @@ class DatalinkSession(Session):
     def _take_place(self) -> None:
         if self._program.client is None:
             self._program.client = self
-            if self._program.stage is Stage.AT_TOP:
-                self._program.start()
+            self._program.wake()
 
     def _until_served(self) -> float | None:
         return None if self._served else self._program.controller.bench.time_s + _LATER_S

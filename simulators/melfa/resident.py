@@ -9,6 +9,7 @@ from collections.abc import Callable
 from enum import Enum
 
 from simulators.melfa import alarms
+from simulators.melfa.alarms import Refusal
 
 
 class Stage(Enum):
@@ -24,11 +25,13 @@ class Resident:
 
     Args:
         name: by which RUN starts it.
+        require_start: raises a refusal while no program may start.
         changed: called when it goes on or begins anew: those who wait for it look again.
     """
 
-    def __init__(self, name: str, changed: Callable[[], None]) -> None:
+    def __init__(self, name: str, require_start: Callable[[], None], changed: Callable[[], None]) -> None:
         self.name = name
+        self._require_start = require_start
         self.stage = Stage.RUNNING
         self._changed = changed
 
@@ -43,6 +46,16 @@ class Resident:
             self.go_on()
         self.stage = Stage.RUNNING
         self._changed()
+
+    def wake(self) -> None:
+        """Take a client's first word as the operator's start, if the program waits at its top and may start."""
+        if self.stage is not Stage.AT_TOP:
+            return
+        try:
+            self._require_start()
+        except Refusal:
+            return
+        self.start()
 
     def halt(self, number: int) -> None:
         """Stop where it is; switching the servo off alone stops nothing unless the program needs the arm.
