@@ -1,0 +1,148 @@
+"""The driver that the conformance suite examines, and what may be done with it."""
+
+import json
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any, Literal, get_args
+
+from drivers.registry import load_driver
+from simulators.protocols import PROTOCOLS
+
+Kind = Literal["robot", "interferometer", "environment", "tracker"]
+
+KINDS: tuple[Kind, ...] = get_args(Kind)
+
+METHODS: dict[Kind, tuple[str, ...]] = {
+    "robot": ("status", "servo", "set_override", "move_joints", "joints", "stop"),
+    "interferometer": ("zero", "read", "status"),
+    "environment": ("sample",),
+    "tracker": ("locate",),
+}
+"""What a driver of each kind has besides `connect` and `close`; see procedures/devices.py."""
+
+QUESTIONS: dict[Kind, str] = {
+    "robot": "joints",
+    "interferometer": "read",
+    "environment": "sample",
+    "tracker": "locate",
+}
+"""The question that the checks of the link ask."""
+
+DOORS: dict[str, dict[str, str]] = {
+    "melfa-r3": {"endpoint": "melfa-r3"},
+    "melfa-datalink": {"endpoint": "melfa-r3", "datalink_endpoint": "melfa-datalink"},
+    "melfa-mxt": {"endpoint": "melfa-r3", "mxt_endpoint": "melfa-mxt"},
+    "bench-tracker": {},
+}
+"""Emulated protocols behind the endpoints of drivers that do not have just one of their own name."""
+
+_LEAST_PATIENCE_S = 5.0
+
+
+@dataclass(frozen=True)
+class Candidate:
+    """A driver to be examined.
+
+    Attributes:
+        name: its entry point in `catseye.drivers`.
+        driver: the class.
+        kind: what it is a driver of.
+        endpoint: what it is to talk to; None for the built-in emulator of the same name.
+        settings: as in a cell file.
+        allow_motion: a robot behind `endpoint` may be moved.
+    """
+
+    name: str
+    driver: Any
+    kind: Kind
+    endpoint: str | None = None
+    settings: Mapping[str, Any] = field(default_factory=dict)
+    allow_motion: bool = False
+
+    @property
+    def emulated(self) -> bool:
+        """Whether it talks to our emulator, with its control port."""
+        return self.endpoint is None
+
+    @property
+    def may_move(self) -> bool:
+        """Whether motion may be commanded."""
+        return self.emulated or self.allow_motion
+
+    @property
+    def has_proxy(self) -> bool:
+        """Whether faults of the link can be made, which takes a TCP link."""
+        return self.endpoint is None or self.endpoint.startswith("tcp://")
+
+    @property
+    def doors(self) -> dict[str, str]:
+        """Emulated protocols by the names of the endpoints that `at` takes."""
+        return DOORS.get(self.name, {"endpoint": self.name})
+
+    @property
+    def patience_s(self) -> float:
+        """How long a question may take at most: a few times the longest time-out of the settings."""
+        fields = self.driver.Settings.model_fields
+        times = [
+            self.settings.get(name, info.default)
+            for name, info in fields.items()
+            # Motions have time-outs of their own, which no question waits for.
+            if name.endswith("timeout_s") and not name.startswith("move")
+        ]
+        longest_s = max((float(t) for t in times if isinstance(t, int | float)), default=0.0)
+        return max(_LEAST_PATIENCE_S, 4.0 * longest_s)
+
+
+def candidate_of(
+    name: str,
+    *,
+    kind: Kind | None = None,
+    endpoint: str | None = None,
+    settings: Mapping[str, Any] | None = None,
+    allow_motion: bool = False,
+) -> Candidate:
+    """Return a driver by its entry point.
+
+    Args:
+        name: entry point in the group `catseye.drivers`.
+        kind: of instrument; None: as its methods tell.
+        endpoint: what it is to talk to; None for the built-in emulator.
+        settings: as in a cell file.
+        allow_motion: a robot behind `endpoint` may be moved.
+
+    Raises:
+        LookupError: there is no such driver, no emulator for it, or it is of no known kind; the text says what to do.
+    """
+    driver = load_driver(name)
+    found = kind or _kind(name, driver)
+    candidate = Candidate(name, driver, found, endpoint, dict(settings or {}), allow_motion)
+    if candidate.emulated and not set(candidate.doors.values()) <= PROTOCOLS.keys():
+        raise LookupError(
+            f"there is no emulator for {name}: give --endpoint URL of the device or of an emulator"
+        )
+    return candidate
+
+
+def parse_setting(text: str) -> tuple[str, Any]:
+    """Read `key=value`; the value is JSON, or text when it is none.
+
+    Raises:
+        ValueError: there is no `=`.
+    """
+    key, equals, value = text.partition("=")
+    if not equals:
+        raise ValueError(f"--setting {text}: write key=value, such as --setting timeout_s=0.5")
+    try:
+        return key, json.loads(value)
+    except ValueError:
+        return key, value
+
+
+def _kind(name: str, driver: Any) -> Kind:
+    for kind in KINDS:
+        if all(hasattr(driver, method) for method in METHODS[kind]):
+            return kind
+    wanted = "; ".join(f"{kind}: {', '.join(methods)}" for kind, methods in METHODS.items())
+    raise LookupError(
+        f"{name} has the methods of no kind of instrument ({wanted}): give --kind, or add what is missing"
+    )

@@ -1,0 +1,1 @@
+"""What a driver has to do, check by check."""

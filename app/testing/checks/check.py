@@ -1,0 +1,71 @@
+"""One check of the conformance suite: what it needs, and how it is run."""
+
+import asyncio
+from collections.abc import Awaitable, Callable
+from dataclasses import dataclass
+from typing import Literal
+
+from app.testing.candidate import KINDS, Candidate, Kind
+from app.testing.trial import NotConformingError, Trial, trial_of
+
+Need = Literal["proxy", "bench", "motion"]
+
+_REASONS: dict[Need, str] = {
+    "proxy": "faults of a link can be made on TCP links only: reach the device through a serial device server",
+    "bench": "needs an emulated bench with its control port, which exists for the built-in emulators only",
+    "motion": "moves the robot: give --allow-motion when it may move",
+}
+_LONGEST_S = 60.0
+
+
+@dataclass(frozen=True)
+class Check:
+    """Something that a driver has to do.
+
+    Attributes:
+        body: does it; its docstring says what is asked of the driver.
+        kinds: of instruments that it concerns.
+        needs: what has to be there.
+    """
+
+    body: Callable[[Trial], Awaitable[None]]
+    kinds: tuple[Kind, ...] = KINDS
+    needs: tuple[Need, ...] = ()
+
+    @property
+    def name(self) -> str:
+        """For reports."""
+        return self.body.__name__
+
+    def obstacle(self, candidate: Candidate) -> str | None:
+        """Return why the check does not apply to a driver; None when it does."""
+        if candidate.kind not in self.kinds:
+            return f"concerns {' and '.join(self.kinds)} drivers"
+        present: dict[Need, bool] = {
+            "proxy": candidate.has_proxy,
+            "bench": candidate.emulated,
+            "motion": candidate.may_move,
+        }
+        return next((_REASONS[need] for need in self.needs if not present[need]), None)
+
+
+def run_check(check: Check, candidate: Candidate) -> None:
+    """Run a check on a bench of its own, on an event loop of its own.
+
+    Raises:
+        NotConformingError: the driver does not conform.
+    """
+    with trial_of(candidate) as trial:
+        asyncio.run(_bounded(check, trial))
+
+
+async def _bounded(check: Check, trial: Trial) -> None:
+    try:
+        async with asyncio.timeout(_LONGEST_S) as limit:
+            await check.body(trial)
+    except TimeoutError as error:
+        if not limit.expired():
+            raise NotConformingError(
+                "a TimeoutError came out of the driver: raise LinkTimeoutError with a text that names the device"
+            ) from error
+        raise NotConformingError(f"{check.name} did not end within {_LONGEST_S:g} s") from None

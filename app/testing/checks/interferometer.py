@@ -1,0 +1,195 @@
+"""What a measurement relies on in a length counter's driver."""
+
+import contextlib
+import math
+from typing import Any
+
+from app.testing.candidate import Kind
+from app.testing.checks.check import Check
+from app.testing.trial import Trial, expect
+from drivers.errors import DeviceError
+
+_KINDS: tuple[Kind, ...] = ("interferometer",)
+_SHIFT_MM = 0.5
+_SAME_MM = 0.01
+_REFLECTOR = "P2"
+_TRIES = 40
+
+
+async def it_says_who_corrects_for_the_air(trial: Trial) -> None:
+    """`compensated` says `none` or `instrument`, so that nothing is corrected twice."""
+    said = getattr(trial.new_driver(), "compensated", None)
+    expect(said in {"none", "instrument"}, f"compensated is {said!r}, it has to be 'none' or 'instrument'")
+
+
+async def status_and_reading_agree(trial: Trial) -> None:
+    """Readings are finite lengths, the signal lies in 0...1, and both tell of the same zero."""
+    async with trial.connected() as driver:
+        reading, status = await trial.ask(driver), await trial.in_time(driver.status(), "status()")
+        expect(math.isfinite(reading.displacement_mm), f"displacement_mm is {reading.displacement_mm!r}")
+        expect(math.isfinite(reading.time_s), f"time_s is {reading.time_s!r}")
+        expect(0.0 <= status.signal <= 1.0, f"the signal is {status.signal!r}, it has to lie in 0...1")
+        for name in ("beam_ok", "beam_lost", "overspeed", "laser_ready"):
+            value = getattr(status, name)
+            expect(isinstance(value, bool), f"status().{name} is {value!r}, it has to be True or False")
+        same = getattr(reading, "zero_id", 0) == getattr(status, "zero_id", 0)
+        expect(same, f"read() and status() tell of different zeros: {reading!r}, {status!r}")
+
+
+async def zeros_are_numbered(trial: Trial) -> None:
+    """Each `zero` returns a higher number than the one before; readings carry the last one."""
+    async with trial.connected() as driver:
+        numbers = [await _zero(trial, driver) for _ in range(3)]
+        expect(
+            numbers == sorted(set(numbers)),
+            f"the numbers of three zeros are {numbers}: they have to increase",
+        )
+        reading = await trial.ask(driver)
+        expect(
+            getattr(reading, "zero_id", numbers[-1]) == numbers[-1], f"{reading!r} after zero {numbers[-1]}"
+        )
+
+
+async def a_zero_makes_the_count_zero(trial: Trial) -> None:
+    """The first reading after a zero is zero."""
+    async with trial.connected() as driver:
+        await _shift(trial, driver, _SHIFT_MM)
+        await _zero(trial, driver)
+        await _expect_mm(trial, driver, 0.0, "after a zero")
+
+
+async def the_displacement_grows_with_the_beam(trial: Trial) -> None:
+    """A longer beam is a larger displacement, in mm."""
+    async with trial.connected() as driver:
+        await _zero(trial, driver)
+        way_mm = await _shift(trial, driver, _SHIFT_MM)
+        await _expect_mm(trial, driver, way_mm, "after the reflector moved away")
+        back_mm = way_mm + await _shift(trial, driver, -2.0 * _SHIFT_MM)
+        await _expect_mm(trial, driver, back_mm, "after the reflector came nearer")
+
+
+async def a_late_answer_belongs_to_no_question(trial: Trial) -> None:
+    """After a stall the next reading is of now, not the late answer to an older question."""
+    async with trial.connected() as driver:
+        await _zero(trial, driver)
+        trial.stall()
+        with contextlib.suppress(DeviceError):
+            await trial.ask(driver)
+        way_mm = await _shift(trial, driver, _SHIFT_MM)
+        trial.release()
+        reading = await trial.ask_after_trouble(driver)
+        expect(
+            abs(reading.displacement_mm - way_mm) < _SAME_MM,
+            f"{reading.displacement_mm} mm came after a stall, {way_mm:.4f} mm are right: drain the link and drop "
+            "what is late before the next request",
+        )
+
+
+async def a_lost_beam_is_latched_until_the_next_zero(trial: Trial) -> None:
+    """A beam that returns does not revive the count: `beam_lost` stays until a zero."""
+    async with trial.connected() as driver:
+        await _zero(trial, driver)
+        status = await trial.in_time(driver.status(), "status()")
+        expect(
+            status.beam_ok and not status.beam_lost,
+            f"the beam returns after a zero, and status() is {status!r}",
+        )
+        trial.device.fault("block_beam")
+        status = await _status_with(trial, driver, beam_ok=False)
+        expect(status.beam_lost, f"the beam is interrupted, and status() is {status!r}")
+        trial.device.clear_faults()
+        status = await _status_with(trial, driver, beam_ok=True)
+        expect(
+            status.beam_lost,
+            f"the beam is back and has revived the count: {status!r}: keep beam_lost latched",
+        )
+        await _zero(trial, driver)
+        status = await trial.in_time(driver.status(), "status()")
+        expect(not status.beam_lost, f"beam_lost is still set after a zero: {status!r}")
+
+
+async def a_beam_lost_between_two_questions_is_seen(trial: Trial) -> None:
+    """An interruption that is over before anybody asks is latched all the same."""
+    async with trial.connected() as driver:
+        await _zero(trial, driver)
+        trial.device.fault("block_beam")
+        trial.device.state()
+        trial.device.clear_faults()
+        status = await _status_with(trial, driver, beam_ok=True)
+        expect(status.beam_lost, f"the beam was interrupted for a moment, and status() is {status!r}")
+
+
+async def a_new_link_counts_as_a_lost_beam(trial: Trial) -> None:
+    """After the link was opened again nothing proves that the count went on: `beam_lost` until a zero."""
+    async with trial.connected() as driver:
+        await _zero(trial, driver)
+        trial.drop()
+        await trial.ask_after_trouble(driver)
+        status = await trial.in_time(driver.status(), "status()")
+        expect(
+            status.beam_lost, f"the link was opened again, and status() is {status!r}: note it as a lost beam"
+        )
+
+
+async def no_zero_without_a_beam(trial: Trial) -> None:
+    """Without a beam `zero` is refused, or the count is still marked as lost after it."""
+    async with trial.connected() as driver:
+        trial.device.fault("block_beam")
+        await _status_with(trial, driver, beam_ok=False)
+        try:
+            await _zero(trial, driver)
+        except DeviceError:
+            return
+        trial.device.clear_faults()
+        status = await _status_with(trial, driver, beam_ok=True)
+        expect(status.beam_lost, f"a zero without a beam made the count valid: {status!r}")
+
+
+async def _zero(trial: Trial, driver: Any) -> int:
+    number: int = await trial.in_time(driver.zero(), "zero()")
+    return number
+
+
+async def _shift(trial: Trial, driver: Any, along_mm: float) -> float:
+    """Move the reflector along the beam; return by how much the beam has grown."""
+    del driver
+    beam = trial.device.state()["beam"]
+    way_rad = math.radians(beam["direction_deg"])
+    shift = {"dx_mm": along_mm * math.cos(way_rad), "dy_mm": along_mm * math.sin(way_rad)}
+    trial.device.fault("move_reflector", reflector=_REFLECTOR, **shift)
+    return float(trial.device.state()["beam"]["length_mm"]) - float(beam["length_mm"])
+
+
+async def _expect_mm(trial: Trial, driver: Any, right_mm: float, when: str) -> None:
+    """A stream may still carry an older value: the first few readings may."""
+    reading = await trial.ask(driver)
+    for _ in range(_TRIES):
+        if abs(reading.displacement_mm - right_mm) < _SAME_MM:
+            return
+        reading = await trial.ask(driver)
+    expect(False, f"{when} the displacement is {reading.displacement_mm} mm, {right_mm:.4f} mm are right")
+
+
+async def _status_with(trial: Trial, driver: Any, *, beam_ok: bool) -> Any:
+    """Ask until the state of the beam has reached the driver: a stream may still carry an older one."""
+    status = await trial.in_time(driver.status(), "status()")
+    for _ in range(_TRIES):
+        if status.beam_ok == beam_ok:
+            return status
+        status = await trial.in_time(driver.status(), "status()")
+    expect(False, f"the beam {'returns' if beam_ok else 'is interrupted'}, and status() stays at {status!r}")
+    return status
+
+
+CHECKS = (
+    Check(it_says_who_corrects_for_the_air, _KINDS),
+    Check(status_and_reading_agree, _KINDS),
+    Check(zeros_are_numbered, _KINDS),
+    Check(a_zero_makes_the_count_zero, _KINDS, ("bench",)),
+    Check(the_displacement_grows_with_the_beam, _KINDS, ("bench",)),
+    Check(a_late_answer_belongs_to_no_question, _KINDS, ("bench", "proxy")),
+    Check(a_lost_beam_is_latched_until_the_next_zero, _KINDS, ("bench",)),
+    Check(a_beam_lost_between_two_questions_is_seen, _KINDS, ("bench",)),
+    Check(a_new_link_counts_as_a_lost_beam, _KINDS, ("proxy",)),
+    Check(no_zero_without_a_beam, _KINDS, ("bench",)),
+)

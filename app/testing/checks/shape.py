@@ -1,0 +1,126 @@
+"""What can be seen of a driver without any device."""
+
+import inspect
+import re
+from typing import Any
+
+from pydantic import BaseModel, ValidationError
+
+from app.testing.candidate import METHODS
+from app.testing.checks.check import Check
+from app.testing.trial import Trial, expect
+from drivers.clock import SystemClock
+from drivers.errors import DeviceError
+
+_UNITS = "s|ms|us|mm|um|nm|pm|m|deg|mdeg|rad|mm_s|deg_s|mm_s2|deg_s2|hz|khz|c|k|hpa|pa|kpa|percent|permille|ppm|v|a|w"
+_WITH_UNIT = re.compile(rf"(?:^|_)(?:{_UNITS})$")
+_WITHOUT_UNIT = re.compile(
+    r"scale|factor|ratio|sign|index|gain|weight|count|coefficient|full_scale|smoothing"
+)
+"""Names of numbers that have no unit."""
+
+
+async def at_makes_a_driver_and_opens_nothing(trial: Trial) -> None:
+    """`at(endpoint, clock, sink=None, **settings)` is a classmethod and does not touch the device."""
+    made_by = inspect.getattr_static(trial.candidate.driver, "at", None)
+    expect(isinstance(made_by, classmethod), "the class has no classmethod `at`")
+    first = list(inspect.signature(trial.candidate.driver.at).parameters)[:3]
+    expect(
+        first == ["endpoint", "clock", "sink"], f"at() begins with {first}, not with endpoint, clock, sink"
+    )
+    driver = trial.new_driver()
+    expect(isinstance(driver, trial.candidate.driver), f"at() returned {driver!r}")
+    expect(trial.connections == 0, "at() has opened a link: open it in connect()")
+
+
+async def settings_are_a_strict_closed_model(trial: Trial) -> None:
+    """`Settings` is a pydantic model that takes no unknown key and converts no type."""
+    model = getattr(trial.candidate.driver, "Settings", None)
+    expect(
+        isinstance(model, type) and issubclass(model, BaseModel), "the class has no pydantic model `Settings`"
+    )
+    config = _settings(trial).model_config
+    expect(config.get("extra") == "forbid", 'Settings accepts unknown keys: set extra="forbid"')
+    expect(bool(config.get("strict")), "Settings converts types, so that '1' is taken for 1: set strict=True")
+
+
+async def settings_are_described_with_units(trial: Trial) -> None:
+    """Each setting stands in the docstring of `Settings`; the name of a quantity ends in its unit."""
+    model = _settings(trial)
+    told = "\n".join(parent.__doc__ or "" for parent in model.__mro__ if parent is not BaseModel)
+    for name, field in model.model_fields.items():
+        expect(
+            re.search(rf"\b{name}\b", told) is not None,
+            f"the docstring of Settings does not tell of {name!r}",
+        )
+        expect(
+            field.annotation is not float or _has_unit(name), f"setting {name!r}: end the name in its unit"
+        )
+
+
+async def an_unknown_setting_is_refused(trial: Trial) -> None:
+    """`at` refuses a setting that it does not know, so that a slip of the pen shows."""
+    at = trial.candidate.driver.at
+    try:
+        at("tcp://127.0.0.1:9", SystemClock(), **_doors(trial), no_such_setting=1)
+    except (TypeError, ValidationError, DeviceError):
+        return
+    expect(False, "at(..., no_such_setting=1) was accepted: hand the settings to Settings(**settings)")
+
+
+async def a_wrong_endpoint_is_told(trial: Trial) -> None:
+    """`at` answers an endpoint that is none with a DeviceError that shows it."""
+    try:
+        trial.new_driver("carrier-pigeon://loft")
+    except DeviceError as error:
+        expect("carrier-pigeon" in str(error), f"the text does not show the endpoint: {error}")
+        return
+    expect(False, "at('carrier-pigeon://loft', ...) was accepted")
+
+
+async def methods_are_coroutines_with_docstrings(trial: Trial) -> None:
+    """The methods of the kind are there, are coroutines and, as all public ones, say what they do."""
+    driver = trial.candidate.driver
+    for name in ("connect", "close", *METHODS[trial.candidate.kind]):
+        method = getattr(driver, name, None)
+        expect(inspect.iscoroutinefunction(method), f"{name} has to be a coroutine method (async def)")
+    for name, member in inspect.getmembers(driver, inspect.isroutine):
+        if name.startswith("_"):
+            continue
+        line = (inspect.getdoc(member) or "").split("\n")[0]
+        expect(line.endswith("."), f"{name}: begin its docstring with a sentence that ends in a full stop")
+
+
+async def arguments_carry_units(trial: Trial) -> None:
+    """The name of an argument that is a quantity ends in its unit."""
+    for name, member in inspect.getmembers(trial.candidate.driver, inspect.isroutine):
+        if name.startswith("_"):
+            continue
+        for argument in inspect.signature(member).parameters.values():
+            plain = argument.annotation not in {float, "float"}
+            expect(plain or _has_unit(argument.name), f"{name}({argument.name}): end the name in its unit")
+
+
+def _settings(trial: Trial) -> type[BaseModel]:
+    model: Any = trial.candidate.driver.Settings
+    checked: type[BaseModel] = model
+    return checked
+
+
+def _doors(trial: Trial) -> dict[str, str]:
+    return {name: value for name, value in trial.endpoints.items() if name != "endpoint"}
+
+
+def _has_unit(name: str) -> bool:
+    return bool(_WITH_UNIT.search(name) or _WITHOUT_UNIT.search(name))
+
+
+CHECKS = (
+    Check(at_makes_a_driver_and_opens_nothing),
+    Check(settings_are_a_strict_closed_model),
+    Check(settings_are_described_with_units),
+    Check(an_unknown_setting_is_refused),
+    Check(a_wrong_endpoint_is_told),
+    Check(methods_are_coroutines_with_docstrings),
+    Check(arguments_carry_units),
+)

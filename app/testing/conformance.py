@@ -1,0 +1,26 @@
+"""The conformance suite for drivers: `pytest --pyargs app.testing.conformance --driver NAME`.
+
+NAME is an entry point in `catseye.drivers`. Without `--endpoint` the driver talks to the built-in emulator of the
+same name; with it, to whatever is there. docs/write-a-driver.md tells more.
+"""
+
+import pytest
+
+from app.testing.candidate import Candidate
+from app.testing.checks.catalogue import applicable
+from app.testing.checks.check import Check, run_check
+from app.testing.conformance_options import CANDIDATE
+
+
+def pytest_generate_tests(metafunc: pytest.Metafunc) -> None:
+    """Make one test of each check that applies."""
+    candidate = metafunc.config.stash[CANDIDATE]
+    checks = applicable(candidate)
+    metafunc.parametrize(
+        ("check", "candidate"), [(check, candidate) for check in checks], ids=[c.name for c in checks]
+    )
+
+
+def test_driver(check: Check, candidate: Candidate) -> None:
+    """The driver does what the check asks."""
+    run_check(check, candidate)

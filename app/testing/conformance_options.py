@@ -1,0 +1,61 @@
+"""Options and summary of the conformance suite; loaded when the suite is asked for by its name."""
+
+import pytest
+
+from app.testing.candidate import KINDS, Candidate, candidate_of, parse_setting
+from app.testing.checks.catalogue import not_applicable
+
+CANDIDATE = pytest.StashKey[Candidate]()
+"""The driver under examination."""
+
+
+def pytest_addoption(parser: pytest.Parser) -> None:
+    """Add the options of the suite."""
+    group = parser.getgroup("catseye driver conformance")
+    group.addoption("--driver", metavar="NAME", help="entry point of the driver in catseye.drivers")
+    group.addoption(
+        "--endpoint", metavar="URL", help="of a device or emulator; default: the built-in emulator"
+    )
+    group.addoption(
+        "--setting",
+        metavar="KEY=VALUE",
+        action="append",
+        default=[],
+        help="a setting of the driver; may be repeated",
+    )
+    group.addoption("--kind", choices=KINDS, help="what it is a driver of; default: as its methods tell")
+    group.addoption(
+        "--allow-motion", action="store_true", help="the robot behind --endpoint may move, slowly"
+    )
+
+
+def pytest_configure(config: pytest.Config) -> None:
+    """Find the driver.
+
+    Raises:
+        pytest.UsageError: there is none of that name, or an option is wrong.
+    """
+    name = config.getoption("--driver")
+    if not name:
+        raise pytest.UsageError(
+            "the conformance suite needs --driver NAME, an entry point in catseye.drivers"
+        )
+    try:
+        config.stash[CANDIDATE] = candidate_of(
+            name,
+            kind=config.getoption("--kind"),
+            endpoint=config.getoption("--endpoint"),
+            settings=dict(map(parse_setting, config.getoption("--setting"))),
+            allow_motion=config.getoption("--allow-motion"),
+        )
+    except (LookupError, ValueError) as error:
+        raise pytest.UsageError(str(error.args[0])) from error
+
+
+def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter, config: pytest.Config) -> None:
+    """Say what was examined, and which checks did not apply and why."""
+    candidate = config.stash[CANDIDATE]
+    behind = candidate.endpoint or "the built-in emulator"
+    terminalreporter.section(f"conformance of {candidate.name}, {candidate.kind} driver, with {behind}")
+    for name, reason in not_applicable(candidate).items():
+        terminalreporter.write_line(f"not applicable: {name}: {reason}")

@@ -1,0 +1,145 @@
+"""What can happen to a TCP link, between a driver and whatever it talks to."""
+
+import asyncio
+from collections.abc import AsyncIterator, Iterator
+from contextlib import asynccontextmanager, contextmanager
+
+from app.testing.loop_thread import LoopThread
+
+_CHUNK_BYTES = 4096
+
+
+class Proxy:
+    """Passes bytes on in both directions, and spoils the way back from the device when it is told to.
+
+    The attributes may be set from another thread; they hold for all connections.
+
+    Args:
+        device: host and port of the device; None for a device that takes everything and answers by `says`.
+        says: what such a device answers to whatever comes.
+
+    Attributes:
+        stalled: what the device says is held back, and comes late when this is taken back.
+        muted: what the device says is lost.
+        one_by_one: what the device says comes a byte at a time.
+        connections: how many are open.
+    """
+
+    def __init__(self, device: tuple[str, int] | None, says: bytes = b"") -> None:
+        self.stalled = False
+        self.muted = False
+        self.one_by_one = False
+        self.connections = 0
+        self.endpoint = ""
+        self._device = device
+        self._says = says
+        self._writers: set[asyncio.StreamWriter] = set()
+        self._tasks: set[asyncio.Task[None]] = set()
+        self._loop = asyncio.get_running_loop()
+
+    def drop(self) -> None:
+        """Reset all connections; may be called from another thread."""
+        self._loop.call_soon_threadsafe(self._reset)
+
+    @asynccontextmanager
+    async def serving(self) -> AsyncIterator["Proxy"]:
+        """Listen on a free port inside the context."""
+        server = await asyncio.start_server(self._accept, "127.0.0.1", 0)
+        self.endpoint = f"tcp://127.0.0.1:{server.sockets[0].getsockname()[1]}"
+        try:
+            yield self
+        finally:
+            server.close()
+            self._reset()
+            for task in self._tasks:
+                task.cancel()
+            if self._tasks:
+                await asyncio.wait(self._tasks)
+            await server.wait_closed()
+
+    def _reset(self) -> None:
+        for writer in self._writers:
+            writer.transport.abort()
+
+    def _accept(self, reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
+        task = asyncio.get_running_loop().create_task(self._serve(reader, writer))
+        self._tasks.add(task)
+        task.add_done_callback(self._tasks.discard)
+
+    async def _serve(self, reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
+        self.connections += 1
+        self._writers.add(writer)
+        try:
+            if self._device is None:
+                await self._answer(reader, writer)
+            else:
+                await self._pass_on(self._device, reader, writer)
+        except OSError:
+            # Either side may be gone at any moment; both are closed below.
+            return
+        finally:
+            self.connections -= 1
+            self._writers.discard(writer)
+            writer.transport.abort()
+
+    async def _answer(self, reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
+        while await reader.read(_CHUNK_BYTES):
+            writer.write(self._says)
+
+    async def _pass_on(
+        self, device: tuple[str, int], reader: asyncio.StreamReader, writer: asyncio.StreamWriter
+    ) -> None:
+        from_device, to_device = await asyncio.open_connection(*device)
+        self._writers.add(to_device)
+        try:
+            ways = [
+                asyncio.ensure_future(self._forth(reader, to_device)),
+                asyncio.ensure_future(self._back(from_device, writer)),
+            ]
+            try:
+                await asyncio.wait(ways, return_when=asyncio.FIRST_COMPLETED)
+            finally:
+                for way in ways:
+                    way.cancel()
+                await asyncio.gather(*ways, return_exceptions=True)
+        finally:
+            self._writers.discard(to_device)
+            to_device.transport.abort()
+
+    async def _forth(self, reader: asyncio.StreamReader, to_device: asyncio.StreamWriter) -> None:
+        while data := await reader.read(_CHUNK_BYTES):
+            to_device.write(data)
+
+    async def _back(self, from_device: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
+        while data := await from_device.read(_CHUNK_BYTES):
+            while self.stalled:  # noqa: ASYNC110  # the flag is set by another thread
+                await asyncio.sleep(0.002)
+            if not self.muted:
+                await self._say(data, writer)
+
+    async def _say(self, data: bytes, writer: asyncio.StreamWriter) -> None:
+        size = 1 if self.one_by_one else len(data)
+        for start in range(0, len(data), size):
+            writer.write(data[start : start + size])
+            await writer.drain()
+            # Another turn of the loop, so that the pieces leave one by one.
+            await asyncio.sleep(0)
+
+
+class ProxyThread(LoopThread):
+    """A thread in which proxies run."""
+
+    @contextmanager
+    def proxy(self, device: tuple[str, int] | None, says: bytes = b"") -> Iterator[Proxy]:
+        """Run a proxy inside the context; see `Proxy` for the arguments."""
+        proxy = self.run(_made(device, says))
+        serving = proxy.serving()
+        self.run(serving.__aenter__())
+        try:
+            yield proxy
+        finally:
+            self.run(serving.__aexit__(None, None, None))
+
+
+async def _made(device: tuple[str, int] | None, says: bytes) -> Proxy:
+    return Proxy(device, says)

@@ -1,0 +1,201 @@
+"""One check's bench: the driver's device, the proxies on its links, and what the check may ask."""
+
+import asyncio
+import contextlib
+from collections.abc import AsyncIterator, Iterator
+from contextlib import asynccontextmanager, contextmanager
+from dataclasses import dataclass
+from typing import Any
+from urllib.parse import urlsplit
+
+from app.testing.bench import RunningBench, bench_config, bench_in_thread
+from app.testing.candidate import QUESTIONS, Candidate
+from app.testing.proxy import Proxy, ProxyThread
+from drivers.clock import SystemClock
+from drivers.errors import DeviceError
+from simulators.config import EmulatedDevice
+
+ROBOT = "robot"
+
+
+class NotConformingError(AssertionError):
+    """A driver does not do what a driver has to; the text says what, and what came instead."""
+
+
+def expect(condition: bool, text: str) -> None:
+    """Fail the check with a text unless a condition holds.
+
+    Raises:
+        NotConformingError: it does not hold.
+    """
+    if not condition:
+        raise NotConformingError(text)
+
+
+@dataclass(frozen=True)
+class Trial:
+    """What a check works with.
+
+    Attributes:
+        candidate: the driver under examination.
+        endpoints: what `at` is given: `endpoint` and perhaps further ones.
+        proxies: on the links, empty when the links are not TCP.
+        threads: runs further proxies.
+        bench: our emulated bench; None with another device.
+    """
+
+    candidate: Candidate
+    endpoints: dict[str, str]
+    proxies: list[Proxy]
+    threads: ProxyThread
+    bench: RunningBench | None
+
+    @property
+    def device(self) -> RunningBench:
+        """The emulated bench, for checks that need one."""
+        if self.bench is None:
+            raise NotConformingError("this check needs an emulated bench")
+        return self.bench
+
+    def new_driver(self, endpoint: str | None = None) -> Any:
+        """Return an unconnected driver.
+
+        Args:
+            endpoint: another one than the device's.
+        """
+        further = {key: value for key, value in self.endpoints.items() if key != "endpoint"}
+        chosen = self.endpoints["endpoint"] if endpoint is None else endpoint
+        return self.candidate.driver.at(chosen, SystemClock(), **further, **self.candidate.settings)
+
+    @asynccontextmanager
+    async def connected(self) -> AsyncIterator[Any]:
+        """Yield a connected driver; it is closed at the end."""
+        driver = self.new_driver()
+        try:
+            await self.in_time(driver.connect(), "connect()")
+            yield driver
+        finally:
+            # The end of the check does not hang on a driver that does not close.
+            with contextlib.suppress(TimeoutError):
+                await asyncio.wait_for(driver.close(), self.candidate.patience_s)
+
+    async def ask(self, driver: Any) -> Any:
+        """Ask the question of this kind of instrument."""
+        name = QUESTIONS[self.candidate.kind]
+        return await self.in_time(getattr(driver, name)(), f"{name}()")
+
+    async def ask_after_trouble(self, driver: Any) -> Any:
+        """Ask; one LinkError more is allowed, by which the driver tells of the trouble.
+
+        Raises:
+            NotConformingError: the driver does not come back.
+        """
+        try:
+            return await self.ask(driver)
+        except DeviceError:
+            pass
+        try:
+            return await self.ask(driver)
+        except DeviceError as error:
+            raise NotConformingError(
+                f"the link is sound again, but the second question still fails with {error!r}: open the link anew, "
+                "drain it and ask who is there before the next request"
+            ) from error
+
+    async def in_time(self, work: Any, what: str) -> Any:
+        """Await something, but not for ever.
+
+        Raises:
+            NotConformingError: it takes longer than a few of the driver's time-outs.
+        """
+        patience_s = self.candidate.patience_s
+        try:
+            async with asyncio.timeout(patience_s) as limit:
+                return await work
+        except TimeoutError:
+            if not limit.expired():
+                raise
+            raise NotConformingError(
+                f"{what} did not end within {patience_s:g} s: bound every wait"
+            ) from None
+
+    def stall(self) -> None:
+        """Hold back whatever the device says from now on."""
+        for proxy in self.proxies:
+            proxy.stalled = True
+
+    def release(self) -> None:
+        """Let come late what was held back, and pass on again."""
+        for proxy in self.proxies:
+            proxy.stalled = proxy.muted = False
+
+    def mute(self) -> None:
+        """Lose whatever the device says from now on."""
+        for proxy in self.proxies:
+            proxy.muted = True
+
+    def drop(self) -> None:
+        """Break all links."""
+        for proxy in self.proxies:
+            proxy.drop()
+
+    def one_by_one(self) -> None:
+        """Have everything that the device says come a byte at a time."""
+        for proxy in self.proxies:
+            proxy.one_by_one = True
+
+    @property
+    def connections(self) -> int:
+        """How many links are open."""
+        return sum(proxy.connections for proxy in self.proxies)
+
+    def motions(self) -> list[str]:
+        """Return the motions that the emulated arm has begun, oldest first."""
+        return [text for text in self.deeds() if not text.startswith(("arrival", "stop"))]
+
+    def deeds(self) -> list[str]:
+        """Return everything that the emulated arm did, oldest first."""
+        return [entry.text for entry in self.device.journal(ROBOT) if entry.kind == "motion"]
+
+
+@contextmanager
+def trial_of(candidate: Candidate) -> Iterator[Trial]:
+    """Set up one check's bench; everything is gone at the end."""
+    with contextlib.ExitStack() as stack:
+        threads = stack.enter_context(ProxyThread("catseye proxies"))
+        bench: RunningBench | None = None
+        if candidate.emulated:
+            config = bench_config(*_devices(candidate))
+            bench = stack.enter_context(bench_in_thread(config))
+            endpoints = _bench_endpoints(candidate, bench)
+        else:
+            endpoints = {"endpoint": str(candidate.endpoint)}
+        proxies: list[Proxy] = []
+        for name, endpoint in endpoints.items():
+            if endpoint.startswith("tcp://"):
+                parts = urlsplit(endpoint)
+                proxy = stack.enter_context(threads.proxy((parts.hostname or "", parts.port or 0)))
+                proxies.append(proxy)
+                endpoints[name] = proxy.endpoint
+        yield Trial(candidate, endpoints, proxies, threads, bench)
+
+
+def _devices(candidate: Candidate) -> list[EmulatedDevice]:
+    """Return the emulated devices behind a driver's doors; drivers and emulators share the names of settings."""
+    options = {k: v for k, v in candidate.settings.items() if isinstance(v, str | int | float | bool)}
+    made = []
+    for door, protocol in candidate.doors.items():
+        kind = "udp" if protocol == "melfa-mxt" else "tcp"
+        made.append(EmulatedDevice(_device_name(candidate, door), protocol, f"{kind}://127.0.0.1:0", options))
+    return made
+
+
+def _bench_endpoints(candidate: Candidate, bench: RunningBench) -> dict[str, str]:
+    if candidate.kind == "tracker":
+        return {"endpoint": bench.control}
+    return {door: bench.endpoint(_device_name(candidate, door)) for door in candidate.doors}
+
+
+def _device_name(candidate: Candidate, door: str) -> str:
+    main = ROBOT if candidate.kind == "robot" else candidate.name
+    return main if door == "endpoint" else f"{main}-{door.removesuffix('_endpoint')}"
