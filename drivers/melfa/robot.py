@@ -1,8 +1,8 @@
 """A MELFA SCARA over the R-protocol of its controller.
 
-Two connections are held. The first one takes the operation right when something is to move and waits for the end
-of each motion; the second one is there for STOP, which must not queue behind that wait. STOP needs no operation
-right (sheet 1.7).
+Two connections are held. The first one takes the operation right when something is to move and waits for the end of
+each motion; the second one is for STOP, which must not queue behind that wait and needs no right (sheet 1.7). A
+serial line has one connection: there motions are started and polled, and STOP goes between two polls.
 """
 
 import asyncio
@@ -28,8 +28,9 @@ from drivers.link import uninterrupted
 from drivers.melfa import codec
 from drivers.melfa.alarms import STOP_IS_ON
 from drivers.melfa.codec import Answer, Layout
-from drivers.melfa.motion import JOINT_NAMES, VARIABLE, assignment, off_target, standstill
-from drivers.melfa.session import Session
+from drivers.melfa.controller import MelfaController
+from drivers.melfa.motion import VARIABLE, assignment, off_target, standstill
+from drivers.melfa.session import Session, byte_time_s
 from drivers.melfa.settings import MelfaSettings
 from drivers.readings import Identity, Joints, RobotStatus
 from drivers.record import Sink
@@ -50,9 +51,10 @@ class MelfaR3:
 
     Args:
         transport: connection that holds the operation right once it is needed.
-        stop_transport: connection for STOP; it may lead to another port of the same controller.
+        stop_transport: connection for STOP, on this or another port of the controller; None: there is but one.
         clock: time of the polls.
         settings: see there.
+        byte_s: time of one byte on a serial line, real s; 0 on a network.
     """
 
     Settings: ClassVar[type[MelfaSettings]] = MelfaSettings
@@ -60,14 +62,18 @@ class MelfaR3:
     def __init__(
         self,
         transport: Transport,
-        stop_transport: Transport,
+        stop_transport: Transport | None,
         clock: Clock,
         settings: MelfaSettings | None = None,
+        *,
+        byte_s: float = 0.0,
     ) -> None:
         self._settings = settings or MelfaSettings()
         self._clock = clock
-        self._main = Session(transport, self._settings, name="robot", set_up=self._take_over)
-        self._aside = Session(stop_transport, self._settings, name="robot (stop connection)")
+        self._main = Session(transport, self._settings, name="robot", set_up=self._take_over, byte_s=byte_s)
+        self._aside: Session | None = None
+        if stop_transport is not None:
+            self._aside = Session(stop_transport, self._settings, name="robot (stop connection)")
         self._has_aside = False
         self._declared = False
         self._has_right = False
@@ -99,22 +105,32 @@ class MelfaR3:
             settings: fields of `MelfaSettings`.
 
         Raises:
-            LinkError: an endpoint is wrong.
+            LinkError: an endpoint is wrong, or a serial line has no terminator.
             pydantic.ValidationError: a setting is unknown or wrong.
         """
         checked = MelfaSettings(**settings)
         timeout_s = checked.connect_timeout_s
-        return cls(
-            open_transport(endpoint, connect_timeout_s=timeout_s, sink=sink),
-            open_transport(stop_endpoint or endpoint, connect_timeout_s=timeout_s, sink=stop_sink or sink),
-            clock,
-            checked,
-        )
+        main = open_transport(endpoint, connect_timeout_s=timeout_s, sink=sink)
+        byte_s = byte_time_s(endpoint)
+        if byte_s and not checked.terminator:
+            raise LinkError(f"{endpoint}: on a serial line a request ends with CR: set terminator = '\\r'")
+        aside = None
+        # A serial line carries one conversation; a second one would be the same port.
+        if stop_endpoint or not byte_s:
+            aside = open_transport(
+                stop_endpoint or endpoint, connect_timeout_s=timeout_s, sink=stop_sink or sink
+            )
+        return cls(main, aside, clock, checked, byte_s=byte_s)
 
     @property
     def notes(self) -> tuple[str, ...]:
         """What an operator should know about this connection; empty when all is as it should be."""
         return tuple(filter(None, (self._right_note, self._aside_note)))
+
+    @property
+    def controller(self) -> MelfaController:
+        """The controller beyond motion: variables, programs, parameters, signals, log, monitors, jog."""
+        return MelfaController(self._main, self.take_right, self.stop)
 
     async def connect(self) -> Identity:
         """Open both connections and recognise the controller; nothing but questions is sent.
@@ -146,7 +162,8 @@ class MelfaR3:
         self._has_aside = False
         farewell = ("CNTLOFF",) if self._has_right else ()
         self._has_right = False
-        for session, commands in ((self._aside, ()), (self._main, farewell)):
+        both = ((self._aside, ()), (self._main, farewell))
+        for session, commands in ((session, commands) for session, commands in both if session is not None):
             # A request in flight holds the link until its own time-out; closing does not wait for it.
             with contextlib.suppress(TimeoutError):
                 async with asyncio.timeout(_CLOSE_TIMEOUT_S):
@@ -239,13 +256,7 @@ class MelfaR3:
             LinkError: lost or silent.
             ProtocolError: garbage came.
         """
-        answer = await self._main.ask("PNRMEJAR", codec.free_text, retry=True)
-        values = codec.parse_parameter(answer.payload, "MEJAR")
-        if len(values) < 2 * len(JOINT_NAMES):
-            raise ProtocolError(
-                f"{self._main.where}: MEJAR has {len(values)} values, 8 are needed for 4 joints"
-            )
-        return tuple((values[2 * i], values[2 * i + 1]) for i in range(len(JOINT_NAMES)))
+        return await self.controller.joint_limits()
 
     async def reset_alarm(self) -> None:
         """Reset the active alarm.
@@ -402,6 +413,9 @@ class MelfaR3:
             await ask(f"OVRD={self._override_percent}", codec.free_text)
 
     async def _open_aside(self) -> None:
+        if self._aside is None:
+            self._aside_note = "one line for all: motions are polled and STOP goes between two polls"
+            return
         try:
             await self._aside.open()
         except LinkError as exc:
@@ -452,7 +466,7 @@ class MelfaR3:
     @property
     def _side(self) -> Session:
         """The session that no motion blocks."""
-        return self._aside if self._has_aside else self._main
+        return self._aside if self._aside is not None and self._has_aside else self._main
 
     async def _stop(self) -> None:
         session = self._side

@@ -5,6 +5,7 @@ from collections.abc import Awaitable, Callable
 from functools import partial
 from typing import TypeVar
 
+from drivers.endpoint import SerialEndpoint, parse_endpoint
 from drivers.errors import (
     AlarmError,
     DeviceError,
@@ -25,6 +26,21 @@ from drivers.transport import Transport
 T = TypeVar("T")
 
 _JOINTS_OF_A_SCARA = 0x0F
+_QUIET_BYTES = 8
+_LONGEST_USUAL_ANSWER_BYTES = 512
+_CAUTION = 3
+
+
+def byte_time_s(endpoint: str) -> float:
+    """Return the time of one byte on a serial line, 0.0 on a network: start, data, parity and stop bits.
+
+    Raises:
+        ValueError: the text is no endpoint.
+    """
+    line = parse_endpoint(endpoint)
+    if not isinstance(line, SerialEndpoint):
+        return 0.0
+    return (1 + line.bits + (line.parity != "N") + float(line.stopbits)) / line.baud
 
 
 async def _nothing() -> None:
@@ -39,6 +55,7 @@ class Session:
         settings: of the driver.
         name: what is behind it, for texts.
         set_up: runs after each opening, the first one and those that heal; may use `greet_ask` only.
+        byte_s: time of one byte on a serial line, real s; 0 on a network.
     """
 
     def __init__(
@@ -48,12 +65,16 @@ class Session:
         *,
         name: str,
         set_up: Callable[[], Awaitable[None]] = _nothing,
+        byte_s: float = 0.0,
     ) -> None:
         self._settings = settings
         self._set_up = set_up
-        self._terminated = False
+        self._byte_s = byte_s
+        # On RS-232 every answer ends with CR (sheet 1.2): there silence ends none.
+        self._terminated = byte_s > 0.0
         self._opened: Opened | None = None
-        self.link = RequestLink(transport, name=name, greet=self._greet, quiet_s=settings.quiet_s)
+        quiet_s = settings.quiet_s + _QUIET_BYTES * byte_s
+        self.link = RequestLink(transport, name=name, greet=self._greet, quiet_s=quiet_s)
 
     @property
     def where(self) -> str:
@@ -105,10 +126,11 @@ class Session:
             LinkError: lost or silent.
             ProtocolError: garbage came.
         """
+        data = self._encode(command)
         answer = await self.link.request(
-            self._encode(command),
+            data,
             partial(codec.AnswerDecoder, layout, terminated=self._terminated),
-            timeout_s or self._settings.answer_timeout_s,
+            self._timeout_s(data, timeout_s),
             retry=retry,
             heal=heal,
         )
@@ -141,7 +163,8 @@ class Session:
             ProtocolError: garbage came.
         """
         decoder = codec.AnswerDecoder(layout, terminated=self._terminated)
-        answer = await self.link.exchange(self._encode(command), decoder, self._settings.answer_timeout_s)
+        data = self._encode(command)
+        answer = await self.link.exchange(data, decoder, self._timeout_s(data))
         self._terminated |= answer.terminated
         if not answer.accepted:
             raise self._refused(command, answer.number)
@@ -150,12 +173,12 @@ class Session:
     async def state(self) -> State:
         """Ask STATE."""
         answer = await self.ask("STATE", codec.state_text, retry=True)
-        return self._parsed("STATE", codec.parse_state, answer)
+        return self.parsed("STATE", codec.parse_state, answer)
 
     async def status(self) -> RobotStatus:
         """Ask STATE, and ERROR too when an alarm is flagged."""
         answer = await self.ask("STATE", codec.state_text, retry=True)
-        state = self._parsed("STATE", codec.parse_state, answer)
+        state = self.parsed("STATE", codec.parse_state, answer)
         number, level = await self.alarm() if answer.alarm or state.error else (0, 0)
         number = number or state.error
         return RobotStatus(
@@ -172,16 +195,17 @@ class Session:
     async def joints(self) -> Joints:
         """Ask JPOSF: J1 deg, J2 deg, J3 mm, J4 deg."""
         answer = await self.ask("JPOSF", codec.positions_text, retry=True)
-        axes = self._parsed("JPOSF", codec.parse_positions, answer)
+        axes = self.parsed("JPOSF", codec.parse_positions, answer)
         try:
             return axes["J1"], axes["J2"], axes["J3"], axes["J4"]
         except KeyError as exc:
             raise self._wrong("JPOSF", f"axis {exc} is missing in {answer.payload[:64]!r}") from None
 
     async def alarm(self) -> tuple[int, int]:
-        """Ask ERROR: alarm number and level, both 0 when there is none."""
+        """Ask ERROR: alarm number and level, both 0 when there is none; a caution stops nothing and is none."""
         answer = await self.ask("ERROR", codec.error_text, retry=True)
-        return self._parsed("ERROR", codec.parse_error, answer)
+        number, level = self.parsed("ERROR", codec.parse_error, answer)
+        return (number, level) if level != _CAUTION else (0, 0)
 
     async def raise_alarm(self, command: str) -> None:
         """Raise the active alarm, if there is one.
@@ -192,6 +216,11 @@ class Session:
         number, level = await self.alarm()
         if number:
             raise AlarmError(f"{self.where}: {describe(number, level)} (found at {command})", number)
+
+    def _timeout_s(self, data: bytes, timeout_s: float | None = None) -> float:
+        """Return the time for an answer: that of the controller, and that of all bytes on a serial line."""
+        line_s = self._byte_s * (len(data) + _LONGEST_USUAL_ANSWER_BYTES)
+        return (timeout_s or self._settings.answer_timeout_s) + line_s
 
     def _encode(self, command: str) -> bytes:
         settings = self._settings
@@ -217,7 +246,12 @@ class Session:
         kind = NotReadyError if number in NOT_READY else RefusedError
         return kind(f"{self.where} refused {command}: {describe(number)}", number)
 
-    def _parsed(self, command: str, parse: Callable[[str], T], answer: Answer) -> T:
+    def parsed(self, command: str, parse: Callable[[str], T], answer: Answer) -> T:
+        """Return what an answer says, or distrust the link.
+
+        Raises:
+            ProtocolError: it says something else.
+        """
         try:
             return parse(answer.payload)
         except ProtocolError as exc:

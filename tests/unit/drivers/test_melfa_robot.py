@@ -900,5 +900,7 @@ def test_settings_are_strict() -> None:
 def test_endpoints_are_checked_before_anything_is_opened() -> None:
     with pytest.raises(LinkError, match="port must be a number"):
         MelfaR3.at("tcp://127.0.0.1", StepClock())
-    with pytest.raises(LinkError, match="later version"):
-        MelfaR3.at("tcp://127.0.0.1:1", StepClock(), stop_endpoint="serial:///dev/ttyUSB0")
+    with pytest.raises(LinkError, match="device path must follow"):
+        MelfaR3.at("tcp://127.0.0.1:1", StepClock(), stop_endpoint="serial://")
+    with pytest.raises(LinkError, match="set terminator"):
+        MelfaR3.at("serial:///dev/ttyUSB0?baud=9600", StepClock(), terminator="")

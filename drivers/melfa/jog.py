@@ -1,0 +1,123 @@
+"""Jog with two dead-men: the controller's own of about 140 ms, and the caller, who has to feed (sheet, section 1.9).
+
+A telegram goes out well within the controller's time as long as the caller fed recently. Whatever ends the feeding
+(the caller, an error, a cancellation, this program's end), the telegrams stay away and the robot stops by itself;
+STOP follows on top.
+"""
+
+import asyncio
+from collections.abc import AsyncIterator, Awaitable, Callable, Mapping
+from contextlib import asynccontextmanager
+from typing import Literal
+
+from drivers.errors import DeviceError
+from drivers.link import uninterrupted
+from drivers.melfa.motion import JOINT_NAMES
+from drivers.melfa.session import Session
+
+PERIOD_S = 0.05
+"""Between two telegrams, real s."""
+
+DEAD_MAN_S = 0.14
+"""After which the controller stops a jog that is not repeated, s."""
+
+FED_FOR_S = 0.2
+"""How long one feeding lasts, real s."""
+
+Direction = Literal[-1, 1]
+
+
+class Jog:
+    """A jog under way; made by `jogging`.
+
+    Args:
+        session: where telegrams go.
+        command: the telegram.
+    """
+
+    def __init__(self, session: Session, command: str) -> None:
+        self._session = session
+        self._command = command
+        self._loop = asyncio.get_running_loop()
+        self._fed_until_s = 0.0
+        self._fed = asyncio.Event()
+
+    def feed(self) -> None:
+        """Keep moving for another 0.2 s; has to be called again before they are over."""
+        self._fed_until_s = self._loop.time() + FED_FOR_S
+        self._fed.set()
+
+    async def repeat(self) -> None:
+        """Send telegrams while fed, for ever.
+
+        Raises:
+            DeviceError: one was refused or not answered in time.
+        """
+        while True:
+            await self._fed.wait()
+            self._fed.clear()
+            while (begun_s := self._loop.time()) < self._fed_until_s:
+                # A late answer is worth nothing: the robot has stopped by then.
+                await self._session.command(self._command, timeout_s=DEAD_MAN_S, heal=False)
+                await asyncio.sleep(max(0.0, begun_s + PERIOD_S - self._loop.time()))
+
+
+@asynccontextmanager
+async def jogging(
+    session: Session,
+    directions: Mapping[str, Direction],
+    stop: Callable[[], Awaitable[None]],
+) -> AsyncIterator[Jog]:
+    """Jog joints while the caller feeds; at the end, however it comes, the robot is stopped.
+
+    Args:
+        session: that holds the operation right.
+        directions: joint names with -1 or 1.
+        stop: stops the robot and waits for its standstill.
+
+    Raises:
+        ValueError: there is no such joint.
+        DeviceError: a telegram was refused or not answered in time; the robot has been stopped.
+    """
+    jog = Jog(session, telegram(directions))
+    telegrams = asyncio.create_task(jog.repeat())
+    body = asyncio.current_task()
+    failed: list[DeviceError] = []
+
+    def look(task: asyncio.Task[None]) -> None:
+        error = None if task.cancelled() else task.exception()
+        if isinstance(error, DeviceError) and body is not None:
+            failed.append(error)
+            body.cancel()
+
+    telegrams.add_done_callback(look)
+    try:
+        yield jog
+    except asyncio.CancelledError:
+        # A refused telegram ends the body this way; anybody else's cancellation goes on.
+        if not failed or body is None or body.uncancel() > 0:
+            raise
+    finally:
+        telegrams.remove_done_callback(look)
+        telegrams.cancel()
+        await uninterrupted(_end(telegrams, stop))
+    if failed:
+        raise failed[0]
+
+
+async def _end(telegrams: asyncio.Task[None], stop: Callable[[], Awaitable[None]]) -> None:
+    await asyncio.wait({telegrams})
+    await stop()
+
+
+def telegram(directions: Mapping[str, Direction]) -> str:
+    """Return the JOG command of joints: mode 00, axes as bits, no inching.
+
+    Raises:
+        ValueError: there is no such joint.
+    """
+    if not directions or not set(directions) <= set(JOINT_NAMES):
+        raise ValueError(f"joints to jog are some of {', '.join(JOINT_NAMES)}, got {', '.join(directions)}")
+    bits = {name: 1 << n for n, name in enumerate(JOINT_NAMES)}
+    minus, plus = (sum(bits[name] for name, way in directions.items() if way == sign) for sign in (-1, 1))
+    return f"JOG00;00;{minus:02X};{plus:02X};00"
