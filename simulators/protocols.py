@@ -7,9 +7,8 @@ from simulators.attocube.session import IdsSession
 from simulators.config import EmulatedDevice
 from simulators.counter.session import CounterSession
 from simulators.errors import EmulatorError
+from simulators.heidenhain.session import Display, NdSession
 from simulators.lasertex.session import Hpi, HpiSession
-from simulators.melfa.datalink import NUMBER_FORMATS, Datalink, DatalinkSession
-from simulators.melfa.mxt import MODES, Mxt, MxtOptions, MxtSession
 from simulators.melfa.datalink import NUMBER_FORMATS, Datalink, DatalinkSession
 from simulators.melfa.mxt import MODES, Mxt, MxtOptions, MxtSession
 from simulators.melfa.session import MelfaSession
@@ -72,28 +71,10 @@ def _melfa_mxt(world: World, device: EmulatedDevice, note: Note) -> NewSession:
     return lambda: MxtSession(program, note)
 
 
-def _melfa_datalink(world: World, device: EmulatedDevice, note: Note) -> NewSession:
-    name = str(device.options.get("program") or "CATSDL")
-    program = Datalink(world.controller, name, choice(device, "number_format", NUMBER_FORMATS))
-    world.controller.install(program)
-    return lambda: DatalinkSession(program, note)
-
-
-def _melfa_mxt(world: World, device: EmulatedDevice, note: Note) -> NewSession:
-    options = MxtOptions(
-        program=str(device.options.get("program") or "CATSMXT"),
-        mode=choice(device, "mxt_mode", MODES),
-        cycle_s=number(device, "mxt_cycle_ms", 7.1) / 1e3,
-        filter_s=number(device, "mxt_filter_ms", 10.0) / 1e3,
-        timeout_s=number(device, "mxt_timeout_s", 1.0),
-        lag_s=number(device, "mxt_lag_ms", 8.0) / 1e3,
-        lag_spread_s=number(device, "mxt_lag_spread_ms", 0.2) / 1e3,
-    )
-    if not 1e-3 <= options.cycle_s <= 0.1 or not 0.0 <= options.filter_s <= 1.0:
-        raise EmulatorError(f"{device.name}: mxt_cycle_ms has to be 1 to 100 ms, mxt_filter_ms 0 to 1000 ms")
-    program = Mxt(world.controller, options, world.keeper.sync)
-    world.controller.install(program)
-    return lambda: MxtSession(program, note)
+def _heidenhain_nd(world: World, device: EmulatedDevice, note: Note) -> NewSession:
+    decimals = int(number(device, "decimals", 4))
+    display = Display(world.instrument(device.name), LengthOptions.of(device), decimals)
+    return lambda: NdSession(display, note)
 
 
 def _line_counter(world: World, device: EmulatedDevice, note: Note) -> NewSession:
@@ -115,9 +96,8 @@ def _modbus_air(world: World, device: EmulatedDevice, note: Note) -> NewSession:
 
 PROTOCOLS: dict[str, Maker] = {
     "attocube-ids": _attocube_ids,
+    "heidenhain-nd": _heidenhain_nd,
     "melfa-r3": _melfa_r3,
-    "melfa-datalink": _melfa_datalink,
-    "melfa-mxt": _melfa_mxt,
     "melfa-datalink": _melfa_datalink,
     "melfa-mxt": _melfa_mxt,
     "line-counter": _line_counter,
