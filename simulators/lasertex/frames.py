@@ -67,10 +67,18 @@ def velocity(rate_mm_s: float, **flags: Unpack[Flags]) -> bytes:
     return frame(0xB016, struct.pack(">i5x", count) + _flags(flags))
 
 
-def meteo(temperature_c: float, humidity_percent: float, pressure_hpa: float) -> bytes:
-    """Return a frame of the air sensor, number 0, with full battery and radio link."""
+def meteo(
+    sensor: int, temperature_c: float, humidity_percent: float = 0.0, pressure_hpa: float = 0.0
+) -> bytes:
+    """Return a frame of a sensor with full battery and radio link: 0 is that of the air, others are of material."""
     data = struct.pack(
-        ">BhBBBh", 0, round(temperature_c * 100), round(humidity_percent), 100, 100, round(pressure_hpa * 10)
+        ">BhBBBh",
+        sensor,
+        round(temperature_c * 100),
+        round(humidity_percent),
+        100,
+        100,
+        round(pressure_hpa * 10),
     )
     return frame(0xB00A, data)
 

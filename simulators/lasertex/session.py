@@ -69,9 +69,13 @@ class Hpi:
         return frames.velocity(rate_mm_s, **self._flags(reading))
 
     def meteo(self) -> bytes:
-        """Return a frame of the air sensor; empty when it measures nothing."""
+        """Return a frame of each sensor: air, and material as warm as the air; empty when they measure nothing."""
         air = self._probe.sample()
-        return b"" if air is None else frames.meteo(air.temperature_c, air.humidity_percent, air.pressure_hpa)
+        if air is None:
+            return b""
+        return frames.meteo(0, air.temperature_c, air.humidity_percent, air.pressure_hpa) + frames.meteo(
+            1, air.temperature_c
+        )
 
     def _flags(self, reading: Reading) -> frames.Flags:
         return {

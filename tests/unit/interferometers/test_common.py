@@ -7,6 +7,7 @@ import pytest
 from drivers.attocube.ids import AttocubeIds, IdsSettings
 from drivers.counter.counter import LineCounter
 from drivers.counter.profile import load_profile
+from drivers.heidenhain.nd import HeidenhainNd, NdSettings
 from drivers.lasertex.hpi import HpiSettings, LasertexHpi
 from simulators.config import Option
 from tests.unit.interferometers.pairs import Make, Pair, paired
@@ -17,6 +18,7 @@ DRIVERS: dict[str, Make] = {
         transport, clock, load_profile("default"), quiet_s=0.001
     ),
     "lasertex-hpi": lambda transport, clock: LasertexHpi(transport, clock, HpiSettings(timeout_s=0.5)),
+    "heidenhain-nd": lambda transport, clock: HeidenhainNd(transport, clock, NdSettings(quiet_s=0.001)),
     "attocube-ids": lambda transport, clock: AttocubeIds(transport, clock, IdsSettings(quiet_s=0.001)),
 }
 

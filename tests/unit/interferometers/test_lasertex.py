@@ -66,7 +66,7 @@ def test_the_emulator_sends_the_published_distance() -> None:
 
 
 def test_meteo_and_velocity_lie_where_the_client_reads_them() -> None:
-    meteo = frames.meteo(-3.21, 45.4, 1013.2)
+    meteo = frames.meteo(0, -3.21, 45.4, 1013.2)
     assert meteo[:3] == bytes.fromhex("AA B0 0A")
     assert struct.unpack(">BhBBBh", meteo[3:11]) == (0, -321, 45, 100, 100, 10132)
     velocity = frames.velocity(-12.5, overspeed=True, laser_ready=True, signal_ok=False, level=0)
@@ -143,7 +143,7 @@ def test_streams_run_at_their_rates_and_distance_excludes_velocity(world: World)
         output = session.output()
         assert len(output) % 16 == 0
         codes += [frame.code for frame in codec.FrameDecoder().feed(output)]
-    assert (codes.count(0xB015), codes.count(0xB016), codes.count(0xB00A)) == (25, 0, 1)
+    assert (codes.count(0xB015), codes.count(0xB016), codes.count(0xB00A)) == (25, 0, 2)
     said(session, codec.command(0xB03C))
     assert session.next_output_s() is None
 

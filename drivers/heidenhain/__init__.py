@@ -1,0 +1,1 @@
+"""Heidenhain ND position displays."""

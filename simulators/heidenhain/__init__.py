@@ -1,0 +1,1 @@
+"""Emulator of a Heidenhain ND position display."""
