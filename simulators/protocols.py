@@ -8,7 +8,6 @@ from simulators.config import EmulatedDevice
 from simulators.counter.session import CounterSession
 from simulators.errors import EmulatorError
 from simulators.heidenhain.session import Display, NdSession
-from simulators.heidenhain.session import Display, NdSession
 from simulators.lasertex.session import Hpi, HpiSession
 from simulators.melfa.datalink import NUMBER_FORMATS, Datalink, DatalinkSession
 from simulators.melfa.mxt import MODES, Mxt, MxtOptions, MxtSession
@@ -78,12 +77,6 @@ def _heidenhain_nd(world: World, device: EmulatedDevice, note: Note) -> NewSessi
     return lambda: NdSession(display, note)
 
 
-def _heidenhain_nd(world: World, device: EmulatedDevice, note: Note) -> NewSession:
-    decimals = int(number(device, "decimals", 4))
-    display = Display(world.instrument(device.name), LengthOptions.of(device), decimals)
-    return lambda: NdSession(display, note)
-
-
 def _line_counter(world: World, device: EmulatedDevice, note: Note) -> NewSession:
     instrument = world.instrument(device.name)
     corrected = choice(device, "compensated", ("instrument", "none")) == "instrument"
@@ -103,7 +96,6 @@ def _modbus_air(world: World, device: EmulatedDevice, note: Note) -> NewSession:
 
 PROTOCOLS: dict[str, Maker] = {
     "attocube-ids": _attocube_ids,
-    "heidenhain-nd": _heidenhain_nd,
     "heidenhain-nd": _heidenhain_nd,
     "melfa-r3": _melfa_r3,
     "melfa-datalink": _melfa_datalink,
