@@ -195,6 +195,10 @@ class RequestLink:
             LinkError: the link is lost.
             ProtocolError: garbage came.
         """
+        if why := self._unasked():
+            # After a greeting, or within one; a request on a link in step has looked already.
+            self._doubt = why
+            raise LinkError(f"{self.where}: the link is out of step ({why}): nothing was sent")
         outstanding = f"the answer to {data!r} is outstanding"
         self._doubt = outstanding
         self._received = b""
@@ -240,8 +244,7 @@ class RequestLink:
     async def _get_in_step(self, *, heal: bool) -> None:
         if not self._is_open:
             raise LinkError(f"{self.where}: not connected: connect first")
-        if not self._doubt:
-            self._look_for_unsolicited()
+        self._doubt = self._doubt or self._unasked()
         if not self._doubt:
             return
         if not heal:
@@ -279,13 +282,15 @@ class RequestLink:
                 ) from None
         return first
 
-    def _look_for_unsolicited(self) -> None:
-        """Doubt the link if bytes lie there that nobody asked for, or if the other side is gone."""
+    def _unasked(self) -> str:
+        """Return what came that nobody asked for, or that the other side is gone; empty when all is well."""
+        why = ""
         try:
-            while not self._doubt and (chunk := self._transport.waiting()):
-                self._doubt = self._surplus(chunk)
+            while not why and (chunk := self._transport.waiting()):
+                why = self._surplus(chunk)
         except LinkError as exc:
-            self._doubt = str(exc)
+            why = str(exc)
+        return why
 
     def _surplus(self, data: bytes) -> str:
         """Return the doubt about bytes outside of an answer, and count them."""
