@@ -15,6 +15,7 @@ from simulators.melfa.session import MelfaSession
 from simulators.modbus.devices import air_registers, modbus_sessions
 from simulators.options import LengthOptions, choice, flag, number
 from simulators.serving import Session
+from simulators.vaisala.session import Ptu300, Ptu300Session
 from simulators.world import World
 
 Note = Callable[[str], None]
@@ -94,6 +95,12 @@ def _modbus_air(world: World, device: EmulatedDevice, note: Note) -> NewSession:
     return modbus_sessions(air_registers(world.probe, device), device, note)
 
 
+def _vaisala_ascii(world: World, device: EmulatedDevice, note: Note) -> NewSession:
+    address = int(number(device, "address", 0))
+    sensor = Ptu300(world.probe, world.bench, address=address)
+    return lambda: Ptu300Session(sensor, note)
+
+
 PROTOCOLS: dict[str, Maker] = {
     "attocube-ids": _attocube_ids,
     "heidenhain-nd": _heidenhain_nd,
@@ -103,6 +110,7 @@ PROTOCOLS: dict[str, Maker] = {
     "line-counter": _line_counter,
     "lasertex-hpi": _lasertex_hpi,
     "modbus-air": _modbus_air,
+    "vaisala-ascii": _vaisala_ascii,
 }
 
 

@@ -2,7 +2,7 @@
 
 Comet (sheet `modbus_env`, section 2): one register each, signed, from address 0x31: temperature, humidity, computed
 value (dew point here; it can be set on the device), pressure in hPa, dew point, all times 10; serial number and
-device type from 0x1035. What a Comet answers instead of a missing value is not in the public documents; here it is 0x8000.
+device type from 0x1035. What it answers instead of a missing value is not in the public documents; here: 0x8000.
 """
 
 import math

@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from simulators.air_probe import AirFault, AirProbe
-from simulators.config import EmulatedDevice
+from simulators.config import EmulatedDevice, Option
 from simulators.errors import EmulatorError
 from simulators.modbus.devices import air_registers
 from simulators.modbus.protocol import ModbusError
@@ -110,11 +110,16 @@ def test_a_map_of_the_cell_file_is_emulated_as_it_is_written() -> None:
     here = probe()
     air = here.sample()
     assert air is not None
-    points = [
+    points: list[dict[str, Any]] = [
         {"name": "temperature", "address": 1, "type": "uint16", "scale": 0.01, "offset": -273.15},
         {"name": "pressure", "address": 11},
     ]
-    options = {"map": "generic", "points": points, "address_base": 1, "word_order": "little"}
+    options: dict[str, Option] = {
+        "map": "generic",
+        "points": points,
+        "address_base": 1,
+        "word_order": "little",
+    }
     registers = air_registers(here, EmulatedDevice("air", "modbus-air", options=options))
     assert registers.read_words(0, 1) == [round(100 * (air.temperature_c + 273.15))]
     low, high = registers.read_words(10, 2)

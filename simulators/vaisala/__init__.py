@@ -1,0 +1,1 @@
+"""The ASCII interface of Vaisala's PTU300 family."""
