@@ -1,4 +1,4 @@
-"""ASCII interface of the PTU300 (sheet `modbus_env`, section 1b): SEND, R, S, INTV, FORM, UNIT, ERRS and what it is."""
+"""ASCII interface of the PTU300 (sheet `modbus_env`, section 1b): SEND, R, S, INTV, FORM, UNIT, ERRS and others.
 
 Commands end with CR (LF is taken, too), answers with CR LF. The emulator stands in the mode STOP; `R` begins
 continuous output. Echo and prompt are off until `ECHO ON`. Not in the public documents and therefore this emulator's
