@@ -414,7 +414,7 @@ class MelfaR3:
 
     async def _open_aside(self) -> None:
         if self._aside is None:
-            self._aside_note = "one line for all: motions are polled and STOP goes between two polls"
+            self._aside_note = "no second connection for STOP on this line: it goes between two polls"
             return
         try:
             await self._aside.open()
