@@ -148,6 +148,36 @@ def doctor(file: CellFile, as_json: AsJson = False) -> None:
 
 
 @cli.command()
+def terminal(
+    device: Annotated[
+        str, typer.Argument(help="robot, interferometer, environment, tracker or the name of a [[device]]")
+    ],
+    cell: Annotated[Path, typer.Option(help="cell file")],
+    eol: Annotated[
+        Literal["cr", "lf", "crlf", "none"] | None,
+        typer.Option(help="put behind each line that is sent [crlf; with --hex: none]"),
+    ] = None,
+    as_hex: Annotated[bool, typer.Option("--hex", help="input is hex bytes, such as 31 3b 0d")] = False,
+    log: Annotated[Path | None, typer.Option(help="file that gets the same lines, appended")] = None,
+    wait: Annotated[
+        float, typer.Option(min=0.0, help="end when the input has ended and nothing came for so long, s")
+    ] = 1.0,
+    arm: Annotated[
+        str | None, typer.Option(metavar="CELL", help="cell name, typed to let input pass to the robot")
+    ] = None,
+) -> None:
+    r"""Show the raw traffic of a device in hex and text, and send what is typed.
+
+    Escapes in the input: \r \n \t \e \xNN. What comes unasked is shown as it comes. Ctrl-C ends.
+
+    Example: catseye terminal interferometer --cell cell.toml --eol crlf --log counter.log
+    """
+    from app.commands.terminal import terminal_command
+
+    terminal_command(device, cell, eol, as_hex, log, wait, arm)
+
+
+@cli.command()
 def procedures(as_json: AsJson = False) -> None:
     """List what can be run, with parameters, units and ranges."""
     from app.commands.procedures import procedures_command
