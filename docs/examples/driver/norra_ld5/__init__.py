@@ -1,0 +1,1 @@
+"""catseye driver for the Norra LD5 displacement display (a fictitious instrument)."""

@@ -1,0 +1,166 @@
+"""Driver of the LD5."""
+
+from collections.abc import Callable
+from typing import Any, ClassVar, Literal, Self, TypeVar
+
+from pydantic import BaseModel, ConfigDict, Field
+
+from drivers.clock import Clock
+from drivers.endpoint import open_transport
+from drivers.errors import ProtocolError, RefusedError, WrongDeviceError
+from drivers.latches import Latches
+from drivers.link import RequestLink
+from drivers.readings import CounterReading, CounterStatus, Identity
+from drivers.record import Sink
+from drivers.transport import Transport
+from norra_ld5 import codec
+
+T = TypeVar("T")
+
+
+class Ld5Settings(BaseModel):
+    """What a cell file may set in `[interferometer.settings]`.
+
+    Attributes:
+        answer_timeout_s: for an answer.
+        connect_timeout_s: for connecting.
+    """
+
+    model_config = ConfigDict(strict=True, extra="forbid", frozen=True)
+
+    answer_timeout_s: float = Field(default=1.0, gt=0)
+    connect_timeout_s: float = Field(default=5.0, gt=0)
+
+
+class NorraLd5:
+    """Interferometer driver.
+
+    Args:
+        transport: the connection.
+        clock: time of the readings.
+        settings: see there.
+    """
+
+    Settings: ClassVar[type[Ld5Settings]] = Ld5Settings
+    compensated: ClassVar[Literal["none", "instrument"]] = "instrument"
+
+    def __init__(self, transport: Transport, clock: Clock, settings: Ld5Settings) -> None:
+        self._clock = clock
+        self._settings = settings
+        self._latches = Latches()
+        self._name = ""
+        self._link = RequestLink(transport, name="Norra LD5", greet=self._greet)
+
+    @classmethod
+    def at(cls, endpoint: str, clock: Clock, sink: Sink | None = None, **settings: Any) -> Self:
+        """Return a driver for an endpoint as the cell file writes it; nothing is opened yet.
+
+        Args:
+            endpoint: of the display.
+            clock: time of the readings.
+            sink: is shown all bytes.
+            settings: fields of `Ld5Settings`.
+
+        Raises:
+            LinkError: the endpoint is wrong.
+            pydantic.ValidationError: a setting is unknown or wrong.
+        """
+        checked = Ld5Settings(**settings)
+        transport = open_transport(endpoint, connect_timeout_s=checked.connect_timeout_s, sink=sink)
+        return cls(transport, clock, checked)
+
+    async def connect(self) -> Identity:
+        """Open the link and check who answers.
+
+        Raises:
+            WrongDeviceError: something else answers.
+            LinkError: unreachable or silent.
+        """
+        self._name = ""
+        await self._link.open()
+        model, firmware, serial = self._name.split(",")
+        return Identity(model, firmware, serial, simulated="EMULATOR" in model)
+
+    async def close(self) -> None:
+        """Disconnect; may be called any number of times."""
+        await self._link.close()
+
+    async def zero(self) -> int:
+        """Zero the count, clear the latched faults; return the new zero's number.
+
+        Raises:
+            RefusedError: no beam returns.
+            LinkError: lost or silent.
+            ProtocolError: garbage came.
+        """
+        # A zero that is sent twice would hide what happened between the two: no retry.
+        await self._ask(codec.ZERO, retry=False)
+        return self._latches.zeroed()
+
+    async def read(self) -> CounterReading:
+        """Return one reading.
+
+        Raises:
+            LinkError: lost or silent.
+            ProtocolError: garbage came.
+        """
+        value = await self._ask(codec.POSITION)
+        time_s = self._clock.monotonic_s()
+        return CounterReading(
+            self._parsed(codec.parse_position_mm, value), value, time_s, self._latches.zero_id
+        )
+
+    async def status(self) -> CounterStatus:
+        """Return the state of the beam.
+
+        Raises:
+            LinkError: lost or silent.
+            ProtocolError: garbage came.
+        """
+        status = self._parsed(codec.parse_status, await self._ask(codec.STATUS))
+        self._latches.note(beam_lost=status.lost or not status.beam, overspeed=status.fast)
+        return CounterStatus(
+            beam_ok=status.beam,
+            beam_lost=self._latches.beam_lost,
+            overspeed=self._latches.overspeed,
+            laser_ready=status.ready,
+            signal=min(1.0, status.signal_percent / 100.0),
+            signal_native=f"{status.signal_percent} %",
+            zero_id=self._latches.zero_id,
+        )
+
+    async def _ask(self, command: str, *, retry: bool = True) -> str:
+        """Return the value in the answer to a command."""
+        data, timeout_s = codec.encode(command), self._settings.answer_timeout_s
+        line = await self._link.request(data, codec.AnswerDecoder, timeout_s, retry=retry)
+        if line.startswith("?"):
+            raise RefusedError(
+                f"{self._link.where} refused {command}: {line[1:]}: look the letter up in the manual, section 5",
+                0,
+            )
+        return self._parsed(lambda text: codec.value_of(command, text), line)
+
+    def _parsed(self, parse: Callable[[str], T], text: str) -> T:
+        """Parse; an answer that makes no sense has the link healed before the next request."""
+        try:
+            return parse(text)
+        except ProtocolError as exc:
+            self._link.distrust(str(exc))
+            raise ProtocolError(f"{self._link.where}: {exc}: check that nothing else answers there") from None
+
+    async def _greet(self) -> None:
+        """Ask who is there, after each opening of the link."""
+        self._latches.greeting()
+        try:
+            line = await self._link.exchange(
+                codec.encode(codec.IDENTITY), codec.AnswerDecoder(), self._settings.answer_timeout_s
+            )
+            name = codec.value_of(codec.IDENTITY, line)
+            if not name.startswith("NORRA LD5") or name.count(",") != 2 or self._name not in {"", name}:
+                raise ProtocolError(f"{name[:64]!r} answers")
+        except ProtocolError as exc:
+            raise WrongDeviceError(
+                f"{self._link.where}: this is not the Norra LD5 that was expected: {exc}: check host and port"
+            ) from None
+        self._name = name
+        self._latches.greeted()
