@@ -12,9 +12,10 @@ from simulators.lasertex.session import Hpi, HpiSession
 from simulators.melfa.datalink import NUMBER_FORMATS, Datalink, DatalinkSession
 from simulators.melfa.mxt import MODES, Mxt, MxtOptions, MxtSession
 from simulators.melfa.session import MelfaSession
-from simulators.modbus.devices import air_registers, modbus_sessions
+from simulators.modbus.devices import air_registers, io_block, modbus_sessions
 from simulators.options import LengthOptions, choice, flag, number
 from simulators.serving import Session
+from simulators.umd.session import Umd, UmdOptions, UmdSession
 from simulators.vaisala.session import Ptu300, Ptu300Session
 from simulators.world import World
 
@@ -91,8 +92,28 @@ def _lasertex_hpi(world: World, device: EmulatedDevice, note: Note) -> NewSessio
     return lambda: HpiSession(hpi, note)
 
 
+def _umd(world: World, device: EmulatedDevice, note: Note) -> NewSession:
+    del note
+    options = UmdOptions(
+        rate_hz=number(device, "rate_hz", 610.35),
+        wavelength_nm=number(device, "vacuum_wavelength_nm", 632.9908),
+        multiplier=int(number(device, "multiplier", 1)),
+        sign=LengthOptions.of(device).sign,
+        axes=int(number(device, "axes", 1)),
+    )
+    if options.rate_hz <= 0 or options.multiplier not in {1, 2, 4} or options.axes not in {1, 3}:
+        raise EmulatorError(f"{device.name}: rate_hz has to be above 0, multiplier 1, 2 or 4, axes 1 or 3")
+    umd = Umd(world.instrument(device.name), world.probe, world.keeper, options)
+    return lambda: UmdSession(umd)
+
+
 def _modbus_air(world: World, device: EmulatedDevice, note: Note) -> NewSession:
     return modbus_sessions(air_registers(world.probe, device), device, note)
+
+
+def _modbus_io(world: World, device: EmulatedDevice, note: Note) -> NewSession:
+    block = world.blocks.setdefault(device.name, io_block(world.door, device))
+    return modbus_sessions(block, device, note)
 
 
 def _vaisala_ascii(world: World, device: EmulatedDevice, note: Note) -> NewSession:
@@ -110,6 +131,8 @@ PROTOCOLS: dict[str, Maker] = {
     "line-counter": _line_counter,
     "lasertex-hpi": _lasertex_hpi,
     "modbus-air": _modbus_air,
+    "umd": _umd,
+    "modbus-io": _modbus_io,
     "vaisala-ascii": _vaisala_ascii,
 }
 

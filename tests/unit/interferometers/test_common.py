@@ -9,6 +9,7 @@ from drivers.counter.counter import LineCounter
 from drivers.counter.profile import load_profile
 from drivers.heidenhain.nd import HeidenhainNd, NdSettings
 from drivers.lasertex.hpi import HpiSettings, LasertexHpi
+from drivers.umd.display import UmdDisplay, UmdSettings
 from simulators.config import Option
 from tests.unit.interferometers.pairs import Make, Pair, paired
 from tests.unit.simulators.benches import aimed, go
@@ -20,6 +21,7 @@ DRIVERS: dict[str, Make] = {
     "lasertex-hpi": lambda transport, clock: LasertexHpi(transport, clock, HpiSettings(timeout_s=0.5)),
     "heidenhain-nd": lambda transport, clock: HeidenhainNd(transport, clock, NdSettings(quiet_s=0.001)),
     "attocube-ids": lambda transport, clock: AttocubeIds(transport, clock, IdsSettings(quiet_s=0.001)),
+    "umd": lambda transport, clock: UmdDisplay(transport, clock, UmdSettings(timeout_s=0.5)),
 }
 
 OPTIONS: dict[str, dict[str, Option]] = {"attocube-ids": {"start_time_s": 0}}
@@ -57,6 +59,7 @@ async def test_zero_and_way(protocol: str) -> None:
         assert abs((await pair.driver.read()).displacement_mm) < 1e-3
         before_mm = pair.bench.insight().length_mm
         go(pair.bench, aimed(20.01, 30.01))
+        pair.bench.advance(0.01)
         way_mm = pair.bench.insight().length_mm - before_mm
         reading = await pair.driver.read()
         assert reading.displacement_mm == pytest.approx(way_mm, rel=1e-3, abs=1.1e-3)
@@ -81,6 +84,7 @@ async def test_the_instruments_on_one_beam_have_their_own_zeros(protocol: str) -
         await pair.driver.zero()
         other = pair.bench.new_instrument()
         go(pair.bench, aimed(20.01, 30.01))
+        pair.bench.advance(0.01)
         shown_mm = (await pair.driver.read()).displacement_mm
         assert other.zero()
         assert (await pair.driver.read()).displacement_mm == pytest.approx(shown_mm, abs=1e-6)

@@ -1,0 +1,1 @@
+"""uMD1 and uMD2 open displays."""

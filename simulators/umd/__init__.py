@@ -1,0 +1,1 @@
+"""Emulator of a uMD display."""
