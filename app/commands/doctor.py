@@ -8,13 +8,16 @@ from typing import Any
 
 from app.cell.bench import air_rule
 from app.cell.load import load_cell
-from app.cell.model import Cell
+from app.cell.model import Cell, Limits
+from app.commands.controller_look import look_at_controller
 from app.commands.output import emit, emit_json
 from app.engine.compensation import AirRule, Compensation
+from app.engine.interlock import RemoteIo
 from app.errors import LinkFailedError
 from app.instruments import device_builder, further_device
 from drivers.clock import SystemClock
 from drivers.errors import DeviceError
+from drivers.melfa.controller import MelfaController
 from procedures.devices import DeviceIdentity, Environment, Interferometer, Robot, Tracker
 
 Look = Callable[[], Awaitable[tuple[list[str], list[str]]]]
@@ -66,26 +69,31 @@ async def _examine_all(cell: Cell) -> list[Finding]:
         "interferometer": cell.interferometer.endpoint,
         "environment": cell.environment.endpoint,
     }
+    if cell.io is not None:
+        endpoints["io"] = cell.io.endpoint
     if cell.tracker is not None:
         endpoints["tracker"] = cell.tracker.endpoint
     examinations = [
-        _examine(name, endpoints[name], driver, _look_at(driver, rule))
+        _examine(name, endpoints[name], driver, _look_at(driver, rule, cell.robot.limits_deg))
         for name, driver in devices.named().items()
     ]
     for device in cell.device:
         driver = further_device(device, clock, _ignore)
-        examinations.append(_examine(device.name, device.endpoint, driver, _look_at(driver, rule)))
+        look = _look_at(driver, rule, cell.robot.limits_deg)
+        examinations.append(_examine(device.name, device.endpoint, driver, look))
     return list(await asyncio.gather(*examinations))
 
 
-def _look_at(driver: Any, rule: AirRule) -> Look:
+def _look_at(driver: Any, rule: AirRule, limits: Limits) -> Look:
     """Return the look that fits a driver's shape."""
     if isinstance(driver, Robot):
-        return lambda: _robot(driver)
+        return lambda: _robot(driver, limits)
     if isinstance(driver, Interferometer):
         return lambda: _beam(driver, rule)
     if isinstance(driver, Environment):
         return lambda: _air(driver)
+    if isinstance(driver, RemoteIo):
+        return lambda: _door(driver)
     if isinstance(driver, Tracker):
         return lambda: _tracker(driver)
     return _nothing_more
@@ -118,7 +126,7 @@ async def _examine(
     return finding
 
 
-async def _robot(robot: Robot) -> tuple[list[str], list[str]]:
+async def _robot(robot: Robot, limits: Limits) -> tuple[list[str], list[str]]:
     status, joints = await robot.status(), await robot.joints()
     facts = [
         f"joints J1 {joints[0]:.2f}°, J2 {joints[1]:.2f}°, J3 {joints[2]:.2f} mm, J4 {joints[3]:.2f}°",
@@ -131,6 +139,10 @@ async def _robot(robot: Robot) -> tuple[list[str], list[str]]:
         advice.append("the emergency stop is pressed: release it at the bench, then reset the alarm")
     if status.teach_mode:
         advice.append("the key switch is at TEACH: turn it to AUTO and disable the teach pendant")
+    controller = getattr(robot, "controller", None)
+    if isinstance(controller, MelfaController):
+        more_facts, more_advice = await look_at_controller(controller, limits)
+        facts, advice = facts + more_facts, advice + more_advice
     return facts, advice
 
 
@@ -160,6 +172,12 @@ async def _air(sensor: Environment) -> tuple[list[str], list[str]]:
         for name in missing
     ]
     return facts, advice
+
+
+async def _door(io: RemoteIo) -> tuple[list[str], list[str]]:
+    if await io.door_closed():
+        return ["door closed"], []
+    return ["door open"], ["the door is open: nothing will move; close it when nobody is inside"]
 
 
 async def _tracker(tracker: Tracker) -> tuple[list[str], list[str]]:

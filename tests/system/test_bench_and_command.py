@@ -23,6 +23,8 @@ def test_doctor_finds_every_device(bench: Emulated) -> None:
     assert [row["device"] for row in devices] == ["robot", "interferometer", "environment", "tracker"]
     assert all(row["ok"] and row["simulated"] for row in devices)
     assert "RH-3FRH5515" in devices[0]["identity"]
+    assert "stop signals: none" in devices[0]["status"]
+    assert any("MEJAR" in fact for fact in devices[0]["status"])
 
 
 def test_doctor_says_what_to_do_about_an_alarm(bench: Emulated) -> None:

@@ -24,6 +24,7 @@ from drivers.errors import (
     WrongDeviceError,
 )
 from drivers.link import RequestLink, uninterrupted
+from drivers.melfa.controller import MelfaController
 from drivers.melfa.datalink import codec
 from drivers.melfa.datalink.codec import Record, RecordDecoder
 from drivers.melfa.motion import off_target
@@ -145,6 +146,11 @@ class MelfaDatalink:
     async def set_override(self, percent: float) -> float:
         """Set the operation-panel override; see MelfaR3.set_override."""
         return await self._controller.set_override(percent)
+
+    @property
+    def controller(self) -> MelfaController:
+        """The controller beyond motion; see MelfaR3.controller."""
+        return self._controller.controller
 
     async def joint_limits(self) -> tuple[tuple[float, float], ...]:
         """Return the controller's own limits; see MelfaR3.joint_limits."""

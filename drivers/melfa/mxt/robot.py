@@ -23,6 +23,7 @@ from drivers.errors import (
     RefusedError,
 )
 from drivers.link import uninterrupted
+from drivers.melfa.controller import MelfaController
 from drivers.melfa.motion import off_target
 from drivers.melfa.mxt.profile import Bounds, WayProfile
 from drivers.melfa.mxt.settings import MxtSettings
@@ -125,6 +126,11 @@ class MelfaMxt:
     async def set_override(self, percent: float) -> float:
         """Set the operation-panel override, which bounds the set points' speed too; see MelfaR3.set_override."""
         return await self._controller.set_override(percent)
+
+    @property
+    def controller(self) -> MelfaController:
+        """The controller beyond motion; see MelfaR3.controller."""
+        return self._controller.controller
 
     async def joint_limits(self) -> tuple[tuple[float, float], ...]:
         """Return the controller's own limits; see MelfaR3.joint_limits."""

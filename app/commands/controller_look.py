@@ -1,0 +1,74 @@
+"""What doctor asks a MELFA controller beyond its state: stop sources, its own limits, the last line of its log."""
+
+from collections.abc import Awaitable, Callable
+
+from app.cell.model import Limits
+from drivers.errors import ProtocolError, RefusedError
+from drivers.melfa.controller import MelfaController
+
+_SAME_DEG = 0.01
+
+Look = tuple[list[str], list[str]]
+"""Facts and advice."""
+
+
+async def look_at_controller(controller: MelfaController, limits: Limits) -> Look:
+    """Return facts and advice about a connected controller.
+
+    Args:
+        controller: to ask.
+        limits: of the joints, as the cell file has them.
+
+    Raises:
+        LinkError: lost or silent.
+    """
+    facts: list[str] = []
+    advice: list[str] = []
+    for look in (_stop_sources, lambda c: _limits(c, limits), _last_error):
+        said, todo = await _tolerant(look, controller)
+        facts += said
+        advice += todo
+    return facts, advice
+
+
+async def _tolerant(look: Callable[[MelfaController], Awaitable[Look]], controller: MelfaController) -> Look:
+    """Take a question that this firmware does not answer for a fact."""
+    try:
+        return await look(controller)
+    except (RefusedError, ProtocolError) as error:
+        return [f"not told by this controller: {error}"], []
+
+
+async def _stop_sources(controller: MelfaController) -> Look:
+    sources = await controller.stop_sources()
+    facts = [f"stop signals: {', '.join(sources.stop) or 'none'}"]
+    if sources.emergency:
+        facts.append(f"emergency stop by: {', '.join(sources.emergency)}")
+    advice = (
+        [f"a STOP signal is on ({', '.join(sources.stop)}): release it at its source"] if sources.stop else []
+    )
+    return facts, advice
+
+
+async def _limits(controller: MelfaController, limits: Limits) -> Look:
+    own = await controller.joint_limits()
+    told = ", ".join(f"J{n} {low:g}…{high:g}" for n, (low, high) in enumerate(own, start=1))
+    advice = [
+        f"robot.limits_deg.{name} = [{wanted[0]:g}, {wanted[1]:g}] goes beyond the controller's own limits "
+        f"{low:g}…{high:g} (parameter MEJAR), where it refuses to move: narrow it in the cell file"
+        for name, wanted, (low, high) in (
+            ("j1", limits.j1, own[0]),
+            ("j2", limits.j2, own[1]),
+            ("j4", limits.j4, own[3]),
+        )
+        if wanted[0] < low - _SAME_DEG or wanted[1] > high + _SAME_DEG
+    ]
+    return [f"controller's limits (MEJAR): {told}"], advice
+
+
+async def _last_error(controller: MelfaController) -> Look:
+    entries = await controller.error_log(1)
+    if not entries:
+        return ["error log: empty"], []
+    last = entries[0]
+    return [f"error log, last: {last.time} {last.level}{last.number:04d} {last.text}"], []
