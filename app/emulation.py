@@ -70,6 +70,8 @@ def emulated_devices(cell: Cell) -> tuple[EmulatedDevice, ...]:
     settings = {**_lengths_of(counter), **counter.settings}
     devices.append(_device("interferometer", counter.driver, counter.endpoint, settings))
     devices.append(_device("environment", air.driver, air.endpoint, options))
+    if cell.io is not None:
+        devices.append(_device("io", cell.io.driver, cell.io.endpoint, cell.io.settings))
     devices += [_device(d.name, d.driver, d.endpoint, d.settings) for d in cell.device]
     return tuple(devices)
 
@@ -94,7 +96,9 @@ def _device(name: str, driver: str, endpoint: str, settings: Mapping[str, Any]) 
 
 
 def _plain(settings: Mapping[str, Any]) -> dict[str, Option]:
-    return {key: value for key, value in settings.items() if isinstance(value, str | int | float | bool | list)}
+    return {
+        key: value for key, value in settings.items() if isinstance(value, str | int | float | bool | list)
+    }
 
 
 @dataclass(frozen=True)

@@ -53,6 +53,9 @@ def _build(cell: Cell, clock: Clock, record: WireRecorder) -> Devices:
             **_given(map=air.map, pressure_address=air.pressure_register),
             **air.settings,
         ),
+        io=None
+        if cell.io is None
+        else _make(cell.io.driver, "io", cell.io.endpoint, clock, record, **cell.io.settings),
         tracker=None
         if cell.tracker is None
         else _make(cell.tracker.driver, "tracker", cell.tracker.endpoint, clock, record),

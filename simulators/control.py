@@ -7,7 +7,7 @@ it) · `log` {device} · `speed` {value} · `fault` {name, …}, with the names
 
 `block_beam` {duration_s, null for ever} · `clear_faults` · `alarm` {number} · `emergency_stop` {on} · `servo_off` ·
 `move_reflector` {reflector, dx_mm, dy_mm} · `air` {nan, temperature_k, pressure_hpa, humidity_percent} ·
-`stall` {device, duration_s} · `drop` {device} · `mute` {device}. Durations are bench time.
+`door` {open} · `stall` {device, duration_s} · `drop` {device} · `mute` {device}. Durations are bench time.
 """
 
 import json
@@ -101,6 +101,7 @@ class _State(_Request):
             "servo": desk.world.controller.servo_on,
             "alarm": desk.world.controller.alarm,
             "beam": beam,
+            "coils": {name: block.coils for name, block in desk.world.blocks.items()},
         }
 
 
@@ -140,6 +141,7 @@ class _ClearFaults(_Request):
         desk.world.controller.emergency_stop = False
         desk.world.controller.reset_alarm()
         desk.world.probe.fault = AirFault()
+        desk.world.door.closed = True
         for port in chain.from_iterable(desk.ports.values()):
             port.muted = False
             port.stalled_until_s = 0.0
@@ -191,6 +193,14 @@ class _Air(_Request):
         return {}
 
 
+class _Door(_Request):
+    open: bool = True
+
+    def carry_out(self, desk: Desk) -> Said:
+        desk.world.door.closed = not self.open
+        return {}
+
+
 class _Stall(_Request):
     device: str
     duration_s: float = Field(gt=0.0)
@@ -235,6 +245,7 @@ _FAULTS: dict[str, type[_Request]] = {
     "servo_off": _ServoOff,
     "move_reflector": _MoveReflector,
     "air": _Air,
+    "door": _Door,
     "stall": _Stall,
     "drop": _Drop,
     "mute": _Mute,

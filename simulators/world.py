@@ -7,6 +7,7 @@ from simulators.bench.bench import Bench, Instrument
 from simulators.config import EmulationConfig
 from simulators.journal import Journal
 from simulators.melfa.controller import Controller
+from simulators.modbus.remote_io import Door, RemoteIo
 from simulators.timekeeper import TimeKeeper
 
 
@@ -21,6 +22,8 @@ class World:
         keeper: bench time.
         journal: what happened.
         probe: what the air sensors measure.
+        door: of the cell.
+        blocks: remote inputs and outputs by the name of the device.
         instruments: length counters by the name of the device.
     """
 
@@ -30,6 +33,8 @@ class World:
     keeper: TimeKeeper
     journal: Journal
     probe: AirProbe
+    door: Door = field(default_factory=Door)
+    blocks: dict[str, RemoteIo] = field(default_factory=dict)
     instruments: dict[str, Instrument] = field(default_factory=dict)
 
     def instrument(self, device: str) -> Instrument:

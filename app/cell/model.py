@@ -18,7 +18,7 @@ Settings = dict[str, Any]
 """Settings of a driver, as that driver's own `Settings` model describes them; they are checked there."""
 
 
-RESERVED_NAMES = ("robot", "interferometer", "environment", "tracker", "control")
+RESERVED_NAMES = ("robot", "interferometer", "environment", "io", "tracker", "control")
 """Names of the devices that have sections of their own."""
 
 
@@ -110,6 +110,16 @@ class Air(Section):
     co2_ppm: Annotated[float, Field(ge=0.0, le=50_000.0, allow_inf_nan=False)] = 450.0
     vacuum_wavelength_nm: Annotated[float, Field(ge=200.0, le=3000.0, allow_inf_nan=False)] = 632.9908
     max_age_s: Positive = 2.0
+
+
+class Io(Section):
+    """[io]: door interlock and stack light on a block of remote inputs and outputs."""
+
+    driver: str = "modbus-io"
+    endpoint: str
+    settings: Settings = {}
+
+    _endpoint = field_validator("endpoint")(_checked_endpoint)
 
 
 class FurtherDevice(Section):
@@ -215,6 +225,7 @@ class Cell(Section):
     interferometer: Interferometer
     environment: Environment
     air: Air = Air()
+    io: Io | None = None
     tracker: Tracker | None = None
     device: list[FurtherDevice] = []
     optics: Optics = Optics()

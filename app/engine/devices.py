@@ -5,6 +5,7 @@ from collections.abc import Callable, Coroutine
 from dataclasses import dataclass
 from typing import Any
 
+from app.engine.interlock import RemoteIo
 from app.engine.waiting import cancel
 from app.errors import LinkFailedError, SafetyError, UsageError
 from drivers.errors import DeviceError
@@ -18,6 +19,9 @@ DeviceBuilder = Callable[[WireRecorder], "Devices"]
 """Makes the devices of a run, unconnected; their transports record into the run's transcript."""
 
 
+Device = Robot | Interferometer | Environment | RemoteIo | Tracker
+
+
 @dataclass(frozen=True)
 class Devices:
     """The instruments of a run.
@@ -27,21 +31,25 @@ class Devices:
         interferometer: the length counter.
         environment: the air sensor.
         tracker: an independent instrument, if the cell has one.
+        io: door interlock and stack light, if the cell has them.
     """
 
     robot: Robot
     interferometer: Interferometer
     environment: Environment
     tracker: Tracker | None = None
+    io: RemoteIo | None = None
 
-    def named(self) -> dict[str, Robot | Interferometer | Environment | Tracker]:
+    def named(self) -> dict[str, Device]:
         """Return the instruments by their names in the cell file."""
-        fixed: dict[str, Robot | Interferometer | Environment | Tracker] = {
+        fixed: dict[str, Device | None] = {
             "robot": self.robot,
             "interferometer": self.interferometer,
             "environment": self.environment,
+            "io": self.io,
+            "tracker": self.tracker,
         }
-        return fixed | ({"tracker": self.tracker} if self.tracker else {})
+        return {name: device for name, device in fixed.items() if device is not None}
 
 
 async def connect_all(devices: Devices) -> dict[str, DeviceIdentity]:

@@ -3,6 +3,7 @@
 import math
 from dataclasses import dataclass
 
+from app.engine.interlock import RemoteIo, require_closed
 from app.errors import LimitError, SafetyError
 from procedures.devices import ControllerStatus, Joints, Robot
 
@@ -56,9 +57,13 @@ class MotionGate:
         robot: the controller.
         limits: ranges of the cell.
         override_cap_percent: highest speed override that the cell allows.
+        io: door interlock; None for a cell without one.
     """
 
-    def __init__(self, robot: Robot, limits: JointLimits, override_cap_percent: float) -> None:
+    def __init__(
+        self, robot: Robot, limits: JointLimits, override_cap_percent: float, io: RemoteIo | None = None
+    ) -> None:
+        self._io = io
         self._robot = robot
         self._limits = limits
         self._cap_percent = override_cap_percent
@@ -80,13 +85,23 @@ class MotionGate:
 
         Raises:
             LimitError: a target is outside the limits.
-            SafetyError: the controller's state or override forbids motion.
+            SafetyError: door, controller's state or override forbid motion.
         """
         for target in targets:
             self._limits.require(target)
+        await self.require_door()
         status = await self._robot.status()
         require_ready(status)
         self._require_override(status.override_percent)
+
+    async def require_door(self) -> None:
+        """Check that the door is closed, in a cell that has an interlock.
+
+        Raises:
+            SafetyError: it is open, or the interlock does not answer.
+        """
+        if self._io is not None:
+            await require_closed(self._io)
 
     def _require_override(self, percent: float) -> None:
         # Written so that an override that reads NaN is refused too.

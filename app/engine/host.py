@@ -22,6 +22,7 @@ from app.engine.devices import (
 from app.engine.ending import COMPLETE, Ending, EndStatus, ending_of, react
 from app.engine.gate import JointLimits, MotionGate, require_ready
 from app.engine.halt import FAILURES, HaltLimits
+from app.engine.interlock import StackLight
 from app.engine.operator import Answerer, Operator
 from app.engine.signals import SignalInstaller, loop_signals
 from app.engine.states import State
@@ -168,7 +169,9 @@ class _Run:
         self._control = RunControl(
             clock, self._state_changed, request.halt_limits.at_speed(request.clock_speed)
         )
-        self._announcer = Announcer(store.path.name, clock, publish, self._front_end_lost)
+        self._light: StackLight | None = None
+        self._publish = publish
+        self._announcer = Announcer(store.path.name, clock, self._tell, self._front_end_lost)
         self._context: RunContext | None = None
         self._torn_down = False
         self._bound_s = request.teardown_limit_s * request.clock_speed
@@ -216,7 +219,9 @@ class _Run:
         }
         await self._describe(facts, simulated)
         self._control.attach(devices.robot)
-        gate = MotionGate(devices.robot, self._request.limits, self._request.override_cap_percent)
+        if devices.io is not None:
+            self._light = StackLight(devices.io, self._warn)
+        gate = MotionGate(devices.robot, self._request.limits, self._request.override_cap_percent, devices.io)
         await self._control.command(self._ready(devices, gate))
         await self._tell_notes(devices)
         operator = Operator(self._clock, self._request.answers, self._request.answerer, simulated=simulated)
@@ -274,6 +279,7 @@ class _Run:
             self._announcer.say("warning", text=text, data={"simulated": True})
 
     async def _ready(self, devices: Devices, gate: MotionGate) -> None:
+        await gate.require_door()
         percent = await gate.lower_override()
         await devices.robot.servo(on=True)
         require_ready(await devices.robot.status())
@@ -310,6 +316,8 @@ class _Run:
 
     async def _close(self, devices: Devices, ending: Ending) -> RunOutcome:
         try:
+            if self._light is not None:
+                await within(self._clock, self._bound_s, self._light.end())
             troubles = await within(self._clock, self._bound_s, close_all(devices))
         except FAILURES as error:
             troubles = {"devices": str(error)}
@@ -329,6 +337,15 @@ class _Run:
         )
         times = self._context.step_times if self._context else []
         return RunOutcome(self._store.path, ending.status, ending.exit_code, ending.text, times)
+
+    def _tell(self, event: dict[str, Json]) -> None:
+        if self._light is not None:
+            self._light.take(event)
+        self._publish(event)
+
+    def _warn(self, text: str) -> None:
+        self._store.post("warning", {"text": text})
+        self._announcer.say("warning", text=text, data={})
 
     def _report(self, ending: Ending, error: BaseException) -> None:
         # The traceback is for the log of the run; people are told the text.

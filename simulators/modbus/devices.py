@@ -4,9 +4,11 @@ from collections.abc import Callable
 
 from simulators.air_probe import AirProbe
 from simulators.config import EmulatedDevice
+from simulators.errors import EmulatorError
 from simulators.modbus.air_sensor import AirSensor
 from simulators.modbus.point_sensor import PointSensor, comet_points, read_points
 from simulators.modbus.protocol import ModbusSession, Registers
+from simulators.modbus.remote_io import COUNT, Door, RemoteIo
 from simulators.modbus.rtu import SHORTEST_SILENCE_S, RtuSession
 from simulators.options import choice, number
 from simulators.ports.address import LineAddress, parse_address
@@ -33,6 +35,20 @@ def air_registers(probe: AirProbe, device: EmulatedDevice) -> Registers:
         return PointSensor(probe, "air sensor, register map of the cell file", points, little=little)
     serial = {address - base: word for address, word in _COMET_SERIAL.items()}
     return PointSensor(probe, "air sensor, Comet register map", comet_points(base), fixed=serial)
+
+
+def io_block(door: Door, device: EmulatedDevice) -> RemoteIo:
+    """Return a block of inputs and outputs.
+
+    Raises:
+        EmulatorError: an option is wrong.
+    """
+    address = int(number(device, "door_input", 0)) - int(number(device, "address_base", 0))
+    if not 0 <= address < COUNT:
+        raise EmulatorError(f"{device.name}: option door_input: the block has {COUNT} inputs")
+    kind = choice(device, "door_kind", ("input", "coil"))
+    closed_reads = device.options.get("door_closed", True) is True
+    return RemoteIo(door, address, door_is_coil=kind == "coil", closed_reads=closed_reads)
 
 
 def modbus_sessions(

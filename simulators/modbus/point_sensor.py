@@ -153,6 +153,11 @@ class PointSensor:
         del address, count
         raise ModbusError(ILLEGAL_ADDRESS)
 
+    def read_inputs(self, address: int, count: int) -> list[bool]:
+        """Refuse: the sensor has no inputs."""
+        del address, count
+        raise ModbusError(ILLEGAL_ADDRESS)
+
     def write_bits(self, address: int, bits: list[bool]) -> None:
         """Refuse: the sensor has no coils."""
         del address, bits

@@ -45,7 +45,11 @@ class Registers(Protocol):
         ...
 
     def read_bits(self, address: int, count: int) -> list[bool]:
-        """Return coils or inputs."""
+        """Return coils."""
+        ...
+
+    def read_inputs(self, address: int, count: int) -> list[bool]:
+        """Return discrete inputs."""
         ...
 
     def write_bits(self, address: int, bits: list[bool]) -> None:
@@ -116,10 +120,18 @@ def _require_count(count: int, largest: int, address: int) -> None:
         raise ModbusError(ILLEGAL_ADDRESS)
 
 
-def _read_bits(registers: Registers, body: bytes) -> bytes:
+def _read_coils(registers: Registers, body: bytes) -> bytes:
+    return _read_bits(registers.read_bits, body)
+
+
+def _read_inputs(registers: Registers, body: bytes) -> bytes:
+    return _read_bits(registers.read_inputs, body)
+
+
+def _read_bits(read: Callable[[int, int], list[bool]], body: bytes) -> bytes:
     address, count = _unpack(">HH", body)
     _require_count(count, 2000, address)
-    bits = registers.read_bits(address, count)
+    bits = read(address, count)
     packed = sum(1 << n for n, bit in enumerate(bits) if bit).to_bytes((count + 7) // 8, "little")
     return bytes([len(packed)]) + packed
 
@@ -197,8 +209,8 @@ def _identify(registers: Registers, body: bytes) -> bytes:
 
 
 _FUNCTIONS: dict[int, Callable[[Registers, bytes], bytes]] = {
-    1: _read_bits,
-    2: _read_bits,
+    1: _read_coils,
+    2: _read_inputs,
     3: _read_words,
     4: _read_words,
     5: _write_bit,

@@ -35,6 +35,9 @@ class Bank:
         self._check(address, count)
         return self.bits[address : address + count]
 
+    def read_inputs(self, address: int, count: int) -> list[bool]:
+        return [not bit for bit in self.read_bits(address, count)]
+
     def write_bits(self, address: int, bits: list[bool]) -> None:
         self._check(address, len(bits))
         self.bits[address : address + len(bits)] = bits
@@ -68,7 +71,7 @@ def test_coils_are_written_and_read(bank: Bank) -> None:
     assert said(bank, "0f 0013 000a 02 cd01") == "0f 00 13 00 0a"
     assert bank.bits[19:29] == [True, False, True, True, False, False, True, True, True, False]
     assert said(bank, "01 0013 000a") == "01 02 cd 01"
-    assert said(bank, "02 0000 0001") == "02 01 01"
+    assert said(bank, "02 0000 0001") == "02 01 00"  # the bank's inputs are its coils, inverted
     assert said(bank, "05 0000 0000") == "05 00 00 00 00"
     assert bank.bits[0] is False
 

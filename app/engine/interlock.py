@@ -1,0 +1,120 @@
+"""Door interlock and stack light of a cell."""
+
+import asyncio
+from collections.abc import Callable
+from typing import Literal, Protocol, runtime_checkable
+
+from app.engine.states import State
+from app.errors import SafetyError
+from drivers.errors import DeviceError
+from procedures.context import Json
+from procedures.devices import DeviceIdentity
+
+Light = Literal["green", "amber", "red", "off"]
+
+_LIGHTS: dict[str, Light] = {
+    State.EXECUTE: "green",
+    State.UNHOLDING: "green",
+    State.HOLDING: "amber",
+    State.HELD: "amber",
+    State.SUSPENDED: "amber",
+    State.STOPPING: "red",
+    State.ABORTING: "red",
+    State.ABORTED: "red",
+    State.CLEARING: "red",
+    State.STOPPED: "red",
+}
+"""States that do not stand here show nothing."""
+
+
+@runtime_checkable
+class RemoteIo(Protocol):
+    """A block of inputs and outputs."""
+
+    async def connect(self) -> DeviceIdentity:
+        """Open the link and check who answers."""
+        ...
+
+    async def close(self) -> None:
+        """Disconnect; may be called any number of times."""
+        ...
+
+    async def door_closed(self) -> bool:
+        """Return whether the door is closed now."""
+        ...
+
+    async def show(self, light: Light) -> None:
+        """Light one lamp and put the others out."""
+        ...
+
+
+async def require_closed(io: RemoteIo) -> None:
+    """Check that the door is closed; a block that does not answer counts as an open door.
+
+    Raises:
+        SafetyError: open or unknown.
+    """
+    try:
+        closed = await io.door_closed()
+    except DeviceError as error:
+        raise SafetyError(
+            f"the door interlock does not answer, which counts as open: no motion; see to the block in [io]: {error}"
+        ) from error
+    if not closed:
+        raise SafetyError(
+            "the door is open: no motion; close it when nobody is inside, then start or resume the run"
+        )
+
+
+class StackLight:
+    """Shows a run's state; always behind it, never in its way.
+
+    Args:
+        io: the block with the lamps.
+        on_trouble: is told once when the block stops taking orders.
+    """
+
+    def __init__(self, io: RemoteIo, on_trouble: Callable[[str], None]) -> None:
+        self._io = io
+        self._on_trouble = on_trouble
+        self._state: Light = "off"
+        self._asking = False
+        self._changed = asyncio.Event()
+        self._failed = False
+        self._task = asyncio.get_running_loop().create_task(self._follow())
+
+    def take(self, event: dict[str, Json]) -> None:
+        """Take note of an event of the run."""
+        match event["event"]:
+            case "state" if "kind" not in event:
+                self._state = _LIGHTS.get(str(event["state"]), "off")
+            case "prompt":
+                self._asking = True
+            case "answer":
+                self._asking = False
+            case _:
+                return
+        self._changed.set()
+
+    async def end(self) -> None:
+        """Put all lamps out and let go of the block."""
+        self._task.cancel()
+        await asyncio.gather(self._task, return_exceptions=True)
+        await self._show("off")
+
+    async def _follow(self) -> None:
+        while True:
+            await self._changed.wait()
+            self._changed.clear()
+            waiting = self._asking and self._state == "green"
+            await self._show("amber" if waiting else self._state)
+
+    async def _show(self, light: Light) -> None:
+        try:
+            await self._io.show(light)
+        except DeviceError as error:
+            if not self._failed:
+                self._failed = True
+                self._on_trouble(f"the stack light does not take orders: {error}")
+        else:
+            self._failed = False

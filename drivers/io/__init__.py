@@ -1,0 +1,1 @@
+"""Remote inputs and outputs: door interlock and stack light."""

@@ -1,0 +1,180 @@
+"""A block of remote inputs and outputs over Modbus: a door contact and a stack light."""
+
+from typing import Any, ClassVar, Literal, Protocol, Self
+
+from pydantic import BaseModel, ConfigDict, Field, model_validator
+
+from drivers.air.client import RegisterClient
+from drivers.clock import Clock
+from drivers.endpoint import require_stream
+from drivers.errors import LinkTimeoutError, RefusedError
+from drivers.readings import Identity
+from drivers.record import Sink
+
+Light = Literal["green", "amber", "red", "off"]
+
+_FUNCTIONS = {"coil": 1, "input": 2}
+
+
+class IoSettings(BaseModel):
+    """What a cell file may set of a block. The addresses have no standard: the defaults just count from 0.
+
+    Attributes:
+        device_id: unit identifier.
+        door_input: address of the door's contact.
+        door_kind: `input` is read by function 2, `coil` by function 1.
+        door_closed: what the contact reads while the door is closed.
+        green_coil: output of the green light; None without one, as for the others.
+        amber_coil: output of the amber light.
+        red_coil: output of the red light.
+        address_base: number that the documents give to the first address.
+        timeout_s: for connecting and for an answer, real s.
+    """
+
+    model_config = ConfigDict(strict=True, extra="forbid", frozen=True)
+
+    device_id: int = Field(default=1, ge=0, le=255)
+    door_input: int = Field(default=0, ge=0, le=0xFFFF)
+    door_kind: Literal["input", "coil"] = "input"
+    door_closed: bool = True
+    green_coil: int | None = Field(default=0, ge=0, le=0xFFFF)
+    amber_coil: int | None = Field(default=1, ge=0, le=0xFFFF)
+    red_coil: int | None = Field(default=2, ge=0, le=0xFFFF)
+    address_base: Literal[0, 1] = 0
+    timeout_s: float = Field(default=1.0, gt=0)
+
+    @model_validator(mode="after")
+    def _apart(self) -> Self:
+        coils = list(self.lights().values())
+        if len(set(coils)) < len(coils):
+            raise ValueError("two lights have the same coil; give each one its own")
+        if min([self.door_input, *coils]) < self.address_base:
+            raise ValueError("address 0 lies before address_base = 1: use 1 or more, or address_base = 0")
+        return self
+
+    def lights(self) -> dict[Light, int]:
+        """Return the coils of the lights that there are."""
+        named: dict[Light, int | None] = {
+            "green": self.green_coil,
+            "amber": self.amber_coil,
+            "red": self.red_coil,
+        }
+        return {light: coil for light, coil in named.items() if coil is not None}
+
+
+class Bits(Protocol):
+    """Coils and inputs of one device."""
+
+    async def open(self) -> None:
+        """Connect."""
+        ...
+
+    async def close(self) -> None:
+        """Disconnect."""
+        ...
+
+    async def read_bits(self, function: int, address: int, count: int) -> list[bool]:
+        """Return coils or inputs."""
+        ...
+
+    async def write_bits(self, address: int, bits: list[bool]) -> None:
+        """Set coils."""
+        ...
+
+    async def identify(self) -> dict[int, str]:
+        """Return the objects of function 43/14."""
+        ...
+
+
+class ModbusIo:
+    """Driver of a block of inputs and outputs.
+
+    Args:
+        bits: the block.
+        settings: what is connected where.
+    """
+
+    Settings: ClassVar[type[IoSettings]] = IoSettings
+
+    def __init__(self, bits: Bits, settings: IoSettings) -> None:
+        self._bits = bits
+        self._settings = settings
+
+    @classmethod
+    def at(cls, endpoint: str, clock: Clock, sink: Sink | None = None, **settings: Any) -> Self:
+        """Return a driver for an endpoint as the cell file writes it; nothing is opened yet.
+
+        Args:
+            endpoint: of the block, tcp:// or serial://.
+            clock: not needed here.
+            sink: is shown all bytes.
+            settings: fields of `IoSettings`.
+
+        Raises:
+            LinkError: the endpoint is wrong.
+            pydantic.ValidationError: a setting is unknown or wrong.
+        """
+        del clock
+        checked = IoSettings(**settings)
+        client = RegisterClient(
+            require_stream(endpoint),
+            device_id=checked.device_id,
+            name="remote I/O",
+            timeout_s=checked.timeout_s,
+            sink=sink,
+        )
+        return cls(client, checked)
+
+    async def connect(self) -> Identity:
+        """Open the link, ask who is there and for the door, which a stranger cannot tell.
+
+        Raises:
+            WrongDeviceError: something answers that is no Modbus.
+            RefusedError: the door's contact is not there.
+            LinkError: unreachable or silent.
+        """
+        await self._bits.open()
+        try:
+            names = await self._identify()
+            await self.door_closed()
+        except BaseException:
+            await self._bits.close()
+            raise
+        model = " ".join(filter(None, (names.get(0, ""), names.get(1, ""))))
+        return Identity(
+            model=model or "Modbus remote I/O",
+            firmware=names.get(2, ""),
+            serial=names.get(0x80, ""),
+            simulated="EMULATOR" in names.get(0, "").upper(),
+        )
+
+    async def close(self) -> None:
+        """Disconnect; may be called any number of times."""
+        await self._bits.close()
+
+    async def door_closed(self) -> bool:
+        """Return whether the door is closed now.
+
+        Raises:
+            DeviceError: the block does not tell; the door then counts as open.
+        """
+        settings = self._settings
+        address = settings.door_input - settings.address_base
+        (bit,) = await self._bits.read_bits(_FUNCTIONS[settings.door_kind], address, 1)
+        return bit is settings.door_closed
+
+    async def show(self, light: Light) -> None:
+        """Light one lamp and put the others out.
+
+        Raises:
+            DeviceError: the block does not take it.
+        """
+        for name, coil in self._settings.lights().items():
+            await self._bits.write_bits(coil - self._settings.address_base, [name == light])
+
+    async def _identify(self) -> dict[int, str]:
+        try:
+            return await self._bits.identify()
+        except (RefusedError, LinkTimeoutError):
+            # Function 43/14 is optional; a block without it may also keep silent.
+            return {}

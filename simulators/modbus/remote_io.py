@@ -1,0 +1,81 @@
+"""A block of remote inputs and outputs: 16 coils, 16 discrete inputs, a door's contact at one of them."""
+
+from dataclasses import dataclass, field
+
+from simulators.modbus.protocol import ILLEGAL_ADDRESS, ModbusError
+
+COUNT = 16
+
+
+@dataclass
+class Door:
+    """The cell's door.
+
+    Attributes:
+        closed: its present state; the control port opens it.
+    """
+
+    closed: bool = True
+
+
+@dataclass
+class RemoteIo:
+    """Coils and inputs.
+
+    Attributes:
+        door: what the contact watches.
+        door_address: of the contact, as transmitted.
+        door_is_coil: the contact stands among the coils.
+        closed_reads: what it reads while the door is closed.
+        coils: outputs.
+        identity: identification objects.
+    """
+
+    door: Door
+    door_address: int = 0
+    door_is_coil: bool = False
+    closed_reads: bool = True
+    coils: list[bool] = field(default_factory=lambda: [False] * COUNT)
+    identity: dict[int, str] = field(
+        default_factory=lambda: {0: "EMULATOR of catseye", 1: "remote inputs and outputs", 2: "1.0"}
+    )
+
+    def read_words(self, address: int, count: int) -> list[int]:
+        """Refuse: the block has no registers."""
+        del address, count
+        raise ModbusError(ILLEGAL_ADDRESS)
+
+    def write_words(self, address: int, words: list[int]) -> None:
+        """Refuse: the block has no registers."""
+        del address, words
+        raise ModbusError(ILLEGAL_ADDRESS)
+
+    def read_bits(self, address: int, count: int) -> list[bool]:
+        """Return coils."""
+        _require(address, count)
+        shown = list(self.coils)
+        if self.door_is_coil:
+            shown[self.door_address] = self._contact
+        return shown[address : address + count]
+
+    def read_inputs(self, address: int, count: int) -> list[bool]:
+        """Return discrete inputs."""
+        _require(address, count)
+        shown = [False] * COUNT
+        if not self.door_is_coil:
+            shown[self.door_address] = self._contact
+        return shown[address : address + count]
+
+    def write_bits(self, address: int, bits: list[bool]) -> None:
+        """Set coils."""
+        _require(address, len(bits))
+        self.coils[address : address + len(bits)] = bits
+
+    @property
+    def _contact(self) -> bool:
+        return self.door.closed is self.closed_reads
+
+
+def _require(address: int, count: int) -> None:
+    if address + count > COUNT:
+        raise ModbusError(ILLEGAL_ADDRESS)

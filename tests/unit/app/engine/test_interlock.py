@@ -1,0 +1,140 @@
+"""An open door forbids motion; the stack light follows the run and never holds it up."""
+
+import asyncio
+from pathlib import Path
+
+import pytest
+
+from app.engine.devices import Devices, WireRecorder
+from app.engine.gate import MotionGate
+from app.engine.host import run_procedure
+from app.engine.interlock import Light, StackLight
+from app.errors import SafetyError
+from app.exitcode import ExitCode
+from drivers.errors import LinkTimeoutError
+from drivers.readings import Identity
+from procedures.context import Context
+from tests.unit.app.engine.fakes import AWAY, HOME, LIMITS, FakeBench, Script, identity
+
+
+class Block:
+    """A scripted block of inputs and outputs."""
+
+    def __init__(self) -> None:
+        self.closed = True
+        self.silent = False
+        self.hangs = False
+        self.shown: list[Light] = []
+
+    async def connect(self) -> Identity:
+        return identity(simulated=True)
+
+    async def close(self) -> None:
+        """Nothing is open."""
+
+    async def door_closed(self) -> bool:
+        if self.silent:
+            raise LinkTimeoutError("no answer")
+        return self.closed
+
+    async def show(self, light: Light) -> None:
+        if self.hangs and light != "off":
+            await asyncio.Event().wait()
+        if self.silent:
+            raise LinkTimeoutError("no answer")
+        if not self.shown or self.shown[-1] != light:
+            self.shown.append(light)
+
+
+class GuardedBench(FakeBench):
+    """A bench with a block."""
+
+    block: Block
+
+    def build(self, record: WireRecorder) -> Devices:
+        devices = super().build(record)
+        return Devices(devices.robot, devices.interferometer, devices.environment, io=self.block)
+
+
+@pytest.fixture
+def bench(tmp_path: Path) -> GuardedBench:
+    made = GuardedBench(tmp_path)
+    made.block = Block()
+    return made
+
+
+async def test_an_open_or_unknown_door_forbids_motion(bench: GuardedBench) -> None:
+    await bench.robot.servo(on=True)
+    await bench.robot.set_override(20.0)
+    gate = MotionGate(bench.robot, LIMITS, 20.0, bench.block)
+    await gate.require(HOME)
+    bench.block.closed = False
+    with pytest.raises(SafetyError, match="door is open: no motion; close it"):
+        await gate.require(HOME)
+    bench.block.closed, bench.block.silent = True, True
+    with pytest.raises(SafetyError, match=r"counts as open.*\[io\]"):
+        await gate.require(HOME)
+
+
+async def test_a_door_that_opens_on_the_way_ends_the_run(bench: GuardedBench) -> None:
+    async def body(ctx: Context) -> None:
+        await ctx.move(AWAY)
+        bench.block.closed = False
+        await ctx.move(HOME)
+
+    outcome = await run_procedure(
+        bench.request(Script(body)), bench.build, bench.clock, bench.publish, bench.install
+    )
+    assert (outcome.status, outcome.exit_code) == ("aborted", ExitCode.SAFETY)
+    assert "door is open" in outcome.text
+    assert bench.robot.calls.count("move") == 1
+    assert bench.block.shown[-2:] == ["red", "off"]
+
+
+async def test_the_light_follows_the_run(bench: GuardedBench) -> None:
+    async def body(ctx: Context) -> None:
+        for _ in range(5):
+            await ctx.move(AWAY)
+
+    outcome = await run_procedure(
+        bench.request(Script(body)), bench.build, bench.clock, bench.publish, bench.install
+    )
+    assert outcome.status == "complete"
+    assert bench.block.shown == ["green", "off"]
+
+
+async def test_a_block_that_hangs_or_fails_does_not_hold_the_run_up(bench: GuardedBench) -> None:
+    async def body(ctx: Context) -> None:
+        await ctx.move(AWAY)
+
+    bench.block.hangs = True
+    outcome = await run_procedure(
+        bench.request(Script(body)), bench.build, bench.clock, bench.publish, bench.install
+    )
+    assert outcome.status == "complete"
+    assert bench.block.shown == ["off"]
+
+
+async def test_states_and_questions_have_their_colours() -> None:
+    block, told = Block(), list[str]()
+    light = StackLight(block, told.append)
+
+    async def after(event: str, **fields: str) -> Light:
+        light.take({"event": event, **fields})
+        for _ in range(3):
+            await asyncio.sleep(0)
+        return block.shown[-1]
+
+    assert await after("state", state="EXECUTE") == "green"
+    assert await after("prompt") == "amber"
+    assert await after("answer") == "green"
+    assert await after("state", state="HELD") == "amber"
+    assert await after("state", state="ABORTING") == "red"
+    assert await after("prompt") == "red"
+    block.silent = True
+    for _ in range(2):
+        await after("state", state="EXECUTE")
+    assert len(told) == 1
+    block.silent = False
+    await light.end()
+    assert block.shown[-1] == "off"
