@@ -143,7 +143,7 @@ def test_an_alarm_stops_a_motion(panel: Panel) -> None:
     panel.bench.advance(1.0)
     controller.move((60.0, 30.0, 0.0, 0.0))
     panel.bench.advance(0.05)
-    panel.fault("alarm", number=5000)
+    panel.fault("alarm", number=2602)
     panel.bench.advance(1.0)
     assert 20.0 < panel.bench.joints[0] < 60.0
     assert controller.servo_on
