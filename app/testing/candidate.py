@@ -6,6 +6,7 @@ from dataclasses import dataclass, field
 from typing import Any, Literal, get_args
 
 from drivers.registry import load_driver
+from simulators.config import Option
 from simulators.protocols import PROTOCOLS
 
 Kind = Literal["robot", "interferometer", "environment", "tracker"]
@@ -36,7 +37,9 @@ DOORS: dict[str, dict[str, str]] = {
 }
 """Emulated protocols behind the endpoints of drivers that do not have just one of their own name."""
 
-_LEAST_PATIENCE_S = 5.0
+_LEAST_PATIENCE_S, _MOST_PATIENCE_S = 5.0, 40.0
+_SLOW = ("move", "start", "servo", "stop")
+"""Beginnings of the names of time-outs that are no question's."""
 
 
 @dataclass(frozen=True)
@@ -50,6 +53,7 @@ class Candidate:
         endpoint: what it is to talk to; None for the built-in emulator of the same name.
         settings: as in a cell file.
         allow_motion: a robot behind `endpoint` may be moved.
+        options: of the built-in emulator, beyond the settings.
     """
 
     name: str
@@ -58,6 +62,7 @@ class Candidate:
     endpoint: str | None = None
     settings: Mapping[str, Any] = field(default_factory=dict)
     allow_motion: bool = False
+    options: Mapping[str, Option] = field(default_factory=dict)
 
     @property
     def emulated(self) -> bool:
@@ -86,11 +91,10 @@ class Candidate:
         times = [
             self.settings.get(name, info.default)
             for name, info in fields.items()
-            # Motions have time-outs of their own, which no question waits for.
-            if name.endswith("timeout_s") and not name.startswith("move")
+            if name.endswith("timeout_s") and not name.startswith(_SLOW)
         ]
         longest_s = max((float(t) for t in times if isinstance(t, int | float)), default=0.0)
-        return max(_LEAST_PATIENCE_S, 4.0 * longest_s)
+        return min(_MOST_PATIENCE_S, max(_LEAST_PATIENCE_S, 4.0 * longest_s))
 
 
 def candidate_of(

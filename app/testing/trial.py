@@ -182,7 +182,8 @@ def trial_of(candidate: Candidate) -> Iterator[Trial]:
 
 def _devices(candidate: Candidate) -> list[EmulatedDevice]:
     """Return the emulated devices behind a driver's doors; drivers and emulators share the names of settings."""
-    options = {k: v for k, v in candidate.settings.items() if isinstance(v, str | int | float | bool)}
+    shared = {k: v for k, v in candidate.settings.items() if isinstance(v, str | int | float | bool)}
+    options = {**shared, **candidate.options}
     made = []
     for door, protocol in candidate.doors.items():
         kind = "udp" if protocol == "melfa-mxt" else "tcp"

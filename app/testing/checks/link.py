@@ -16,7 +16,8 @@ _IN_FLIGHT_S = 0.05
 _LONGEST_BLOCK_S = 0.5
 _CLOSE_S = 5.0
 _ADVICE = re.compile(
-    r"\b(check|connect|switch|use|set|look|close|give|choose|wait|start|raise|write|see|compare|open|clear|press|end)\b"
+    r"\b(check|clear|close|choose|compare|connect|end|give|has to|look|must|open|press|raise|see|set|start|switch|use"
+    r"|wait|write)\b"
 )
 
 

@@ -1,5 +1,7 @@
 """The codec and the manual's lines."""
 
+from itertools import pairwise
+
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
@@ -31,8 +33,8 @@ def test_values_of_the_manual():
 def test_any_split_of_the_stream_gives_the_same_answer(cuts):
     data, decoder = POSITION[1], codec.AnswerDecoder()
     edges = [0, *sorted(cuts), len(data)]
-    answers = [decoder.feed(data[a:b]) for a, b in zip(edges, edges[1:], strict=False)]
-    assert [answer for answer in answers if answer is not None][0] == "1TP-0012.345678"
+    answers = [decoder.feed(data[a:b]) for a, b in pairwise(edges)]
+    assert next(answer for answer in answers if answer is not None) == "1TP-0012.345678"
 
 
 @given(chunks=st.lists(st.binary(max_size=400), max_size=8))
