@@ -5,8 +5,8 @@ Requests have `op` and its arguments; answers are `{"ok": true, …}` or `{"ok":
 `identify` · `truth` (the true arm in the result format) · `state` · `tracker` (the J4 axis as a laser tracker sees
 it) · `log` {device} · `speed` {value} · `fault` {name, …}, with the names
 
-`block_beam` {duration_s, null for ever} · `clear_faults` · `alarm` {number} · `emergency_stop` {on} · `servo_off` ·
-`move_reflector` {reflector, dx_mm, dy_mm} · `air` {nan, temperature_k, pressure_hpa, humidity_percent} ·
+`block_beam` {duration_s, null for ever} · `clear_faults` · `alarm` {number} · `emergency_stop` {on} · `teach_mode` {on} ·
+`servo_off` · `move_reflector` {reflector, dx_mm, dy_mm} · `air` {nan, temperature_k, pressure_hpa, humidity_percent} ·
 `door` {open} · `stall` {device, duration_s} · `drop` {device} · `mute` {device}. Durations are bench time.
 """
 
@@ -139,6 +139,7 @@ class _ClearFaults(_Request):
     def carry_out(self, desk: Desk) -> Said:
         desk.world.bench.unblock_beam()
         desk.world.controller.emergency_stop = False
+        desk.world.controller.teach_mode = False
         desk.world.controller.reset_alarm()
         desk.world.probe.fault = AirFault()
         desk.world.door.closed = True
@@ -162,6 +163,14 @@ class _EmergencyStop(_Request):
 
     def carry_out(self, desk: Desk) -> Said:
         desk.world.controller.set_emergency_stop(on=self.on)
+        return {}
+
+
+class _TeachMode(_Request):
+    on: bool = True
+
+    def carry_out(self, desk: Desk) -> Said:
+        desk.world.controller.set_teach_mode(on=self.on)
         return {}
 
 
@@ -242,6 +251,7 @@ _FAULTS: dict[str, type[_Request]] = {
     "clear_faults": _ClearFaults,
     "alarm": _Alarm,
     "emergency_stop": _EmergencyStop,
+    "teach_mode": _TeachMode,
     "servo_off": _ServoOff,
     "move_reflector": _MoveReflector,
     "air": _Air,

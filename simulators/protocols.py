@@ -9,6 +9,7 @@ from simulators.counter.session import CounterSession
 from simulators.errors import EmulatorError
 from simulators.heidenhain.session import Display, NdSession
 from simulators.lasertex.session import Hpi, HpiSession
+from simulators.melfa.choices import Choices
 from simulators.melfa.datalink import NUMBER_FORMATS, Datalink, DatalinkSession
 from simulators.melfa.mxt import MODES, Mxt, MxtOptions, MxtSession
 from simulators.melfa.session import MelfaSession
@@ -30,6 +31,8 @@ Maker = Callable[[World, EmulatedDevice, Note], NewSession]
 
 
 def _melfa_r3(world: World, device: EmulatedDevice, note: Note) -> NewSession:
+    if device.options:
+        world.controller.choices = Choices.of(device)
     if device.endpoint.startswith("serial:"):
         # On RS-232 requests have a terminator, and answers end with CR (sheet `melfa`, section 1.2).
         return lambda: MelfaSession(world.controller, "\r", note, segments=False)

@@ -1,6 +1,10 @@
 """What the sheet does not know of a controller (sections 1.7, 1.11, 5.1 and 7); choose what a client shall meet."""
 
 from dataclasses import dataclass
+from typing import Self
+
+from simulators.config import EmulatedDevice
+from simulators.options import flag, number
 
 
 @dataclass(frozen=True)
@@ -9,7 +13,7 @@ class Choices:
 
     Attributes:
         exclusive_right: one connection only may hold the operation right; others are refused with 6020.
-        teach_refuses_right: in TEACH the right is lost, and CNTLON is refused with 5000.
+        teach_keeps_right: in TEACH the right stays; otherwise it is lost, and CNTLON is refused with 5000.
         jog_percent: jog speed at an override of 100 %, per cent of the largest speed.
         inch_high: step of high inching, deg or mm.
         inch_low: step of low inching, deg or mm.
@@ -18,9 +22,27 @@ class Choices:
     """
 
     exclusive_right: bool = False
-    teach_refuses_right: bool = True
+    teach_keeps_right: bool = False
     jog_percent: float = 10.0
     inch_high: float = 0.1
     inch_low: float = 0.01
     pulses_per_unit: float = 1000.0
     line_time_s: float = 0.01
+
+    @classmethod
+    def of(cls, device: EmulatedDevice) -> Self:
+        """Return the choices among a device's options, which have the names of the attributes.
+
+        Raises:
+            EmulatorError: an option is of the wrong kind.
+        """
+        default = cls()
+        return cls(
+            exclusive_right=flag(device, "exclusive_right"),
+            teach_keeps_right=flag(device, "teach_keeps_right"),
+            jog_percent=number(device, "jog_percent", default.jog_percent),
+            inch_high=number(device, "inch_high", default.inch_high),
+            inch_low=number(device, "inch_low", default.inch_low),
+            pulses_per_unit=number(device, "pulses_per_unit", default.pulses_per_unit),
+            line_time_s=number(device, "line_time_s", default.line_time_s),
+        )

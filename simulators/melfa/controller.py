@@ -181,7 +181,7 @@ class Controller:
         self.teach_mode = on
         self.stopped = True
         self._interrupt(alarms.STOP_IS_ON)
-        if on and self.choices.teach_refuses_right:
+        if on and not self.choices.teach_keeps_right:
             self.right_holders.clear()
 
     def take_right(self, client: object) -> None:
@@ -190,7 +190,7 @@ class Controller:
         Raises:
             Refusal: the key is at TEACH, or another client has the right; both only if so chosen.
         """
-        if self.teach_mode and self.choices.teach_refuses_right:
+        if self.teach_mode and not self.choices.teach_keeps_right:
             raise Refusal(alarms.PENDANT_ENABLED)
         if self.choices.exclusive_right and self.right_holders - {client}:
             raise Refusal(alarms.NO_OPERATION_RIGHT)

@@ -133,8 +133,10 @@ def test_robot_faults_act_on_the_controller(panel: Panel) -> None:
     assert (controller.emergency_stop, controller.alarm) == (True, 50)
     panel.fault("emergency_stop", on=False)
     assert (controller.emergency_stop, controller.alarm) == (False, 50)
+    panel.fault("teach_mode", on=True)
+    assert controller.teach_mode
     panel.fault("clear_faults")
-    assert controller.alarm == 0
+    assert (controller.alarm, controller.teach_mode) == (0, False)
 
 
 def test_an_alarm_stops_a_motion(panel: Panel) -> None:

@@ -4,6 +4,8 @@ import re
 
 import pytest
 
+from simulators.config import EmulatedDevice
+from simulators.errors import EmulatorError
 from simulators.melfa.choices import Choices
 from simulators.melfa.commands.table import COMMANDS
 from tests.unit.simulators.melfa_desk import Desk, with_axes
@@ -137,7 +139,7 @@ def test_in_teach_the_right_is_gone_and_refused() -> None:
     assert robot.ask("CNTLON") == "QeR500000000"
     desk.controller.set_teach_mode(on=False)
     assert robot.ask("CNTLON") == "QoK"
-    lenient = Desk(choices=Choices(teach_refuses_right=False))
+    lenient = Desk(choices=Choices(teach_keeps_right=True))
     lenient.controller.set_teach_mode(on=True)
     assert lenient.client().ask("CNTLON") == "QoK"
 
@@ -170,3 +172,13 @@ def test_no_argument_upsets_a_command() -> None:
     for word in sorted(COMMANDS):
         for arguments in ("", "1", "TOP", ";", "A;B;C;D;E", "-", "=", "\xb2", "1;\xb2", "9" * 30):
             assert re.match(r"Qo[Kk]|Qe[Rr]\d{9}", robot.ask(word + arguments)), word + arguments
+
+
+def test_what_is_not_known_is_chosen_by_options() -> None:
+    device = EmulatedDevice(
+        "robot", "melfa-r3", options={"exclusive_right": True, "jog_percent": 5, "slot": 1}
+    )
+    choices = Choices.of(device)
+    assert (choices.exclusive_right, choices.teach_keeps_right, choices.jog_percent) == (True, False, 5)
+    with pytest.raises(EmulatorError, match="exclusive_right has to be true or false"):
+        Choices.of(EmulatedDevice("robot", "melfa-r3", options={"exclusive_right": "yes"}))
