@@ -4,7 +4,7 @@ BIN := .venv/bin
 # Small matrices: threads of the linear algebra wait for one another on busy machines.
 export OMP_NUM_THREADS ?= 1
 
-.PHONY: demo test lint types contracts bench seeds pictures clean help
+.PHONY: demo test lint types contracts bench soak seeds pictures clean help
 
 help:  ## list the targets
 	@grep -E '^[a-z]+:.*##' $(MAKEFILE_LIST) | sed 's/:.*##/\t/'
@@ -37,6 +37,9 @@ test: lint types contracts  ## everything that CI runs
 
 bench: .venv/installed  ## the figures of the README, side by side with their peers
 	$(BIN)/python -m pytest -c pyproject.toml tests/benchmarks -s -q --timeout 900
+
+soak: .venv/installed  ## ten minutes of a stream with 1000 samples a second
+	CATSEYE_STREAM_S=600 $(BIN)/python -m pytest -c pyproject.toml tests/benchmarks/test_stream.py -s -q --timeout 900
 
 seeds: .venv/installed  ## the demo with seeds 1 to 7: what the error map leaves of the conventional model's error
 	@for seed in 1 2 3 4 5 6 7; do \
