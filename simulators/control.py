@@ -5,9 +5,10 @@ Requests have `op` and its arguments; answers are `{"ok": true, …}` or `{"ok":
 `identify` · `truth` (the true arm in the result format) · `state` · `tracker` (the J4 axis as a laser tracker sees
 it) · `log` {device} · `speed` {value} · `fault` {name, …}, with the names
 
-`block_beam` {duration_s, null for ever} · `clear_faults` · `alarm` {number} · `emergency_stop` {on} · `teach_mode` {on} ·
-`servo_off` · `move_reflector` {reflector, dx_mm, dy_mm} · `air` {nan, temperature_k, pressure_hpa, humidity_percent} ·
-`door` {open} · `stall` {device, duration_s} · `drop` {device} · `mute` {device}. Durations are bench time.
+`block_beam` {duration_s, null for ever} · `clear_faults` · `alarm` {number} · `emergency_stop` {on} ·
+`teach_mode` {on} · `servo_off` · `move_reflector` {reflector, dx_mm, dy_mm} · `air` {nan, temperature_k,
+pressure_hpa, humidity_percent} · `door` {open} · `stall` {device, duration_s} · `drop` {device} · `mute` {device}.
+Durations are bench time.
 """
 
 import json
