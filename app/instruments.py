@@ -34,7 +34,7 @@ def device_builder(cell: Cell, clock: Clock) -> DeviceBuilder:
 def _build(cell: Cell, clock: Clock, record: WireRecorder) -> Devices:
     robot, counter, air = cell.robot, cell.interferometer, cell.environment
     return Devices(
-        robot=_make(robot.driver, "robot", robot.endpoint, clock, record, **robot_settings(robot)),
+        robot=_make(robot.driver, "robot", robot.endpoint, clock, record, **robot_settings(robot, record)),
         interferometer=_make(
             counter.driver,
             "interferometer",
@@ -71,7 +71,7 @@ def further_device(device: FurtherDevice, clock: Clock, record: WireRecorder) ->
     return _make(device.driver, device.name, device.endpoint, clock, record, **device.settings)
 
 
-def robot_settings(robot: Robot) -> dict[str, Any]:
+def robot_settings(robot: Robot, record: WireRecorder) -> dict[str, Any]:
     """Return the settings of the robot's driver.
 
     Further doors of the controller and the speed of set points are told to drivers that follow by them.
@@ -85,6 +85,8 @@ def robot_settings(robot: Robot) -> dict[str, Any]:
         "streamed": {
             "follow_speed_deg_s": robot.follow_speed_deg_s,
             "follow_acceleration_deg_s2": robot.follow_acceleration_deg_s2,
+            # Datagrams of every cycle would drown what else goes to the robot.
+            "stream_sink": partial(record, "robot-stream"),
             **_given(mxt_endpoint=robot.mxt_endpoint),
         },
     }

@@ -1,7 +1,7 @@
 """Append-only files of JSON lines: the wire transcript and the application's log."""
 
 import logging
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import BinaryIO
 
@@ -38,17 +38,23 @@ class JsonLines:
         self._clock = clock
         self._on_failure = on_failure
         self._free = max_bytes - self._file.tell()
+        self._full = False
         self.cut_lines = 0
         self.cut_bytes = 0
 
     def write(self, **fields: Json) -> None:
         """Append a line with the time and these fields; after `close` it does nothing."""
+        self._append(self._line(fields))
+
+    def _line(self, fields: Mapping[str, Json]) -> bytes:
+        return to_json({"t": self._clock.now_utc().isoformat(), **fields}).encode() + b"\n"
+
+    def _append(self, line: bytes) -> None:
         if self._file.closed:
             return
-        line = to_json({"t": self._clock.now_utc().isoformat(), **fields}).encode() + b"\n"
-        if self.cut_lines or len(line) > self._free:
-            self.cut_lines += 1
-            self.cut_bytes += len(line)
+        if self._full or len(line) > self._free:
+            self._full = True
+            self._cut(line)
             return
         self._free -= len(line)
         try:
@@ -56,6 +62,10 @@ class JsonLines:
                 raise OSError(f"{self._path} took only a part of a line; the disk is full")
         except OSError as error:
             self._on_failure(error)
+
+    def _cut(self, line: bytes) -> None:
+        self.cut_lines += 1
+        self.cut_bytes += len(line)
 
     def close(self) -> None:
         """Close the file; may be called any number of times."""
@@ -65,19 +75,47 @@ class JsonLines:
 _PRINTABLE = bytes(byte if 32 <= byte < 127 else ord(".") for byte in range(256))
 
 
+_MOST_OF_ONE = 0.5
+"""Share of the transcript that one device may fill: a stream must not push the others out."""
+
+
 class WireLog(JsonLines):
-    """What went over the wires."""
+    """What went over the wires.
+
+    Args:
+        path: the file; appended to when it exists.
+        clock: stamps the lines.
+        on_failure: called when the disk refuses a line.
+        max_bytes: where the file is cut.
+    """
+
+    def __init__(
+        self,
+        path: Path,
+        clock: Clock,
+        on_failure: Callable[[OSError], None],
+        max_bytes: int = DEFAULT_MAX_BYTES,
+    ) -> None:
+        super().__init__(path, clock, on_failure, max_bytes)
+        self._share_bytes = int(_MOST_OF_ONE * max_bytes)
+        self._used_bytes: dict[str, int] = {}
 
     def record(self, device: str, direction: str, data: bytes) -> None:
         """Keep bytes.
 
         Args:
-            device: its name in the cell file: robot, interferometer, environment, tracker.
+            device: its name in the cell file, such as robot; a stream of its own has a name of its own.
             direction: "tx" is sent, "rx" is received.
             data: the bytes, as they went.
         """
         text = data.translate(_PRINTABLE).decode("ascii")
-        self.write(device=device, direction=direction, hex=data.hex(), text=text)
+        line = self._line({"device": device, "direction": direction, "hex": data.hex(), "text": text})
+        used_bytes = self._used_bytes.get(device, 0) + len(line)
+        self._used_bytes[device] = used_bytes
+        if used_bytes > self._share_bytes:
+            self._cut(line)
+            return
+        self._append(line)
 
 
 class LogHandler(logging.Handler):

@@ -65,6 +65,7 @@ class MelfaMxt:
         sink: Sink | None = None,
         *,
         mxt_endpoint: str | None = None,
+        stream_sink: Sink | None = None,
         **settings: Any,
     ) -> Self:
         """Return a driver for endpoints as the cell file writes them; nothing is opened yet.
@@ -72,8 +73,9 @@ class MelfaMxt:
         Args:
             endpoint: of the controller's R-protocol port.
             clock: time of the polls.
-            sink: is shown all bytes.
+            sink: is shown all bytes of the R-protocol.
             mxt_endpoint: of the controller's real-time port.
+            stream_sink: is shown all datagrams; `sink` by default.
             settings: fields of `MxtSettings`; `stop_endpoint` as for `MelfaR3`.
 
         Raises:
@@ -90,7 +92,9 @@ class MelfaMxt:
         checked = MxtSettings(
             **{k: v for k, v in settings.items() if k not in {"stop_endpoint", "stop_sink"}}
         )
-        stream = SetPointStream(open_transport(mxt_endpoint, sink=sink), checked, name="robot (MXT)")
+        stream = SetPointStream(
+            open_transport(mxt_endpoint, sink=stream_sink or sink), checked, name="robot (MXT)"
+        )
         return cls(controller, stream, checked)
 
     @property

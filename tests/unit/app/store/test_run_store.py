@@ -65,10 +65,14 @@ async def test_p2_a_row_that_does_not_fit_stores_nothing_and_harms_nothing(store
 
 async def test_p3_lines_cut_from_the_transcript_are_counted(tmp_path: Path) -> None:
     clock = TickingClock()
-    store = await RunStore.create(tmp_path, "search", {}, clock, reserve_bytes=0, max_log_bytes=150)
+    store = await RunStore.create(tmp_path, "search", {}, clock, reserve_bytes=0, max_log_bytes=300)
     for _ in range(5):
-        store.wire.record("robot", "rx", b"\x00QoK")
+        store.wire.record("stream", "rx", b"\x00QoK")
+    # A device that fills its half of the transcript does not push the others out.
+    store.wire.record("robot", "tx", b"STOP")
     await store.finish("complete", 0)
+    written = [json.loads(line) for line in (store.path / "wire.log").read_text().splitlines()]
+    assert [line["device"] for line in written] == ["stream", "robot"]
     closing_record = RunReader(store.path).events()[-1].data
     assert closing_record["wire_lines_cut"] == 4
     assert verify(store.path).notes == ("wire.log was cut: 4 lines are not in it",)
