@@ -61,6 +61,11 @@ class _Opened:
     worker: ThreadPoolExecutor
 
 
+def is_pseudo_terminal(device: str) -> bool:
+    """Return whether a port is an emulated one, which knows neither parity nor 7 bits."""
+    return os.path.realpath(device).startswith(_PSEUDO_TERMINALS)
+
+
 class SerialTransport:
     """A serial port, held by nobody else while it is open.
 
@@ -171,7 +176,7 @@ class SerialTransport:
     def _open_port(self) -> serial.Serial:
         s = self._settings
         # A pseudo-terminal carries whole bytes and refuses to be told otherwise.
-        emulated = os.path.realpath(self._device).startswith(_PSEUDO_TERMINALS)
+        emulated = is_pseudo_terminal(self._device)
         return serial.Serial(
             self._device,
             baudrate=s.baud,

@@ -12,6 +12,7 @@ from pymodbus.pdu.mei_message import ReadDeviceInformationResponse
 from drivers.endpoint import SerialEndpoint, TcpEndpoint
 from drivers.errors import LinkError, LinkTimeoutError, ProtocolError, RefusedError, WrongDeviceError
 from drivers.record import Sink
+from drivers.serial_line import is_pseudo_terminal
 
 # The library reports through its logger what is raised here anyway; a program without log handlers would print it.
 logging.getLogger("pymodbus").addHandler(logging.NullHandler())
@@ -98,12 +99,14 @@ class RegisterClient:
                 reconnect_delay=0,
                 trace_packet=self._trace,
             )
+        # A pseudo-terminal has no parity and refuses it when the library sets up the port a second time.
+        emulated = is_pseudo_terminal(target.device)
         return AsyncModbusSerialClient(
             target.device,
             framer=FramerType.RTU,
             baudrate=target.baud,
             bytesize=target.bits,
-            parity=target.parity,
+            parity="N" if emulated else target.parity,
             stopbits=2 if target.stopbits == "2" else 1,
             timeout=self._timeout_s,
             retries=0,

@@ -1,0 +1,1 @@
+"""Public clients of the protocols, unmodified, against the emulators: make peers."""

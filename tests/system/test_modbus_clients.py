@@ -1,0 +1,88 @@
+"""Our drivers and pymodbus' own client, unmodified, against the Modbus emulators over TCP and serial lines."""
+
+from collections.abc import Iterator
+
+import pytest
+from pymodbus import FramerType
+from pymodbus.client import ModbusSerialClient, ModbusTcpClient
+
+from drivers.air.modbus_air import ModbusAir
+from drivers.air.ptu300 import VaisalaAscii
+from drivers.clock import SystemClock
+from drivers.io.modbus_io import ModbusIo
+from tests.system.modbus_cell import ModbusCell, modbus_cell
+
+
+@pytest.fixture(scope="module")
+def cell(tmp_path_factory: pytest.TempPathFactory) -> Iterator[ModbusCell]:
+    with modbus_cell(tmp_path_factory.mktemp("modbus")) as running:
+        yield running
+
+
+def floats(client: ModbusTcpClient | ModbusSerialClient, address: int, device_id: int) -> float:
+    answer = client.read_holding_registers(address, count=2, device_id=device_id)
+    assert not answer.isError()
+    value = client.convert_from_registers(answer.registers, client.DATATYPE.FLOAT32, word_order="little")
+    assert isinstance(value, float)
+    return value
+
+
+def test_the_librarys_client_over_tcp(cell: ModbusCell) -> None:
+    with ModbusTcpClient("127.0.0.1", port=cell.air_port) as client:
+        assert floats(client, 0x0002, 1) == pytest.approx(20.0, abs=1.0)
+        assert floats(client, 0x002C, 1) == pytest.approx(1013.0, abs=5.0)
+        assert client.read_holding_registers(0x4000, count=1, device_id=1).exception_code == 2
+        assert client.read_coils(0, count=1, device_id=1).exception_code == 2
+        assert client.read_device_information(device_id=1).information[0].startswith(b"EMULATOR")
+
+
+def test_the_librarys_client_over_a_serial_line(cell: ModbusCell) -> None:
+    # Without parity: this client configures the port twice, and a pseudo-terminal refuses a parity the second time.
+    with ModbusSerialClient(cell.air_line, framer=FramerType.RTU, baudrate=19200) as client:
+        assert floats(client, 0x0000, 7) == pytest.approx(50.0, abs=5.0)
+        assert client.read_input_registers(0x4000, count=1, device_id=7).exception_code == 2
+    with ModbusSerialClient(cell.comet_line, baudrate=9600, stopbits=2) as client:
+        answer = client.read_holding_registers(0x30, count=4, device_id=1)
+        assert answer.registers[0] == pytest.approx(200, abs=10)
+        assert answer.registers[3] == pytest.approx(10132, abs=50)
+
+
+def test_the_librarys_client_sets_coils_and_reads_the_door(cell: ModbusCell) -> None:
+    with ModbusSerialClient(cell.io_line, baudrate=115200) as client:
+        assert not client.write_coils(4, [True, False, True], device_id=1).isError()
+        assert client.read_coils(4, count=3, device_id=1).bits[:3] == [True, False, True]
+        cell.emulated.ask(op="fault", name="door", open=True)
+        assert client.read_discrete_inputs(0, count=1, device_id=1).bits[0] is False
+        cell.emulated.ask(op="fault", name="door", open=False)
+        assert client.read_discrete_inputs(0, count=1, device_id=1).bits[0] is True
+
+
+async def test_our_drivers_over_serial_lines(cell: ModbusCell) -> None:
+    clock = SystemClock(1.0)
+    sensors = (
+        ModbusAir.at(
+            f"serial://{cell.air_line}?baud=19200&parity=E", clock, device_id=7, pressure_address=0x2C
+        ),
+        ModbusAir.at(f"serial://{cell.comet_line}?baud=9600&stopbits=2", clock, map="comet_rtu"),
+        VaisalaAscii.at(f"serial://{cell.ptu_line}?baud=4800&parity=E&bits=7", clock),
+    )
+    for sensor in sensors:
+        identity = await sensor.connect()
+        assert identity.simulated, identity
+        sample = await sensor.sample()
+        assert sample.temperature_c == pytest.approx(20.0, abs=1.0)
+        assert sample.pressure_hpa == pytest.approx(1013.25, abs=5.0)
+        assert sample.humidity_percent == pytest.approx(50.0, abs=5.0)
+        await sensor.close()
+
+
+async def test_our_driver_of_the_block(cell: ModbusCell) -> None:
+    io = ModbusIo.at(f"tcp://127.0.0.1:{cell.io_port}", SystemClock(1.0), door_input=2)
+    assert (await io.connect()).simulated
+    assert await io.door_closed()
+    await io.show("amber")
+    assert cell.emulated.ask(op="state")["coils"]["io"][:3] == [False, True, False]
+    cell.emulated.ask(op="fault", name="door")
+    assert not await io.door_closed()
+    cell.emulated.ask(op="fault", name="clear_faults")
+    await io.close()
