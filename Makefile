@@ -35,6 +35,11 @@ contracts: .venv/installed  ## who may import whom
 test: lint types contracts  ## everything that CI runs
 	$(BIN)/python -m pytest
 
+peers: .venv/installed  ## public clients of the protocols, unmodified, against the emulators
+	@command -v mbpoll >/dev/null || { test "$$(id -u)" = 0 && apt-get install -y mbpoll; } \
+	  || { echo "mbpoll is missing; call: apt-get install mbpoll"; exit 2; }
+	$(BIN)/python -m pytest -c pyproject.toml tests/peers
+
 bench: .venv/installed  ## the figures of the README, side by side with their peers
 	$(BIN)/python -m pytest -c pyproject.toml tests/benchmarks -s -q --timeout 900
 
