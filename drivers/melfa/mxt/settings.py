@@ -1,8 +1,8 @@
 """What a cell file may set of real-time control."""
 
-from typing import Annotated
+from typing import Annotated, Self
 
-from pydantic import Field
+from pydantic import Field, model_validator
 
 from drivers.melfa.settings import MelfaSettings
 
@@ -15,6 +15,7 @@ class MxtSettings(MelfaSettings):
     Attributes:
         program: name of the program to start again after a stop; empty leaves that to the operator.
         mxt_cycle_ms: cycle of the controller: 7.1 (CR750, CR751, CR800-Q) or 3.5 (CR800-R, CR800-D).
+        mxt_timeout_s: how long the controller waits for a set point (parameter MXTTOUT); -1 for ever.
         reply_timeout_s: for the answer to one set point.
         most_lost: so many answers in a row may be lost before the arm is stopped.
         arrival_timeout_s: for the arm to come to rest at the last set point.
@@ -28,6 +29,7 @@ class MxtSettings(MelfaSettings):
 
     program: str = Field(default="CATSMXT", pattern=r"^[A-Z0-9]{0,12}$")
     mxt_cycle_ms: float = Field(default=7.1, ge=1.0, le=100.0)
+    mxt_timeout_s: float = Field(default=1.0, ge=-1.0)
     reply_timeout_s: float = Field(default=0.1, gt=0)
     most_lost: int = Field(default=3, ge=0)
     arrival_timeout_s: float = Field(default=5.0, gt=0)
@@ -36,3 +38,12 @@ class MxtSettings(MelfaSettings):
     follow_speed_mm_s: float = Field(default=50.0, gt=0)
     follow_acceleration_mm_s2: float = Field(default=500.0, gt=0)
     full_speed: tuple[Speed, Speed, Speed, Speed] = (420.0, 720.0, 1100.0, 3000.0)
+
+    @model_validator(mode="after")
+    def _patience(self) -> Self:
+        if 0.0 <= self.mxt_timeout_s <= self.reply_timeout_s:
+            raise ValueError(
+                f"reply_timeout_s = {self.reply_timeout_s:g} has to be below mxt_timeout_s = {self.mxt_timeout_s:g}: "
+                "one lost answer would be an alarm of the controller"
+            )
+        return self

@@ -9,6 +9,7 @@ from contextlib import asynccontextmanager
 from dataclasses import dataclass, field
 
 import pytest
+from pydantic import ValidationError
 
 from drivers.errors import (
     AlarmError,
@@ -394,3 +395,9 @@ def test_endpoints_that_are_missing_are_named() -> None:
         MelfaDatalink.at("tcp://127.0.0.1:1", StepClock())
     with pytest.raises(LinkError, match="mxt_endpoint"):
         MelfaMxt.at("tcp://127.0.0.1:1", StepClock())
+
+
+def test_a_driver_more_patient_than_its_controller_is_refused() -> None:
+    with pytest.raises(ValidationError, match="one lost answer would be an alarm"):
+        MxtSettings(reply_timeout_s=2.0)
+    assert MxtSettings(reply_timeout_s=2.0, mxt_timeout_s=-1.0).mxt_timeout_s == -1.0
