@@ -24,7 +24,7 @@ async def look_at_controller(controller: MelfaController, limits: Limits) -> Loo
     """
     facts: list[str] = []
     advice: list[str] = []
-    for look in (_stop_sources, lambda c: _limits(c, limits), _last_error):
+    for look in (_feedback, _stop_sources, lambda c: _limits(c, limits), _last_error):
         said, todo = await _tolerant(look, controller)
         facts += said
         advice += todo
@@ -37,6 +37,11 @@ async def _tolerant(look: Callable[[MelfaController], Awaitable[Look]], controll
         return await look(controller)
     except (RefusedError, ProtocolError) as error:
         return [f"not told by this controller: {error}"], []
+
+
+async def _feedback(controller: MelfaController) -> Look:
+    j1, j2, j3, j4 = await controller.feedback()
+    return [f"encoder feedback J1 {j1:.2f}°, J2 {j2:.2f}°, J3 {j3:.2f} mm, J4 {j4:.2f}°"], []
 
 
 async def _stop_sources(controller: MelfaController) -> Look:

@@ -5,7 +5,7 @@ import re
 from collections.abc import AsyncIterator, Awaitable, Callable, Iterable, Mapping
 from contextlib import asynccontextmanager
 from dataclasses import dataclass, field
-from typing import TypeVar
+from typing import Self, TypeVar
 
 from drivers.errors import DeviceError, ProtocolError, RefusedError
 from drivers.melfa import codec, texts
@@ -37,6 +37,12 @@ class ProgramText:
 
     lines: tuple[str, ...]
     variables: Mapping[str, Value] = field(default_factory=dict)
+
+    @classmethod
+    def of(cls, source: str) -> Self:
+        """Return a source text without line numbers as a program: numbered from 1, blank lines left out."""
+        lines = (line.rstrip() for line in source.splitlines() if line.strip())
+        return cls(tuple(f"{number} {line}" for number, line in enumerate(lines, start=1)))
 
 
 class MelfaController:

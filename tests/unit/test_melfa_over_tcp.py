@@ -1,0 +1,129 @@
+"""The robot's driver and its emulated controller over sockets: what a technician does, and a jog's two dead-men."""
+
+import asyncio
+from collections.abc import AsyncIterator, Callable, Mapping
+from contextlib import asynccontextmanager
+from dataclasses import replace
+from importlib.resources import files
+
+import pytest
+
+from drivers.clock import SystemClock
+from drivers.errors import AlarmError, RefusedError
+from drivers.melfa.controller import ProgramText
+from drivers.melfa.jog import Direction
+from drivers.melfa.robot import MelfaR3
+from simulators.config import EmulatedDevice
+from simulators.launch import EmulatedBench
+from tests.unit.simulators.benches import QUIET
+
+
+@asynccontextmanager
+async def robot_and_bench(
+    suffix: str = "", speed: float = 1.0
+) -> AsyncIterator[tuple[MelfaR3, EmulatedBench]]:
+    config = replace(QUIET, speed=speed, answer_suffix=suffix, devices=(EmulatedDevice("robot", "melfa-r3"),))
+    async with EmulatedBench(config) as bench:
+        robot = MelfaR3.at(bench.endpoints[0].endpoint, SystemClock(speed))
+        try:
+            await robot.connect()
+            yield robot, bench
+        finally:
+            await robot.close()
+
+
+async def seen(condition: Callable[[], bool]) -> None:
+    """Wait for something on the emulated bench, in real time."""
+    while not condition():  # noqa: ASYNC110  # the bench tells nobody
+        await asyncio.sleep(0.002)
+
+
+def moves(bench: EmulatedBench) -> bool:
+    """Tell whether the arm moves at this moment; nobody needs to have asked the controller."""
+    bench.keeper.sync()
+    return bench.bench.moving
+
+
+async def keep_jogging(robot: MelfaR3, directions: Mapping[str, Direction]) -> None:
+    """Feed for ever."""
+    async with robot.controller.jog(directions) as jog:
+        while True:
+            jog.feed()
+            await asyncio.sleep(0.05)
+
+
+@pytest.mark.parametrize("suffix", ["", "\r", "\r\n"])
+async def test_a_technician_reads_and_writes(suffix: str) -> None:
+    async with robot_and_bench(suffix, speed=20.0) as (robot, bench):
+        controller = robot.controller
+        await controller.write_variable("M1", 2.5)
+        assert await controller.read_variable("M1") == 2.5
+        await controller.write_outputs(0, 0x0003)
+        assert await controller.outputs(0) == 3
+        assert await controller.inputs(0) == 0
+        await controller.write_parameter("CPRCE13", ["2"], confirm=True)
+        assert await controller.read_parameter("CPRCE13") == ("2",)
+        bench.controller.raise_alarm(2602)
+        bench.controller.raise_alarm(9200)
+        assert [entry.number for entry in await controller.error_log(5)] == [9200, 2602]
+        await robot.reset_alarm()
+        await robot.servo(on=True)
+        await robot.move_joints((10.0, -20.0, 1.5, 30.25))
+        assert await controller.feedback() == (10.0, -20.0, 1.5, 30.25)
+        assert (await controller.encoders())[0].feedback == 10_000
+        assert await controller.currents() == (0.0,) * 8
+        assert (await controller.stop_sources()).stop == ()
+        assert (await controller.clock()).startswith("2026-01-01 00:")
+        assert (await controller.joint_limits())[2] == (0.0, 150.0)
+
+
+@pytest.mark.parametrize("name", ["CATSDL", "CATSMXT"])
+async def test_the_shipped_programs_can_be_loaded_and_read_back(name: str) -> None:
+    program = ProgramText.of((files("drivers.melfa") / "programs" / f"{name}.prg").read_text())
+    async with robot_and_bench(speed=20.0) as (robot, _):
+        controller = robot.controller
+        await controller.write_program(name, program)
+        assert (await controller.read_program(name)).lines == program.lines
+        (entry,) = await controller.programs()
+        assert (entry.name, entry.lines) == (f"{name}.MB6", len(program.lines))
+        with pytest.raises(RefusedError, match="already"):
+            await controller.write_program(name, program)
+
+
+async def test_a_jog_moves_while_it_is_fed_and_stops_without_food() -> None:
+    async with robot_and_bench() as (robot, bench):
+        await robot.servo(on=True)
+        async with robot.controller.jog({"J1": 1, "J2": -1}) as jog:
+            for _ in range(5):
+                jog.feed()
+                await asyncio.sleep(0.1)
+            assert moves(bench)
+            # Fed for 0.2 s, then 0.14 s of the controller's own, then the braking.
+            await asyncio.sleep(0.5)
+            assert not moves(bench)
+            assert bench.bench.joints[0] > 15.0
+            assert bench.bench.joints[1] < -15.0
+        motions = [entry.text for entry in bench.journal.entries("robot") if entry.text.startswith("motion")]
+        assert len(motions) == 1
+
+
+async def test_a_cancelled_jog_stops_the_robot() -> None:
+    async with robot_and_bench() as (robot, bench):
+        await robot.servo(on=True)
+
+        held = asyncio.create_task(keep_jogging(robot, {"J1": 1}))
+        await seen(lambda: bench.bench.joints[0] > 1.0)
+        held.cancel()
+        with pytest.raises(asyncio.CancelledError):
+            await held
+        assert not bench.bench.moving
+        assert bench.bench.joints[0] < 15.0
+
+
+async def test_a_jog_to_the_limit_ends_with_the_alarm() -> None:
+    async with robot_and_bench() as (robot, bench):
+        await robot.servo(on=True)
+        # J3 stands at its lower limit.
+        with pytest.raises(AlarmError, match="joint limit reached downwards, J3"):
+            await keep_jogging(robot, {"J3": -1})
+        assert not bench.bench.moving
