@@ -150,7 +150,7 @@ class Arm:
         self._scatter_from = self._scatter_to = self._draw_scatter()
         self._ringing = np.zeros(2, dtype=np.complex128)
         self._kick_mm = 0j
-        self._rest_shape = self._shape(np.ones(1))
+        self._rest_shape: _Shape | None = None
         # The amplitude decays and turns: exp(rate t).
         self._ring_rate = -1.0 / self._budget.vibration_decay_s + 2j * np.pi * self._budget.vibration_hz
 
@@ -216,12 +216,16 @@ class Arm:
         Args:
             time_s: bench times, s, shape (n,).
         """
-        shape = self._rest_shape if time_s[0] >= self.motion.end_s else None
-        if shape is None:
-            shape = self._shape(self.motion.done(time_s))
+        shape = self._shape(self.motion.done(time_s)) if time_s[0] < self.motion.end_s else self._at_rest()
         axis = shape.reach_mm * self._growth(time_s) + shape.shift_mm + self._ringing_at(time_s)
         spread = np.zeros(time_s.shape)
         return Poses(time_s, axis, spread + shape.beam_rad, spread + shape.height_mm, spread + shape.white_mm)
+
+    def _at_rest(self) -> _Shape:
+        """Return the shape at the end; there one reading follows another, so it is worked out once."""
+        if self._rest_shape is None:
+            self._rest_shape = self._shape(np.ones(1))
+        return self._rest_shape
 
     def _shape(self, done: Floats) -> _Shape:
         leg, part = self.motion.legs(done)
@@ -255,8 +259,7 @@ class Arm:
         self.gliding = False
         self._plan_play(play)
         self._kick_mm = self._kick()
-        # At rest one reading follows another: their common part is worked out once.
-        self._rest_shape = self._shape(np.ones(1))
+        self._rest_shape = None
 
     def _plan_play(self, play: Floats) -> None:
         """Work out the play at the start of each leg, and what it would change by on it without its bounds."""
