@@ -63,10 +63,12 @@ def emulated_devices(cell: Cell) -> tuple[EmulatedDevice, ...]:
     robot, counter, air = cell.robot, cell.interferometer, cell.environment
     options = {**air.settings, "map": air.map, "pressure_register": air.pressure_register}
     devices = [EmulatedDevice("robot", "melfa-r3", robot.endpoint)]
-    if robot.datalink_endpoint is not None:
-        devices.append(EmulatedDevice("robot", "melfa-datalink", robot.datalink_endpoint))
-    if robot.mxt_endpoint is not None:
-        devices.append(EmulatedDevice("robot", "melfa-mxt", robot.mxt_endpoint, _plain(robot.settings)))
+    doors = {"melfa-datalink": robot.datalink_endpoint, "melfa-mxt": robot.mxt_endpoint}
+    for protocol, endpoint in doors.items():
+        if endpoint is not None:
+            # The settings are those of the driver in use.
+            used = _plain(robot.settings) if robot.driver == protocol else {}
+            devices.append(EmulatedDevice("robot", protocol, endpoint, used))
     settings = {**_lengths_of(counter), **counter.settings}
     devices.append(_device("interferometer", counter.driver, counter.endpoint, settings))
     devices.append(_device("environment", air.driver, air.endpoint, options))
