@@ -1,0 +1,133 @@
+"""docs/write-a-driver.md: page and files agree, the example's tests pass, and its driver conforms."""
+
+import os
+import re
+import shutil
+import subprocess
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[2]
+EXAMPLE = ROOT / "docs" / "examples" / "driver"
+PAGE = ROOT / "docs" / "write-a-driver.md"
+_LIMIT_S = 110
+
+
+@pytest.fixture
+def installed(tmp_path: Path) -> Path:
+    """Return a copy of the example that looks installed: its entry point is found next to it."""
+    project = tmp_path / "driver"
+    shutil.copytree(EXAMPLE, project, ignore=shutil.ignore_patterns("__pycache__", ".*"))
+    facts = project / "norra_ld5-0.1.0.dist-info"
+    facts.mkdir()
+    (facts / "METADATA").write_text(
+        "Metadata-Version: 2.1\nName: norra-ld5\nVersion: 0.1.0\n", encoding="utf-8"
+    )
+    entry = re.search(
+        r"^\[project\.entry-points\.(\"[^\"]+\")\]\n(.+)$", text("pyproject.toml"), re.MULTILINE
+    )
+    assert entry is not None
+    group, line = entry[1].strip('"'), entry[2].replace('"', "")
+    (facts / "entry_points.txt").write_text(f"[{group}]\n{line}\n", encoding="utf-8")
+    return project
+
+
+def text(name: str) -> str:
+    return (EXAMPLE / name).read_text(encoding="utf-8")
+
+
+def run(project: Path, *arguments: str) -> subprocess.CompletedProcess[str]:
+    return subprocess.run(
+        [sys.executable, "-m", "pytest", "-p", "no:cacheprovider", *arguments],
+        cwd=project,
+        env=environment(project),
+        capture_output=True,
+        text=True,
+        timeout=_LIMIT_S,
+        check=False,
+    )
+
+
+def environment(project: Path) -> dict[str, str]:
+    return {**os.environ, "PYTHONPATH": os.pathsep.join((str(project), str(ROOT))), "OMP_NUM_THREADS": "1"}
+
+
+def test_the_page_shows_the_files_as_they_are() -> None:
+    shown = re.findall(
+        r"^`([\w/.]+)`\n\n```\w+\n(.*?)^```$", PAGE.read_text(encoding="utf-8"), re.MULTILINE | re.DOTALL
+    )
+    files = [
+        path
+        for path in EXAMPLE.rglob("*.*")
+        if path.suffix in {".py", ".toml"} and path.name != "__init__.py"
+    ]
+    assert sorted(name for name, _ in shown) == sorted(str(path.relative_to(EXAMPLE)) for path in files)
+    for name, listing in shown:
+        assert listing == text(name), f"{name} has changed: copy it into docs/write-a-driver.md"
+
+
+def test_the_tests_of_the_example_pass(installed: Path) -> None:
+    done = run(installed, "-q")
+    assert done.returncode == 0, done.stdout + done.stderr
+
+
+@pytest.fixture
+def display(installed: Path) -> Iterator[str]:
+    """Run the example's emulator; yield its endpoint."""
+    process = subprocess.Popen(
+        [sys.executable, "-m", "norra_ld5.emulator"],
+        cwd=installed,
+        env=environment(installed),
+        stdout=subprocess.PIPE,
+        text=True,
+    )
+    try:
+        assert process.stdout is not None
+        yield process.stdout.readline().strip()
+    finally:
+        process.kill()
+        process.communicate()
+
+
+def test_the_driver_of_the_example_conforms(installed: Path, display: str) -> None:
+    options = ["--driver", "norra-ld5", "--endpoint", display, "--setting", "answer_timeout_s=0.3"]
+    done = run(installed, "--pyargs", "app.testing.conformance", *options)
+    assert done.returncode == 0, done.stdout + done.stderr
+    assert "conformance of norra-ld5, interferometer driver" in done.stdout
+    assert re.search(r"\b2\d passed", done.stdout), done.stdout
+    assert (
+        "not applicable: a_lost_beam_is_latched_until_the_next_zero: needs an emulated bench" in done.stdout
+    )
+
+
+def test_the_suite_says_what_is_wrong_with_its_options(installed: Path) -> None:
+    suite = ("--pyargs", "app.testing.conformance")
+    for options, said in (
+        ((), "needs --driver NAME"),
+        (("--driver", "nora-ld5"), "did you mean 'norra-ld5'?"),
+        (("--driver", "norra-ld5"), "no emulator for norra-ld5: give --endpoint URL"),
+        (("--driver", "line-counter", "--setting", "profile"), "write key=value"),
+    ):
+        done = run(installed, *suite, *options)
+        assert done.returncode == pytest.ExitCode.USAGE_ERROR, done.stdout
+        assert said in done.stderr
+
+
+def test_a_host_project_keeps_its_options_and_its_own_package_named_app(tmp_path: Path) -> None:
+    package = tmp_path / "app"
+    package.mkdir()
+    (package / "__init__.py").write_text("NAME = 'host'\n", encoding="utf-8")
+    (tmp_path / "conftest.py").write_text(
+        "def pytest_addoption(parser):\n    parser.addoption('--driver')\n    parser.addoption('--endpoint')\n",
+        encoding="utf-8",
+    )
+    (tmp_path / "test_host.py").write_text(
+        "import app\n\ndef test_host(pytestconfig):\n    assert app.NAME == 'host'\n"
+        "    assert pytestconfig.getoption('--driver') == 'firefox'\n",
+        encoding="utf-8",
+    )
+    done = run(tmp_path, "-q", "-W", "error::ImportWarning", "--driver", "firefox", "test_host.py")
+    assert done.returncode == 0, done.stdout + done.stderr
