@@ -53,15 +53,22 @@ def _attocube_ids(world: World, device: EmulatedDevice, note: Note) -> NewSessio
 
 
 def _melfa_datalink(world: World, device: EmulatedDevice, note: Note) -> NewSession:
-    name = str(device.options.get("program") or "CATSDL")
+    name = _program_name(device, "CATSDL")
     program = Datalink(world.controller, name, choice(device, "number_format", NUMBER_FORMATS))
     world.controller.install(program)
     return lambda: DatalinkSession(program, note)
 
 
+def _program_name(device: EmulatedDevice, default: str) -> str:
+    name = device.options.get("program") or default
+    if not isinstance(name, str) or not name.isalnum() or not name.isascii():
+        raise EmulatorError(f"{device.name}: option program has to be letters and digits, not {name!r}")
+    return name.upper()
+
+
 def _melfa_mxt(world: World, device: EmulatedDevice, note: Note) -> NewSession:
     options = MxtOptions(
-        program=str(device.options.get("program") or "CATSMXT"),
+        program=_program_name(device, "CATSMXT"),
         mode=choice(device, "mxt_mode", MODES),
         cycle_s=number(device, "mxt_cycle_ms", 7.1) / 1e3,
         filter_s=number(device, "mxt_filter_ms", 10.0) / 1e3,

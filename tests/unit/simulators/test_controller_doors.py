@@ -78,8 +78,9 @@ async def test_the_data_link_over_tcp() -> None:
         ("melfa-mxt", {"mxt_cycle_ms": 0.0}),
         ("melfa-mxt", {"mxt_filter_ms": "ten"}),
         ("melfa-datalink", {"number_format": "roman"}),
+        ("melfa-datalink", {"program": "A B"}),
     ],
 )
 def test_wrong_options_are_told(protocol: str, options: dict[str, str | float]) -> None:
-    with pytest.raises(EmulatorError, match=r"robot: .*(mxt_|number_format)"):
+    with pytest.raises(EmulatorError, match=r"robot: .*(mxt_|number_format|program)"):
         EmulatedBench(config(EmulatedDevice("robot", protocol, options=dict(options))))
