@@ -10,6 +10,7 @@ MAX_LINE_BYTES = 1024
 """Far more than any known counter sends in a line."""
 
 _SINGLE_BYTES = {b"\x06": b"ACK", b"\x15": b"NAK"}
+_PIECES = re.compile(rb"[^\r\n\x06\x15]*[\r\n\x06\x15]|[^\r\n\x06\x15]+")
 _MM = {"nm": 1e-6, "um": 1e-3, "mm": 1.0, "inch": 25.4}
 _UNIT_WORDS = {"nm": "nm", "um": "um", "µm": "um", "mm": "mm", "in": "inch", "inch": "inch"}
 
@@ -73,6 +74,54 @@ class LineDecoder:
         return text
 
 
+class QuietDecoder:
+    """Takes whatever is answered until it is quiet; nothing at all is an answer, too."""
+
+    may_end = True
+    """Silence ends the answer."""
+
+    rest = b""
+
+    def feed(self, data: bytes) -> None:
+        """Leave a chunk aside."""
+
+    def end(self) -> bool:
+        """Tell that it is quiet."""
+        return True
+
+
+class StreamDecoder:
+    """Cuts the lines of a stream; what is no text is left out.
+
+    Args:
+        profile: of the counter.
+
+    Attributes:
+        discarded_lines: lines that were no text.
+    """
+
+    def __init__(self, profile: CounterProfile) -> None:
+        self._profile = profile
+        self._line = LineDecoder(profile)
+        self.discarded_lines = 0
+
+    def feed(self, data: bytes) -> list[str]:
+        """Take a chunk; return the lines that are complete now."""
+        lines: list[str] = []
+        for piece in _PIECES.findall(data):
+            try:
+                text = self._line.feed(piece)
+            except ProtocolError:
+                # What is no text ends with its line; the next one is looked at anew.
+                self._line = LineDecoder(self._profile)
+                self.discarded_lines += 1
+                continue
+            if text:
+                lines.append(text)
+                self._line = LineDecoder(self._profile)
+        return lines
+
+
 def parse_value(reply: str, text: str) -> tuple[float, str]:
     """Read a number.
 
@@ -111,7 +160,7 @@ def check_unit(word: str, scale: Scale) -> None:
 
 def length_mm(number: float, scale: Scale) -> float:
     """Return the length that a number means, growing with the beam, mm."""
-    return scale.sign * number * (scale.count_mm or _MM[scale.unit])
+    return scale.sign * number / 10.0**scale.decimals * (scale.count_mm or _MM[scale.unit])
 
 
 def unwrap(count: int, last: int, bits: int) -> int:

@@ -1,14 +1,16 @@
 """A length counter that is asked by lines of text."""
 
+import contextlib
 import re
 from functools import partial
-from typing import ClassVar, Literal, Self
+from typing import ClassVar, Literal
 
 from pydantic import BaseModel, ConfigDict, Field
 
 from drivers.clock import Clock
 from drivers.counter import codec
-from drivers.counter.profile import CounterProfile, load_profile
+from drivers.counter.profile import CounterProfile, Status, load_profile
+from drivers.counter.streamed import StreamedCounter
 from drivers.endpoint import open_transport
 from drivers.errors import DeviceError, LinkError, ProtocolError, RefusedError, WrongDeviceError
 from drivers.latches import Latches
@@ -71,8 +73,10 @@ class LineCounter:
         profile: str = "default",
         connect_timeout_s: float = 5.0,
         quiet_s: float = 0.02,
-    ) -> Self:
+    ) -> "LineCounter | StreamedCounter":
         """Return a driver for an endpoint as the cell file writes it; nothing is opened yet.
+
+        The profile of a stream makes a driver that listens, any other one a driver that asks.
 
         Args:
             endpoint: of the counter.
@@ -87,12 +91,15 @@ class LineCounter:
             ProfileError: the profile is not found or wrong.
         """
         transport = open_transport(endpoint, connect_timeout_s=connect_timeout_s, sink=sink)
-        return cls(transport, clock, load_profile(profile), quiet_s=quiet_s)
+        used = load_profile(profile)
+        if used.stream.mode != "none":
+            return StreamedCounter(transport, clock, used)
+        return cls(transport, clock, used, quiet_s=quiet_s)
 
     @property
     def notes(self) -> tuple[str, ...]:
         """What an operator should know about this counter; empty when all is as it should be."""
-        return () if self._profile.confirmed or not self._claim else (self._claim,)
+        return self._profile.notes
 
     @property
     def compensated(self) -> Literal["none", "instrument"]:
@@ -108,11 +115,16 @@ class LineCounter:
         """
         self._model = None
         await self._link.open()
-        model = ": ".join(filter(None, (self._claim, self._model)))
+        model = ": ".join(filter(None, (self._profile.claim, self._model)))
         return Identity(model=model, firmware="", serial="", simulated="EMULATOR" in model.upper())
 
     async def close(self) -> None:
         """Disconnect; may be called any number of times."""
+        # A link that is broken or closed already needs no farewell.
+        with contextlib.suppress(LinkError):
+            for command in self._profile.start.shutdown if self._model is not None else ():
+                await self._link.send(self._encode(command), self._profile.line.timeout_s)
+        self._model = None
         await self._link.close()
 
     async def zero(self) -> int:
@@ -163,12 +175,7 @@ class LineCounter:
             LinkError: lost or silent.
             ProtocolError: garbage came.
         """
-        status = self._profile.status
-        text = await self._ask(status.command)
-        try:
-            bits = codec.parse_bits(status, text)
-        except ProtocolError as exc:
-            raise self._unfit(status.command, text, exc) from None
+        bits = await self._bits(self._profile.status)
         absent = bits.get("beam_absent", bits["beam_lost"])
         self._latches.note(beam_lost=bits["beam_lost"] or absent, overspeed=bits.get("overspeed", False))
         # Before the latch is looked at, since this question too may find the link lost.
@@ -182,6 +189,20 @@ class LineCounter:
             zero_id=self._latches.zero_id,
         )
 
+    async def _bits(self, status: Status | None) -> dict[str, bool]:
+        """Return the status bits; without any an error in place of a value means that there is no beam."""
+        if status is None:
+            try:
+                await self.read()
+            except RefusedError:
+                return {"beam_lost": True}
+            return {"beam_lost": False}
+        text = await self._ask(status.command)
+        try:
+            return codec.parse_bits(status, text)
+        except ProtocolError as exc:
+            raise self._unfit(status.command, text, exc) from None
+
     async def _signal(self, default: float) -> float:
         signal = self._profile.signal
         if not signal:
@@ -189,10 +210,6 @@ class LineCounter:
         text = await self._ask(signal.command)
         level = self._number(signal.command, signal.reply, text) / signal.full_scale
         return min(max(level, 0.0), 1.0)
-
-    @property
-    def _claim(self) -> str:
-        return "; ".join(filter(None, (self._profile.title, self._profile.remark)))
 
     def _encode(self, command: str) -> bytes:
         return (command + self._profile.line.terminator).encode("ascii")
@@ -253,6 +270,9 @@ class LineCounter:
         profile = self._profile
         model = ""
         try:
+            for command in profile.start.init:
+                await self._pause()
+                await self._link.exchange(self._encode(command), codec.QuietDecoder(), profile.line.timeout_s)
             if profile.identify:
                 text = await self._greet_ask(profile.identify.command)
                 match = re.search(profile.identify.reply, text)

@@ -140,17 +140,51 @@ class Identify(_Asked):
         return self._require_group("model")
 
 
+class Start(_Table):
+    """Commands around a connection; whatever is answered to them is left aside.
+
+    Attributes:
+        init: sent after each opening of the link.
+        shutdown: sent before it is closed.
+    """
+
+    init: list[Command] = []
+    shutdown: list[Command] = []
+
+
+class Stream(_Table):
+    """Values that come without being asked for.
+
+    Attributes:
+        mode: `none` asks for each value, `unsolicited` listens, `commands` starts and stops the stream.
+        start: command that starts it.
+        stop: command that stops it.
+    """
+
+    mode: Literal["none", "unsolicited", "commands"] = "none"
+    start: Command | None = None
+    stop: Command | None = None
+
+    @model_validator(mode="after")
+    def _check(self) -> Self:
+        if (self.mode == "commands") != (self.start is not None and self.stop is not None):
+            raise ValueError('mode = "commands" needs start and stop, and no other mode takes them')
+        return self
+
+
 class Scale(_Table):
     """From the number to a length.
 
     Attributes:
         unit: of the number.
+        decimals: digits behind a decimal point that is not sent.
         count_mm: length of one count, mm; for unit `count`.
         sign: -1 when the number falls while the beam grows longer.
         wrap_bits: the count starts again after so many bits; 0 never.
     """
 
     unit: Literal["count", "nm", "um", "mm", "inch"] = "mm"
+    decimals: int = Field(default=0, ge=0, le=12)
     count_mm: float | None = Field(default=None, gt=0)
     sign: Literal[1, -1] = 1
     wrap_bits: Literal[0, 16, 24, 32, 48] = 0
@@ -161,13 +195,15 @@ class Scale(_Table):
             raise ValueError('unit = "count" needs count_mm, and no other unit takes it')
         if self.wrap_bits and self.unit != "count":
             raise ValueError('wrap_bits needs unit = "count"')
+        if self.decimals and self.unit == "count":
+            raise ValueError('unit = "count" has no decimals: put them into count_mm')
         return self
 
 
 class Errors(_Table):
     """Lines that are no answer but an error."""
 
-    patterns: list[Regex] = ["^E\\d", "^ERR", "^NG", "^\\?", "^NAK$"]
+    patterns: list[Regex] = ["^E\\d", "^ERR", "^NG", "^\\?", "^NAK$", "^-{3}"]
 
 
 class CounterProfile(_Table):
@@ -180,6 +216,7 @@ class CounterProfile(_Table):
         confirmed: every value has been checked with the instrument's manual.
         compensated: `instrument` when it corrects for the air by itself.
         line: see there, as are the following.
+        status: None when the instrument tells no status; an error in place of a value is a lost beam then.
     """
 
     format: Literal["catseye-counter/1"]
@@ -190,11 +227,31 @@ class CounterProfile(_Table):
     line: Line = Line()
     query: Query
     zero: Zero
-    status: Status
+    status: Status | None = None
     signal: Signal | None = None
     identify: Identify | None = None
     scale: Scale
+    start: Start = Start()
+    stream: Stream = Stream()
     errors: Errors = Errors()
+
+    @model_validator(mode="after")
+    def _check(self) -> Self:
+        if self.stream.mode != "none" and (self.status or self.signal or self.zero.mode == "device"):
+            raise ValueError(
+                'nothing is asked during a stream: leave out status and signal, zero mode = "software"'
+            )
+        return self
+
+    @property
+    def claim(self) -> str:
+        """What the profile is, with its remark."""
+        return "; ".join(filter(None, (self.title, self.remark)))
+
+    @property
+    def notes(self) -> tuple[str, ...]:
+        """What an operator should know; empty when every value is confirmed."""
+        return () if self.confirmed or not self.claim else (self.claim,)
 
 
 def built_in_profiles() -> tuple[str, ...]:

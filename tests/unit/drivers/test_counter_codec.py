@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 
 from drivers.counter import codec
 from drivers.counter.codec import LineDecoder
-from drivers.counter.profile import CounterProfile, Scale, load_profile
+from drivers.counter.profile import CounterProfile, Scale, Status, load_profile
 from drivers.errors import ProtocolError
 
 DEFAULT = load_profile("default")
@@ -173,6 +173,7 @@ def test_a_wrapped_count_goes_on(count: int, step: int) -> None:
 
 def test_status_bits_of_the_dialect() -> None:
     """Two hex digits: bit 0 lost, 1 overspeed, 2 absent, 4 laser ready."""
+    assert DEFAULT.status
     assert codec.parse_bits(DEFAULT.status, "10") == {
         "beam_lost": False,
         "overspeed": False,
@@ -188,7 +189,7 @@ def test_status_bits_of_the_dialect() -> None:
 
 
 def test_status_bits_may_be_decimal_inverted_and_missing() -> None:
-    status = DEFAULT.status.model_validate(
+    status = Status.model_validate(
         {
             "command": "?Q",
             "reply": r"Q(?P<bits>\d+)",

@@ -38,6 +38,7 @@ def test_the_default_profile_holds_the_defaults_of_the_sheet() -> None:
     assert (profile.line.timeout_s, profile.line.gap_s) == (1.0, 0.0)
     assert profile.signal
     assert profile.identify
+    assert profile.status
     commands = (profile.query.command, profile.zero.command, profile.status.command, profile.signal.command)
     assert (*commands, profile.identify.command) == ("R", "Z", "S", "L", "I")
     assert profile.status.bits.model_dump() == {
