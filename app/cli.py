@@ -124,6 +124,12 @@ def emulate(
     speed: Speed = 1.0,
     seed: Seed = 2,
     truth: Truth = None,
+    axes: Annotated[
+        int, typer.Option(help="axes in the controller's answers: 4, or 6 or 8 for clients that need them")
+    ] = 4,
+    suffix: Annotated[
+        str, typer.Option(help="end of the controller's answers on TCP: none, cr, crlf")
+    ] = "none",
     end_with_stdin: Annotated[
         bool, typer.Option(help="end when stdin closes, for programs that start it")
     ] = False,
@@ -136,7 +142,7 @@ def emulate(
     """
     from app.commands.emulate import emulate_command
 
-    emulate_command(file, speed, seed, truth, end_with_stdin)
+    emulate_command(file, speed, seed, truth, axes=axes, suffix=suffix, end_with_stdin=end_with_stdin)
 
 
 @cli.command()

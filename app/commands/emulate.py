@@ -4,21 +4,43 @@ import asyncio
 import os
 import signal
 import sys
+from dataclasses import replace
 from pathlib import Path
 
 from app.cell.load import load_cell
 from app.commands.output import emit_json, say
 from app.emulation import emulation_config
+from app.errors import ConfigError
+from simulators.config import EmulationConfig
 from simulators.launch import EmulatedBench
 
-
-def emulate_command(file: Path, speed: float, seed: int, truth: Path | None, end_with_stdin: bool) -> None:
-    """Serve until SIGINT or SIGTERM, or until stdin closes."""
-    asyncio.run(_serve(file, speed, seed, truth, end_with_stdin))
+SUFFIXES = {"none": "", "cr": "\r", "crlf": "\r\n"}
+"""What the emulated controller may end its answers with on TCP."""
 
 
-async def _serve(file: Path, speed: float, seed: int, truth: Path | None, end_with_stdin: bool) -> None:
+def emulate_command(
+    file: Path,
+    speed: float,
+    seed: int,
+    truth: Path | None,
+    *,
+    axes: int,
+    suffix: str,
+    end_with_stdin: bool,
+) -> None:
+    """Serve until SIGINT or SIGTERM, or until stdin closes.
+
+    Raises:
+        ConfigError: there is no such suffix, or an endpoint cannot be emulated.
+    """
+    if suffix not in SUFFIXES:
+        raise ConfigError(f"--suffix {suffix}: answers end with {', '.join(SUFFIXES)}")
     config = emulation_config(load_cell(file).cell, speed, seed, truth)
+    config = replace(config, axis_pattern=axes, answer_suffix=SUFFIXES[suffix])
+    asyncio.run(_serve(config, f"{file} at {speed:g} times real speed, seed {seed}", end_with_stdin))
+
+
+async def _serve(config: EmulationConfig, what: str, end_with_stdin: bool) -> None:
     ended = asyncio.Event()
     loop = asyncio.get_running_loop()
     for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
@@ -28,7 +50,7 @@ async def _serve(file: Path, speed: float, seed: int, truth: Path | None, end_wi
     async with EmulatedBench(config) as bench:
         for served in bench.endpoints:
             emit_json({"device": served.device, "protocol": served.protocol, "endpoint": served.endpoint})
-        say(f"emulating {file} at {speed:g} times real speed, seed {seed}; Ctrl-C ends it")
+        say(f"emulating {what}; Ctrl-C ends it")
         await ended.wait()
 
 
