@@ -61,7 +61,7 @@ def emulated_devices(cell: Cell) -> tuple[EmulatedDevice, ...]:
         ConfigError: there is no emulator of what a driver speaks.
     """
     robot, counter, air = cell.robot, cell.interferometer, cell.environment
-    options = {**air.settings, "map": air.map, "pressure_register": air.pressure_register}
+    options = {**air.settings, "map": air.map, "pressure_address": air.pressure_register}
     devices = [EmulatedDevice("robot", "melfa-r3", robot.endpoint)]
     doors = {"melfa-datalink": robot.datalink_endpoint, "melfa-mxt": robot.mxt_endpoint}
     for protocol, endpoint in doors.items():

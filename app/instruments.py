@@ -13,6 +13,7 @@ from drivers.clock import Clock
 from drivers.errors import DeviceError
 from drivers.registry import load_driver
 from procedures.bench import Following
+from procedures.devices import Environment
 
 
 def device_builder(cell: Cell, clock: Clock) -> DeviceBuilder:
@@ -56,10 +57,20 @@ def _build(cell: Cell, clock: Clock, record: WireRecorder) -> Devices:
         io=None
         if cell.io is None
         else _make(cell.io.driver, "io", cell.io.endpoint, clock, record, **cell.io.settings),
+        material=_material(cell, clock, record),
         tracker=None
         if cell.tracker is None
         else _make(cell.tracker.driver, "tracker", cell.tracker.endpoint, clock, record),
     )
+
+
+def _material(cell: Cell, clock: Clock, record: WireRecorder) -> Environment | None:
+    """Return the sensor of the links' temperature."""
+    if cell.material is None:
+        return None
+    device = next(device for device in cell.device if device.name == cell.material.sensor)
+    made: Environment = further_device(device, clock, record)
+    return made
 
 
 def further_device(device: FurtherDevice, clock: Clock, record: WireRecorder) -> Any:

@@ -24,6 +24,7 @@ from app.identifying import (
     radial_budget,
     run_rows,
 )
+from app.material import with_reference_links
 from app.report.content import (
     DeviceRecord,
     EnvironmentSummary,
@@ -122,7 +123,7 @@ def _identified(reader: RunReader, root: Path) -> tuple[list[Result], list[str]]
         except CalibrationError as error:
             notes.append(f"the {model} model could not be identified: {error}")
             continue
-        results.append(identified_result(one, bench, [reader.path.name]))
+        results.append(with_reference_links(identified_result(one, bench, [reader.path.name]), [reader]))
     return results, notes
 
 

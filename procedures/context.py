@@ -46,6 +46,7 @@ class Measurement:
         air: state of the air.
         time_utc: ISO 8601 UTC time of the first reading.
         duration_s: from the first to the last reading, s.
+        material_c: temperature of the links, °C; None without a sensor.
         correction: raw reading and what was used to correct it; None for an ideal distance.
     """
 
@@ -58,6 +59,7 @@ class Measurement:
     air: Air
     time_utc: str
     duration_s: float
+    material_c: float | None = None
     correction: AirCorrection | None = None
 
 

@@ -182,6 +182,7 @@ class _ReflectorCampaign:
                 "time_utc": measured.time_utc,
                 "duration_s": measured.duration_s,
                 **_correction(measured),
+                **({} if measured.material_c is None else {"material_c": measured.material_c}),
             },
         )
 

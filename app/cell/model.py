@@ -122,6 +122,15 @@ class Io(Section):
     _endpoint = field_validator("endpoint")(_checked_endpoint)
 
 
+class Material(Section):
+    """[material]: temperature and expansion of the links; the result then tells them at 20 °C too."""
+
+    sensor: Name
+    cte_per_k: Annotated[float, Field(ge=-1e-4, le=1e-4, allow_inf_nan=False)]
+    u_cte_per_k: Annotated[float, Field(ge=0.0, le=1e-4, allow_inf_nan=False)] = 1e-6
+    u_temperature_k: NotNegative = 0.2
+
+
 class FurtherDevice(Section):
     """[[device]]: an instrument beyond the three that a measurement needs; doctor, terminal and emulate know it."""
 
@@ -226,12 +235,23 @@ class Cell(Section):
     environment: Environment
     air: Air = Air()
     io: Io | None = None
+    material: Material | None = None
     tracker: Tracker | None = None
     device: list[FurtherDevice] = []
     optics: Optics = Optics()
     reflector: Annotated[list[Reflector], Field(min_length=1)]
     measurement: Measurement
     uncertainty: Uncertainty = Uncertainty()
+
+    @model_validator(mode="after")
+    def _material_sensor(self) -> Self:
+        names = [device.name for device in self.device]
+        if self.material is not None and self.material.sensor not in names:
+            raise ValueError(
+                f"[material] sensor = {self.material.sensor!r} is no [[device]]: add one whose temperature is "
+                f"that of the links; there are {', '.join(names) or 'none'}"
+            )
+        return self
 
     @model_validator(mode="after")
     def _unique_reflectors(self) -> Self:

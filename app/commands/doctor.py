@@ -76,6 +76,7 @@ async def _examine_all(cell: Cell) -> list[Finding]:
     examinations = [
         _examine(name, endpoints[name], driver, _look_at(driver, rule, cell.robot.limits_deg))
         for name, driver in devices.named().items()
+        if name in endpoints
     ]
     for device in cell.device:
         driver = further_device(device, clock, _ignore)

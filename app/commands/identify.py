@@ -17,6 +17,7 @@ from app.identifying import (
     radial_budget,
     run_rows,
 )
+from app.material import with_reference_links
 from app.runs_folder import runs_folder
 from app.store.catalog import resolve_run
 from app.store.reader import RunReader
@@ -45,7 +46,7 @@ def identify_command(
         from calibration.monte_carlo import with_monte_carlo
 
         identified = with_monte_carlo(identified, draws, seed, source.radial)
-    result = identified_result(identified, bench, source.names)
+    result = with_reference_links(identified_result(identified, bench, source.names), source.readers)
     write_result(result, output)
     if as_json:
         emit_json(
@@ -67,6 +68,7 @@ class _Source:
     bench: Bench
     radial: RadialBudget | None
     names: list[str]
+    readers: list[RunReader]
 
 
 def _load(run: list[str], points: Path | None, cell: Path | None, runs: Path | None) -> _Source:
@@ -80,14 +82,16 @@ def _load(run: list[str], points: Path | None, cell: Path | None, runs: Path | N
         loaded = load_cell(cell)
         rows = read_points_csv(points, [reflector.name for reflector in loaded.cell.reflector])
         # A points file states its uncertainties itself, in the column sigma_mm.
-        return _Source(rows, bench_of(loaded.cell), None, [points.name])
+        return _Source(rows, bench_of(loaded.cell), None, [points.name], [])
     root = runs_folder(runs)
     readers = [RunReader(resolve_run(root, text)) for text in run]
     for reader in readers:
         if reader.status != "complete":
             say(f"warning: {reader.path.name} is {reader.status}; identifying from what it holds")
     radial = radial_budget(cell_of_run(readers[0]))
-    return _Source(run_rows(readers), bench_of_runs(readers, root), radial, [r.path.name for r in readers])
+    return _Source(
+        run_rows(readers), bench_of_runs(readers, root), radial, [r.path.name for r in readers], readers
+    )
 
 
 def summary_table(result: Result, bench: Bench) -> str:
@@ -96,6 +100,9 @@ def summary_table(result: Result, bench: Bench) -> str:
         ["L1", "mm", f"{bench.arm.link1_mm:.3f}", f"{result.link1_mm.value:.4f}", f"{result.link1_mm.u:.4f}"],
         ["L2", "mm", f"{bench.arm.link2_mm:.3f}", f"{result.link2_mm.value:.4f}", f"{result.link2_mm.u:.4f}"],
     ]
+    for name, link in (("L1 at 20 °C", result.link1_20c_mm), ("L2 at 20 °C", result.link2_20c_mm)):
+        if link is not None:
+            rows.append([name, "mm", "", f"{link.value:.4f}", f"{link.u:.4f}"])
     if result.theta20_mdeg is not None:
         rows.append(["θ20", "mdeg", "0", f"{result.theta20_mdeg.value:.2f}", f"{result.theta20_mdeg.u:.2f}"])
     for name, part in (("Δθ1", result.theta1_map), ("Δθ2", result.theta2_map)):

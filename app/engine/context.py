@@ -22,6 +22,9 @@ from procedures.devices import Air, BeamStatus, Joints, Tracker, WayRobot
 
 _DEFAULT_AIR = AirRule()
 
+_MATERIAL_MAX_AGE_S = 30.0
+"""Links warm up slowly."""
+
 
 @dataclass
 class _OpenStep:
@@ -69,7 +72,8 @@ class RunContext:
         self._gate = gate
         self._operator = operator
         self._announcer = announcer
-        self._air = AirCache(devices, clock, air.max_age_s)
+        self._air = AirCache(devices.environment, clock, air.max_age_s)
+        self._material = devices.material and AirCache(devices.material, clock, _MATERIAL_MAX_AGE_S)
         self._compensation = Compensation(devices.interferometer.compensated, air)
         self._doubts_told: set[str] = set()
         self._progress = Progress(clock)
@@ -269,7 +273,8 @@ class RunContext:
             self._waited,
         )
         await self._tell_doubt(measured.air)
-        return replace(measured, beam_ok=measured.beam_ok and self._zeroed)
+        material_c = (await self._material.get()).temperature_c if self._material else None
+        return replace(measured, beam_ok=measured.beam_ok and self._zeroed, material_c=material_c)
 
     async def _zero(self, dead_path_mm: float) -> int:
         number = await self._devices.interferometer.zero()

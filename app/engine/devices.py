@@ -32,6 +32,7 @@ class Devices:
         environment: the air sensor.
         tracker: an independent instrument, if the cell has one.
         io: door interlock and stack light, if the cell has them.
+        material: a sensor whose temperature is that of the links, if the cell has one.
     """
 
     robot: Robot
@@ -39,6 +40,7 @@ class Devices:
     environment: Environment
     tracker: Tracker | None = None
     io: RemoteIo | None = None
+    material: Environment | None = None
 
     def named(self) -> dict[str, Device]:
         """Return the instruments by their names in the cell file."""
@@ -48,6 +50,7 @@ class Devices:
             "environment": self.environment,
             "io": self.io,
             "tracker": self.tracker,
+            "material": self.material,
         }
         return {name: device for name, device in fixed.items() if device is not None}
 

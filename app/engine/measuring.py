@@ -8,20 +8,20 @@ from app.engine.devices import Devices
 from app.engine.waiting import together
 from drivers.clock import Clock
 from procedures.context import AirCorrection, Measurement
-from procedures.devices import Air, BeamStatus, Joints, LengthReading
+from procedures.devices import Air, BeamStatus, Environment, Joints, LengthReading
 
 
 class AirCache:
     """The state of the air, sampled anew when the last sample is older than a limit.
 
     Args:
-        devices: of the run.
+        sensor: what is sampled.
         clock: of the run.
         max_age_s: how old a sample may be, s of the clock.
     """
 
-    def __init__(self, devices: Devices, clock: Clock, max_age_s: float) -> None:
-        self._devices = devices
+    def __init__(self, sensor: Environment, clock: Clock, max_age_s: float) -> None:
+        self._sensor = sensor
         self._clock = clock
         self._max_age_s = max_age_s
         self._sample: Air | None = None
@@ -30,7 +30,7 @@ class AirCache:
     async def get(self) -> Air:
         """Return a sample that is young enough."""
         if self._sample is None or self._clock.monotonic_s() - self._time_s > self._max_age_s:
-            self._sample = await self._devices.environment.sample()
+            self._sample = await self._sensor.sample()
             self._time_s = self._clock.monotonic_s()
         return self._sample
 

@@ -140,6 +140,9 @@ class Result(_Part):
     gauge: str
     link1_mm: Estimate
     link2_mm: Estimate
+    link1_20c_mm: Estimate | None = None
+    link2_20c_mm: Estimate | None = None
+    material_c: float | None = None
     theta20_mdeg: Estimate | None = None
     theta1_map: MapTable | None = None
     theta2_map: MapTable | None = None

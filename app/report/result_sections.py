@@ -48,7 +48,22 @@ def parameter_section(content: ReportContent) -> Html:
             "their uncertainty is a property of the model."
         )
     return section(
-        "parameters", "Identified arm", table("Links and angular offset", head, rows), paragraphs(note)
+        "parameters",
+        "Identified arm",
+        table("Links and angular offset", head, rows),
+        paragraphs(note, *(_at_reference(model) for model in models)),
+    )
+
+
+def _at_reference(result: Result) -> str:
+    """Return a sentence about the links at 20 °C, empty where the material's temperature is not known."""
+    one, two = result.link1_20c_mm, result.link2_20c_mm
+    if one is None or two is None or result.material_c is None:
+        return ""
+    return (
+        f"{MODEL_TITLES[result.model]}: the links had {fixed(result.material_c, 2)} °C; at 20 °C they are "
+        f"L1 = {fixed(one.value, 4)} mm (u = {fixed(one.u, 4)} mm) and L2 = {fixed(two.value, 4)} mm "
+        f"(u = {fixed(two.u, 4)} mm)."
     )
 
 

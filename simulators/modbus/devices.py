@@ -27,7 +27,7 @@ def air_registers(probe: AirProbe, device: EmulatedDevice) -> Registers:
     """
     kind = choice(device, "map", _MAPS)
     if kind == "vaisala":
-        return AirSensor(probe, int(number(device, "pressure_register", 0x2C)))
+        return AirSensor(probe, int(number(device, "pressure_address", 0x2C)))
     base = int(number(device, "address_base", 1 if kind == "comet_rtu" else 0))
     if kind == "generic":
         points = read_points(device.name, device.options.get("points"), base)
