@@ -1,6 +1,8 @@
 """JSON-RPC of the attocube IDS3010: requests and the lines of answers. Pure."""
 
+import contextlib
 import json
+import math
 from dataclasses import dataclass
 from typing import Literal
 
@@ -49,9 +51,14 @@ class Answer:
             ProtocolError: it is missing or none.
         """
         value = self.values[index] if index < len(self.values) else None
-        if isinstance(value, bool) or not isinstance(value, int | float):
-            raise ProtocolError(f"the answer {self.values!r} has no number at place {index}")
-        return value
+        number = math.nan
+        if isinstance(value, int | float) and not isinstance(value, bool):
+            # JSON has integers that are larger than any float.
+            with contextlib.suppress(OverflowError):
+                number = float(value)
+        if not math.isfinite(number):
+            raise ProtocolError(f"the answer {str(self.values)[:64]} has no number at place {index}")
+        return number
 
     def text(self) -> str:
         """Return the first value as text, empty without one."""

@@ -14,7 +14,7 @@ import pytest
 
 from drivers.air.ptu300_codec import TextDecoder
 from drivers.attocube.codec import AnswerDecoder as IdsDecoder
-from drivers.counter.codec import LineDecoder
+from drivers.counter.codec import LineDecoder, StreamDecoder
 from drivers.counter.profile import load_profile
 from drivers.errors import ProtocolError
 from drivers.heidenhain.codec import ReplyDecoder
@@ -101,6 +101,7 @@ DECODERS: dict[str, tuple[Callable[[], Feed], tuple[bytes, ...]]] = {
         lambda: answers(lambda: LineDecoder(PROFILE, "R")),
         (b"+000012.345678 mm", b"OK", b"E01", b"R", b"\r", b"\r\n", b"\x06", b"\x15"),
     ),
+    "line-counter stream": (lambda: stream(StreamDecoder(PROFILE)), (b"+1.5 mm", b"E01", b"\r\n", b"\x15")),
     "heidenhain-nd": (
         lambda: answers(ReplyDecoder),
         (b"\x06", b"\x15", b"\x02", b"+ 12.3456", b"\r\n", b"R"),

@@ -98,6 +98,14 @@ def test_other_lines_are_garbage(line: bytes, fault: str) -> None:
         codec.AnswerDecoder(7).feed(line)
 
 
+@pytest.mark.parametrize("value", ["NaN", "1e999", "true", '"5"', "null", "1" + "0" * 400])
+def test_what_is_no_number_is_garbage(value: str) -> None:
+    answer = codec.AnswerDecoder(7).feed(f'{{"id": 7, "result": [0, {value}]}}\n'.encode())
+    assert answer
+    with pytest.raises(ProtocolError, match="has no number"):
+        answer.number()
+
+
 @given(st.binary(max_size=300))
 def test_random_bytes_are_an_answer_or_garbage(data: bytes) -> None:
     with contextlib.suppress(ProtocolError):
