@@ -14,6 +14,11 @@ VARIABLE = "JCATSEYE"
 JOINT_NAMES = ("J1", "J2", "J3", "J4")
 _JOINT_UNITS = ("deg", "deg", "mm", "deg")
 
+_START_TIME_S = 0.5
+_NETWORK_POLL_S = 0.02
+_POLL_BYTES = 130
+_FEWEST_POLLS = 4
+
 
 def assignment(target: Joints) -> str:
     """Return the statement that sets the variable: four decimals, never a negative zero (sheet 4.2)."""
@@ -29,6 +34,17 @@ def off_target(reached: Joints, target: Joints, settings: MelfaSettings) -> str:
         for name, unit, at, to in zip(JOINT_NAMES, _JOINT_UNITS, reached, target, strict=True)
         if abs(at - to) > limits[unit]
     )
+
+
+def unstarted_polls(byte_s: float) -> int:
+    """Return how many equal positions in a row say that a motion which was started has ended or never began.
+
+    They span half a second: 25 polls over a network, fewer on a serial line, where the bytes of one poll take longer.
+
+    Args:
+        byte_s: time of one byte on a serial line, real s; 0 on a network.
+    """
+    return max(_FEWEST_POLLS, round(_START_TIME_S / (_NETWORK_POLL_S + _POLL_BYTES * byte_s)))
 
 
 async def standstill(

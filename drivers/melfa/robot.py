@@ -29,7 +29,7 @@ from drivers.melfa import codec
 from drivers.melfa.alarms import STOP_IS_ON
 from drivers.melfa.codec import Answer, Layout
 from drivers.melfa.controller import MelfaController
-from drivers.melfa.motion import VARIABLE, assignment, off_target, standstill
+from drivers.melfa.motion import VARIABLE, assignment, off_target, standstill, unstarted_polls
 from drivers.melfa.session import Session, byte_time_s
 from drivers.melfa.settings import MelfaSettings
 from drivers.readings import Identity, Joints, RobotStatus
@@ -39,7 +39,6 @@ from drivers.transport import Transport
 _DUPLICATE_DEFINITION = 4350
 _CLOSE_TIMEOUT_S = 3.0
 _STILL_POLLS = 3
-_UNSTARTED_POLLS = 25
 _PRESS = "PRESS THE EMERGENCY STOP if the robot moves"
 _LOOK_WHY = "look for a collision, a stop by another source or an alarm before moving again"
 
@@ -74,6 +73,7 @@ class MelfaR3:
         self._aside: Session | None = None
         if stop_transport is not None:
             self._aside = Session(stop_transport, self._settings, name="robot (stop connection)")
+        self._unstarted_polls = unstarted_polls(byte_s)
         self._has_aside = False
         self._declared = False
         self._has_right = False
@@ -453,7 +453,7 @@ class MelfaR3:
                     self._clock,
                     self._settings,
                     timeout_s=timeout_s,
-                    still_polls=_UNSTARTED_POLLS,
+                    still_polls=self._unstarted_polls,
                     target=target,
                 )
         except (LinkError, ProtocolError) as lost:

@@ -13,6 +13,7 @@ import pytest
 
 from drivers.clock import SystemClock
 from drivers.errors import NotArrivedError, RefusedError
+from drivers.melfa.motion import unstarted_polls
 from drivers.melfa.robot import MelfaR3
 from drivers.melfa.session import byte_time_s
 from simulators.config import EmulatedDevice
@@ -28,6 +29,11 @@ def test_a_byte_takes_what_it_takes() -> None:
     assert byte_time_s(LINE) == pytest.approx(12 / 9600)
     assert byte_time_s("serial:///dev/ttyUSB0?baud=19200") == pytest.approx(10 / 19_200)
     assert byte_time_s("tcp://127.0.0.1:10001") == 0.0
+
+
+def test_a_slow_line_needs_fewer_polls_for_the_same_half_second() -> None:
+    assert unstarted_polls(0.0) == 25
+    assert unstarted_polls(byte_time_s(LINE)) == 4
 
 
 @asynccontextmanager
