@@ -16,7 +16,6 @@ from drivers.clock import Clock
 from drivers.endpoint import open_transport
 from drivers.errors import (
     AlarmError,
-    DeviceError,
     LinkError,
     NotArrivedError,
     ProtocolError,
@@ -258,8 +257,8 @@ class MelfaDatalink:
         timeout_s: float | None = None,
         retry: bool = False,
     ) -> Record:
-        self._number = self._number % 30_000 + 1
-        data = codec.encode(self._number, command, values)
+        number = self._next_number()
+        data = codec.encode(number, command, values)
         answer = await self._link.request(
             data,
             RecordDecoder,
@@ -267,7 +266,7 @@ class MelfaDatalink:
             retry=retry,
             heal=command != codec.DRIVE,
         )
-        return await self._checked(answer, self._number, command)
+        return await self._checked(answer, number, command)
 
     async def _checked(self, answer: Record, number: int, command: int) -> Record:
         if answer.number == number and answer.command == command:
@@ -298,19 +297,25 @@ class MelfaDatalink:
             )
         await self._exchange(codec.SPEED, (100.0, float(self._settings.in_position_pulses)))
 
-    async def _exchange(self, command: int, values: tuple[float, ...] = ()) -> Record:
+    def _next_number(self) -> int:
         self._number = self._number % 30_000 + 1
-        data = codec.encode(self._number, command, values)
+        return self._number
+
+    async def _exchange(self, command: int, values: tuple[float, ...] = ()) -> Record:
+        number = self._next_number()
+        data = codec.encode(number, command, values)
         try:
             answer = await self._link.exchange(data, RecordDecoder(), self._settings.answer_timeout_s)
-        except DeviceError as exc:
-            raise WrongDeviceError(
+        except (LinkError, ProtocolError) as exc:
+            # Silence stays silence: the program may just be slow.
+            kind = type(exc) if isinstance(exc, LinkError) else WrongDeviceError
+            raise kind(
                 f"{self._link.where}: no data link program answers here: {_START_IT}; check that the port's "
                 f"parameter CPRCE is 2 ({exc})"
             ) from exc
-        if (answer.number, answer.command) != (self._number, command):
+        if (answer.number, answer.command) != (number, command):
             raise WrongDeviceError(
-                f"{self._link.where}: request {self._number},{command} was answered by {answer}: another program "
+                f"{self._link.where}: request {number},{command} was answered by {answer}: another program "
                 f"answers here; {_START_IT}"
             )
         return answer
