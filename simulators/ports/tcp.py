@@ -9,6 +9,8 @@ from collections.abc import Callable
 from simulators.conversation import Conversation, Wire
 from simulators.ports.address import SocketAddress
 
+_MOST_BYTES = 1 << 20
+
 
 class TcpListener:
     """Takes connections.
@@ -102,8 +104,12 @@ class Connection(asyncio.Protocol):
             self._transport.abort()
 
     def send(self, data: bytes) -> None:
-        """Send to the client."""
-        if self._transport is not None:
+        """Send to the client; one that takes nothing while much is waiting for it is dropped."""
+        if self._transport is None:
+            return
+        if self._transport.get_write_buffer_size() > _MOST_BYTES:
+            self._transport.abort()
+        else:
             self._transport.write(data)
 
     def pause(self) -> None:

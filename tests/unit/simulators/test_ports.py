@@ -1,6 +1,7 @@
 """Serial lines as real pseudo-terminals and datagrams on the real loopback."""
 
 import asyncio
+import contextlib
 import os
 import time
 import tty
@@ -292,6 +293,23 @@ async def test_a_client_that_never_reads_does_not_grow_the_emulator() -> None:
                     await asyncio.sleep(0.001)
             wire = serving.port._listener._line  # type: ignore[union-attr]  # noqa: SLF001  # buffers are inside
             assert wire._out.room_bytes >= 0 and wire._in.room_bytes >= 0  # noqa: SLF001, PT018  # the same
+
+
+async def test_a_socket_client_that_never_reads_is_dropped() -> None:
+    async with served("tcp://127.0.0.1:0") as serving:
+        host, port = serving.port.endpoint.removeprefix("tcp://").split(":")
+        _, writer = await asyncio.open_connection(host, int(port))
+
+        async def talk() -> None:
+            for _ in range(5000):
+                writer.write(b"0123456789" * 1000 + b"\n")
+                await writer.drain()
+
+        with pytest.raises(ConnectionError):
+            await talk()
+        writer.close()
+        with contextlib.suppress(ConnectionError):
+            await writer.wait_closed()
 
 
 @pytest.mark.parametrize(
