@@ -34,6 +34,7 @@ from drivers.record import Sink
 from drivers.transport import Transport
 
 _VERSION = 1
+_LOOK_S = 0.2
 _START_IT = "start the program CATSDL on the controller (key at AUTO, slot 1), see docs/controller.md"
 
 
@@ -235,7 +236,7 @@ class MelfaDatalink:
     async def _drive(self, target: Joints) -> None:
         self._driving = True
         try:
-            answer = await self._ask(codec.DRIVE, timeout_s=self._settings.move_timeout_s)
+            answer = await self._driven()
         except (LinkError, ProtocolError) as lost:
             self._halted = True
             await self._controller.account_for(target, lost)
@@ -248,6 +249,24 @@ class MelfaDatalink:
                 f"{self._link.where}: the motion is over, but {off}: look for a collision, a stop by another source "
                 "or an alarm before moving again"
             )
+
+    async def _driven(self) -> Record:
+        """Drive; return the answer. A program that stands after a STOP or in alarm gives none: both are looked for.
+
+        Raises:
+            LinkError: the program stands, or the controller does not tell.
+            ProtocolError: garbage came.
+        """
+        drive = asyncio.ensure_future(self._ask(codec.DRIVE, timeout_s=self._settings.move_timeout_s))
+        try:
+            while not drive.done():
+                await asyncio.wait({drive}, timeout=_LOOK_S)
+                if not drive.done() and (self._halted or (await self._controller.status()).alarm_number):
+                    raise LinkError(f"{self._link.where}: the program stands: see the controller's status")
+            return drive.result()
+        finally:
+            drive.cancel()
+            await asyncio.wait({drive})
 
     async def _ask(
         self,
