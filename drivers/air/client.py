@@ -2,6 +2,7 @@
 
 import asyncio
 import logging
+from collections.abc import Awaitable, Callable
 
 from pymodbus import FramerType
 from pymodbus.client import AsyncModbusSerialClient, AsyncModbusTcpClient
@@ -35,7 +36,7 @@ class RegisterClient:
     """Reads and writes registers, coils and inputs of one device.
 
     Over TCP every answer carries the number of its request, so a late one is never mistaken. RTU has no numbers:
-    after a silence the port is closed, and its opening throws away what came late.
+    after a silence the port is closed, opened again, and a time-out is waited for what may still come.
 
     Args:
         target: socket, or serial line for RTU.
@@ -61,6 +62,8 @@ class RegisterClient:
         self._sink = sink
         self._client: _Client | None = None
         self._received = b""
+        self._lock = asyncio.Lock()
+        self._in_doubt = False
 
     @property
     def endpoint(self) -> str:
@@ -73,7 +76,7 @@ class RegisterClient:
         Raises:
             LinkError: unreachable.
         """
-        if self._client and self._client.connected:
+        if self._client and self._client.connected and not self._in_doubt:
             return
         await self.close()
         client = self._new_client()
@@ -87,6 +90,10 @@ class RegisterClient:
                 f"{self._name} at {self.endpoint}: cannot connect within {self._timeout_s:g} s: check {advice}"
             )
         self._client = client
+        if self._in_doubt:
+            # An answer without a number must have passed before the next question is asked.
+            await asyncio.sleep(self._timeout_s)
+            self._in_doubt = False
 
     def _new_client(self) -> _Client:
         target = self._target
@@ -136,13 +143,12 @@ class RegisterClient:
             ProtocolError: another number of registers came.
         """
         what = f"{count} registers from 0x{address:04X} by function {function}"
-        client = await self._connected()
-        call = client.read_holding_registers if function == 3 else client.read_input_registers
-        try:
-            answer = await call(address, count=count, device_id=self._device_id)
-        except ModbusException as exc:
-            raise await self._lost(what, exc) from None
-        self._check(what, answer)
+
+        def call(client: _Client) -> Awaitable[ModbusPDU]:
+            read = client.read_holding_registers if function == 3 else client.read_input_registers
+            return read(address, count=count, device_id=self._device_id)
+
+        answer = await self._ask(what, call)
         if len(answer.registers) != count:
             raise ProtocolError(
                 f"{self._name} at {self.endpoint}: {len(answer.registers)} registers came for {what}; "
@@ -164,13 +170,12 @@ class RegisterClient:
             ProtocolError: too few bits came.
         """
         what = f"{count} bits from 0x{address:04X} by function {function}"
-        client = await self._connected()
-        call = client.read_coils if function == 1 else client.read_discrete_inputs
-        try:
-            answer = await call(address, count=count, device_id=self._device_id)
-        except ModbusException as exc:
-            raise await self._lost(what, exc) from None
-        self._check(what, answer)
+
+        def call(client: _Client) -> Awaitable[ModbusPDU]:
+            read = client.read_coils if function == 1 else client.read_discrete_inputs
+            return read(address, count=count, device_id=self._device_id)
+
+        answer = await self._ask(what, call)
         if len(answer.bits) < count:
             raise ProtocolError(f"{self._name} at {self.endpoint}: {len(answer.bits)} bits came for {what}")
         return list(answer.bits[:count])
@@ -187,12 +192,7 @@ class RegisterClient:
             LinkError: lost or silent.
         """
         what = f"writing {len(bits)} coils at 0x{address:04X}"
-        client = await self._connected()
-        try:
-            answer = await client.write_coils(address, bits, device_id=self._device_id)
-        except ModbusException as exc:
-            raise await self._lost(what, exc) from None
-        self._check(what, answer)
+        await self._ask(what, lambda client: client.write_coils(address, bits, device_id=self._device_id))
 
     async def identify(self) -> dict[int, str]:
         """Return the objects of function 43/14: 0 vendor, 1 product, 2 revision, 0x80 serial.
@@ -201,16 +201,27 @@ class RegisterClient:
             RefusedError: the sensor does not know the function.
             LinkError: lost or silent.
         """
-        client = await self._connected()
-        try:
-            answer = await client.read_device_information(device_id=self._device_id)
-        except ModbusException as exc:
-            raise await self._lost("the identification", exc) from None
-        self._check("the identification", answer)
+        answer = await self._ask(
+            "the identification", lambda client: client.read_device_information(device_id=self._device_id)
+        )
         information = answer.information if isinstance(answer, ReadDeviceInformationResponse) else {}
         return {
             key: value.decode("latin-1") for key, value in information.items() if isinstance(value, bytes)
         }
+
+    async def _ask(self, what: str, call: Callable[[_Client], Awaitable[ModbusPDU]]) -> ModbusPDU:
+        """Return the answer to one request; others wait for their turn."""
+        async with self._lock:
+            client = await self._connected()
+            # Until the answer is there; whoever is cancelled meanwhile leaves an answer behind.
+            self._in_doubt = isinstance(self._target, SerialEndpoint)
+            try:
+                answer = await call(client)
+            except ModbusException as exc:
+                raise await self._lost(what, exc) from None
+            self._in_doubt = False
+        self._check(what, answer)
+        return answer
 
     async def _connected(self) -> _Client:
         await self.open()

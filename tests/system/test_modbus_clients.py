@@ -1,14 +1,20 @@
 """Our drivers and pymodbus' own client, unmodified, against the Modbus emulators over TCP and serial lines."""
 
+import asyncio
+import os
+import tty
 from collections.abc import Iterator
 
 import pytest
 from pymodbus import FramerType
 from pymodbus.client import ModbusSerialClient, ModbusTcpClient
 
+from drivers.air.client import RegisterClient
 from drivers.air.modbus_air import ModbusAir
 from drivers.air.ptu300 import VaisalaAscii
 from drivers.clock import SystemClock
+from drivers.endpoint import SerialEndpoint
+from drivers.errors import LinkTimeoutError
 from drivers.io.modbus_io import ModbusIo
 from tests.system.modbus_cell import ModbusCell, modbus_cell
 
@@ -86,3 +92,30 @@ async def test_our_driver_of_the_block(cell: ModbusCell) -> None:
     assert not await io.door_closed()
     cell.emulated.ask(op="fault", name="clear_faults")
     await io.close()
+
+
+async def test_a_late_answer_over_a_serial_line_is_not_taken_for_the_next_one() -> None:
+    """RTU answers carry no number: two registers of one question look like two of another one."""
+    loop = asyncio.get_running_loop()
+    master, slave = os.openpty()
+    tty.setraw(slave)
+    # Read holding registers 0 and 2: the first answer comes late, the second one in time.
+    late, fresh = (bytes.fromhex(text) for text in ("01 03 02 1111 7418", "01 03 02 2222 20fd"))
+    answers = iter([(0.3, late), (0.16, fresh)])
+
+    def answer() -> None:
+        os.read(master, 256)
+        delay_s, data = next(answers)
+        loop.call_later(delay_s, os.write, master, data)
+
+    loop.add_reader(master, answer)
+    air = RegisterClient(SerialEndpoint(os.ttyname(slave)), timeout_s=0.2)
+    try:
+        with pytest.raises(LinkTimeoutError, match="no answer to 1 registers from 0x0000"):
+            await air.read(3, 0, 1)
+        assert await air.read(3, 2, 1) == [0x2222]
+    finally:
+        await air.close()
+        loop.remove_reader(master)
+        os.close(master)
+        os.close(slave)

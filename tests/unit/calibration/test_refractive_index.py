@@ -92,7 +92,9 @@ def test_uncertainty_is_the_root_of_the_squared_contributions() -> None:
     u = AirUncertainty(temperature_k=0.1, pressure_hpa=0.15, humidity_percent=2.0, co2_ppm=50.0, formula=2e-8)
     expected = math.hypot(9.548e-8, 0.15 * 2.683e-7, 2 * 8.50e-9, 50 * 1.435e-10, 2e-8)
     assert index_uncertainty(u, 633.0, 20.0, 1013.25, 50.0) == pytest.approx(expected, rel=1e-3)
-    assert index_uncertainty(u, 633.0, 20.0, 1013.25, 0.0) == pytest.approx(expected, rel=3e-2)  # dry air differs a little
+    assert index_uncertainty(u, 633.0, 20.0, 1013.25, 0.0) == pytest.approx(
+        expected, rel=3e-2
+    )  # dry air differs a little
 
 
 @given(t=st.floats(10.0, 35.0), p=st.floats(950.0, 1050.0), rh=st.floats(0.0, 70.0))
