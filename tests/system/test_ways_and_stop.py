@@ -1,0 +1,111 @@
+"""Drivers of data link and real-time control against the emulators over sockets: stop, cancel, alarm, go on."""
+
+import asyncio
+from collections.abc import AsyncIterator
+from contextlib import asynccontextmanager
+from dataclasses import replace
+
+import pytest
+
+from drivers.clock import SystemClock
+from drivers.errors import AlarmError, DeviceError, NotReadyError
+from drivers.melfa.datalink.robot import MelfaDatalink
+from drivers.melfa.mxt.robot import MelfaMxt
+from drivers.readings import Joints
+from simulators.config import EmulatedDevice
+from simulators.launch import EmulatedBench
+from tests.unit.simulators.benches import QUIET
+
+SPEED = 5.0
+WAY: tuple[Joints, ...] = ((20.0, 10.0, 0.0, -20.0), (40.0, 20.0, 0.0, -45.0), (60.0, 30.0, 0.0, -70.0))
+CONFIG = replace(
+    QUIET,
+    speed=SPEED,
+    devices=(
+        EmulatedDevice("robot", "melfa-r3"),
+        EmulatedDevice("robot", "melfa-datalink", options={"number_format": "exponent"}),
+        EmulatedDevice("robot", "melfa-mxt", "udp://127.0.0.1:0", {"mxt_timeout_s": 20.0}),
+    ),
+)
+DRIVERS = ["datalink", "mxt"]
+
+
+@asynccontextmanager
+async def ready(which: str) -> AsyncIterator[tuple[EmulatedBench, MelfaDatalink | MelfaMxt]]:
+    """Connect one of the drivers to a bench, drives on, override 20 %."""
+    async with EmulatedBench(CONFIG) as bench:
+        r3, link, stream, _control = (served.endpoint for served in bench.endpoints)
+        clock = SystemClock(SPEED)
+        robot = (
+            MelfaDatalink.at(r3, clock, datalink_endpoint=link)
+            if which == "datalink"
+            else MelfaMxt.at(r3, clock, mxt_endpoint=stream, mxt_timeout_s=20.0)
+        )
+        try:
+            assert (await robot.connect()).simulated
+            await robot.servo(on=True)
+            await robot.set_override(20.0)
+            yield bench, robot
+        finally:
+            await robot.close()
+
+
+async def moving(bench: EmulatedBench) -> None:
+    """Wait until the arm is well on its way."""
+    async with asyncio.timeout(5.0):
+        while bench.bench.joints[0] < 10.0:
+            bench.keeper.sync()
+            await asyncio.sleep(0.001)
+
+
+@pytest.mark.parametrize("which", DRIVERS)
+async def test_a_stop_halts_the_arm_on_its_way_and_the_next_way_is_driven(which: str) -> None:
+    async with ready(which) as (bench, robot):
+        way = asyncio.create_task(robot.follow(WAY))
+        await moving(bench)
+        await robot.stop()
+        assert not bench.bench.moving
+        with pytest.raises(DeviceError):
+            await way
+        assert 10.0 <= bench.bench.joints[0] < 59.0
+        await robot.follow(WAY)
+        assert bench.bench.joints == pytest.approx(WAY[-1], abs=2e-3)
+        assert await robot.joints() == pytest.approx(WAY[-1], abs=2e-3)
+
+
+@pytest.mark.parametrize("which", DRIVERS)
+async def test_a_cancelled_way_leaves_the_arm_at_rest_and_the_link_usable(which: str) -> None:
+    async with ready(which) as (bench, robot):
+        way = asyncio.create_task(robot.follow(WAY))
+        await moving(bench)
+        way.cancel()
+        with pytest.raises(asyncio.CancelledError):
+            await way
+        assert not bench.bench.moving
+        stopped = bench.bench.joints
+        await asyncio.sleep(0.05)
+        bench.keeper.sync()
+        assert bench.bench.joints == stopped
+        await robot.move_joints(WAY[0])
+        assert bench.bench.joints == pytest.approx(WAY[0], abs=2e-3)
+
+
+@pytest.mark.parametrize("which", DRIVERS)
+async def test_an_emergency_stop_on_the_way_is_told_as_an_alarm(which: str) -> None:
+    async with ready(which) as (bench, robot):
+        way = asyncio.create_task(robot.follow(WAY))
+        await moving(bench)
+        bench.controller.set_emergency_stop(on=True)
+        with pytest.raises((AlarmError, NotReadyError), match="50"):
+            await way
+        assert not bench.bench.moving
+        assert not bench.controller.servo_on
+
+
+@pytest.mark.parametrize("which", DRIVERS)
+async def test_a_way_beyond_the_controllers_limits_is_told_and_the_arm_stays_inside(which: str) -> None:
+    async with ready(which) as (bench, robot):
+        with pytest.raises(DeviceError):
+            await robot.follow(((0.0, 10.0, 0.0, 0.0), (0.0, 10.0, 200.0, 0.0)))
+        assert not bench.bench.moving
+        assert bench.bench.joints[2] <= 150.0 + 1e-3
