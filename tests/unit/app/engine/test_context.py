@@ -13,13 +13,15 @@ from app.engine.context import RunContext
 from app.engine.control import RunControl
 from app.engine.devices import Devices
 from app.engine.gate import JointLimits, MotionGate
+from app.engine.host import run_procedure
 from app.engine.operator import Answer, Operator
 from app.errors import ConfigError, LimitError, PromptUnansweredError, SafetyError
+from app.exitcode import ExitCode
 from app.store.reader import RunReader
 from app.store.run_store import RunStore
 from drivers.readings import CounterStatus, Joints, RobotStatus
-from procedures.context import Prompt, Row
-from tests.unit.app.engine.fakes import AWAY, HOME, LIMITS, FakeBench, FakeRobot, point
+from procedures.context import Context, Prompt, Row
+from tests.unit.app.engine.fakes import AWAY, HOME, LIMITS, FakeBench, FakeRobot, Script, point
 
 READY = RobotStatus(True, False, True, False, False, 20.0, 0, "")
 
@@ -260,6 +262,22 @@ async def test_a_missing_quantity_is_warned_of_once_when_the_instrument_corrects
     await parts.ctx.measure(0.1, 0.1, 1)
     (warning,) = [event.data for event in parts.reader.events() if event.kind == "warning"]
     assert "gives no pressure" in str(warning["text"])
+
+
+async def test_a_count_of_wavelengths_without_the_air_is_refused(tmp_path: Path) -> None:
+    bench = FakeBench(tmp_path)
+    bench.counter.compensated = "none"
+    bench.air.pressure_hpa = None
+
+    async def body(ctx: Context) -> None:
+        await ctx.zero(500.0)
+
+    outcome = await run_procedure(
+        bench.request(Script(body)), bench.build, bench.clock, bench.publish, bench.install
+    )
+    assert (outcome.status, outcome.exit_code) == ("failed", ExitCode.REJECTED)
+    assert "no pressure" in outcome.text
+    assert "program corrects" in str(RunReader(outcome.path).meta["compensation"])
 
 
 async def test_a_cell_without_a_tracker_says_so(parts: Parts) -> None:
