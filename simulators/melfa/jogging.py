@@ -81,8 +81,7 @@ class Jog:
             self._hit_limit()
             return
         self._run = run = controller.start(target, self._percent)
-        controller.bench.call_at(self._until_s, lambda: self._look(run))
-        controller.bench.call_at(run.end_s, lambda: self._arrive(run))
+        self._look_again(run)
 
     def _to_the_limit(self) -> Joints:
         config, here = self._controller.config, self._controller.bench.joints
@@ -96,24 +95,24 @@ class Jog:
         j1, j2, j3, j4 = (at + way * speed * min(left) for at, way, speed, _ in axes)
         return (j1, j2, j3, j4)
 
+    def _look_again(self, run: Run) -> None:
+        self._controller.bench.call_at(min(self._until_s, run.end_s), lambda: self._look(run))
+
     def _look(self, run: Run) -> None:
-        """Stop, or look again when a telegram has come meanwhile."""
+        """Stop, unless a telegram has come meanwhile; at the limit raise its alarm."""
         if self._run is not run:
             return
         bench = self._controller.bench
-        if bench.time_s < self._until_s:
-            bench.call_at(self._until_s, lambda: self._look(run))
+        if bench.joints == run.target:
+            self._hit_limit()
+        elif bench.time_s < self._until_s:
+            self._look_again(run)
         else:
             self._end()
 
     def _end(self) -> None:
         self._until_s = self._controller.bench.time_s
         self._controller.bench.stop()
-
-    def _arrive(self, run: Run) -> None:
-        """Raise the alarm of the limit, unless the jog ended before it."""
-        if self._run is run and self._controller.bench.joints == run.target:
-            self._hit_limit()
 
     def _hit_limit(self) -> None:
         config = self._controller.config
