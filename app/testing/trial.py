@@ -13,9 +13,11 @@ from app.testing.candidate import QUESTIONS, Candidate
 from app.testing.proxy import Proxy, ProxyThread
 from drivers.clock import SystemClock
 from drivers.errors import DeviceError
-from simulators.config import EmulatedDevice
+from simulators.config import ArmDynamics, EmulatedDevice
 
 ROBOT = "robot"
+_SERVO_DELAY_S = 0.05
+"""Drives that hold soon: most checks of a robot switch them on."""
 
 
 class NotConformingError(AssertionError):
@@ -165,7 +167,7 @@ def trial_of(candidate: Candidate) -> Iterator[Trial]:
         threads = stack.enter_context(ProxyThread("catseye proxies"))
         bench: RunningBench | None = None
         if candidate.emulated:
-            config = bench_config(*_devices(candidate))
+            config = bench_config(*_devices(candidate), dynamics=ArmDynamics(servo_delay_s=_SERVO_DELAY_S))
             bench = stack.enter_context(bench_in_thread(config))
             endpoints = _bench_endpoints(candidate, bench)
         else:

@@ -53,7 +53,9 @@ async def zeros_are_numbered(trial: Trial) -> None:
 async def a_zero_makes_the_count_zero(trial: Trial) -> None:
     """The first reading after a zero is zero."""
     async with trial.connected() as driver:
-        await _shift(trial, driver, _SHIFT_MM)
+        await _zero(trial, driver)
+        way_mm = _shift(trial, _SHIFT_MM)
+        await _expect_mm(trial, driver, way_mm, "after the reflector moved away")
         await _zero(trial, driver)
         await _expect_mm(trial, driver, 0.0, "after a zero")
 
@@ -62,9 +64,9 @@ async def the_displacement_grows_with_the_beam(trial: Trial) -> None:
     """A longer beam is a larger displacement, in mm."""
     async with trial.connected() as driver:
         await _zero(trial, driver)
-        way_mm = await _shift(trial, driver, _SHIFT_MM)
+        way_mm = _shift(trial, _SHIFT_MM)
         await _expect_mm(trial, driver, way_mm, "after the reflector moved away")
-        back_mm = way_mm + await _shift(trial, driver, -2.0 * _SHIFT_MM)
+        back_mm = way_mm + _shift(trial, -2.0 * _SHIFT_MM)
         await _expect_mm(trial, driver, back_mm, "after the reflector came nearer")
 
 
@@ -75,7 +77,7 @@ async def a_late_answer_belongs_to_no_question(trial: Trial) -> None:
         trial.stall()
         with contextlib.suppress(DeviceError):
             await trial.ask(driver)
-        way_mm = await _shift(trial, driver, _SHIFT_MM)
+        way_mm = _shift(trial, _SHIFT_MM)
         trial.release()
         reading = await trial.ask_after_trouble(driver)
         expect(
@@ -150,9 +152,8 @@ async def _zero(trial: Trial, driver: Any) -> int:
     return number
 
 
-async def _shift(trial: Trial, driver: Any, along_mm: float) -> float:
+def _shift(trial: Trial, along_mm: float) -> float:
     """Move the reflector along the beam; return by how much the beam has grown."""
-    del driver
     beam = trial.device.state()["beam"]
     way_rad = math.radians(beam["direction_deg"])
     shift = {"dx_mm": along_mm * math.cos(way_rad), "dy_mm": along_mm * math.sin(way_rad)}
