@@ -4,6 +4,7 @@ pyserial waits in threads, never on the loop: one thread reads, another one open
 """
 
 import asyncio
+import errno
 import os
 import termios
 import threading
@@ -207,10 +208,13 @@ class SerialTransport:
         return self._opened
 
     def _not_opened(self, exc: BaseException) -> LinkError:
+        number = getattr(exc, "errno", None)
         if isinstance(exc, TimeoutError):
             why = f"not open within {self._open_timeout_s:g} s"
+        elif number == errno.EAGAIN:
+            why = "another program holds it"
         else:
-            why = str(exc) or type(exc).__name__
+            why = os.strerror(number) if number else str(exc)
         return LinkError(
             f"{self.endpoint}: cannot open the serial port ({why}): check that the adapter is plugged in, the path "
             "(/dev/serial/by-id/… stays the same), that you may use it (group dialout), its settings, and that no "

@@ -5,6 +5,7 @@ what has come unasked is seen without any.
 """
 
 import asyncio
+import os
 import socket
 
 from drivers.errors import LinkError
@@ -55,9 +56,11 @@ class TcpTransport:
                 "instrument is switched on, its address and port, cable and firewall"
             ) from None
         except OSError as exc:
+            # The numbers of a name that cannot be resolved are negative and have texts of their own.
+            why = os.strerror(exc.errno) if exc.errno and exc.errno > 0 else exc.strerror or exc
             raise LinkError(
-                f"{self.endpoint}: cannot connect ({exc.strerror or exc}): check that the instrument is "
-                "switched on, its address and port, and that no other program holds its connection"
+                f"{self.endpoint}: cannot connect ({why}): check that the instrument is switched on, its address "
+                "and port, and that no other program holds its connection"
             ) from None
         self._inbox = Inbox(_MOST_BYTES)
         asyncio.get_running_loop().add_reader(self._socket, self._receive)

@@ -61,7 +61,9 @@ async def test_tcp_says_when_the_other_side_hangs_up() -> None:
 
 async def test_tcp_that_nobody_listens_to_names_endpoint_and_remedy() -> None:
     port = free_port()
-    with pytest.raises(LinkError, match=rf"tcp://127.0.0.1:{port}: cannot connect .*switched on"):
+    with pytest.raises(
+        LinkError, match=rf"tcp://127.0.0.1:{port}: cannot connect \(Connection refused\).*switched on"
+    ):
         await TcpTransport("127.0.0.1", port).open()
 
 

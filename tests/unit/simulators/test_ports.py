@@ -215,7 +215,7 @@ async def test_a_line_takes_the_time_of_its_bytes() -> None:
             answer = await line.ask(text)
             took_s = time.perf_counter() - start_s
     least_s = (len(text) + len(answer)) * 12 / 9600
-    assert least_s <= took_s < 2.0 * least_s + 0.1
+    assert least_s <= took_s < least_s + 0.5
     assert len(line.chunks) > 3
 
 
