@@ -221,8 +221,8 @@ class _Line:
     def _emit(self, data: bytes) -> None:
         try:
             os.write(self._master, data)
-        except BlockingIOError:
-            # Nobody reads: the bytes are gone, as on a real line.
+        except OSError:
+            # Nobody reads, or the client has just gone: the bytes are lost, as on a real line.
             return
 
 

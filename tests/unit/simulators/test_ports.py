@@ -82,6 +82,14 @@ class Served:
 
         self.port = Port("parrot", "parrot", endpoint, keeper, new_session)
 
+    async def has_made(self, count: int) -> None:
+        """Wait until so many sessions have been made."""
+        await until(lambda: len(self.sessions) >= count)
+
+    async def has_fed(self, number: int, end: bytes) -> None:
+        """Wait until what a session was fed ends like this."""
+        await until(lambda: b"".join(self.sessions[number].feeds).endswith(end))
+
     @property
     def path(self) -> str:
         """Path of the serial line."""
@@ -187,13 +195,12 @@ async def test_bytes_pass_unchanged_and_are_not_echoed() -> None:
 
 async def test_a_client_that_comes_again_has_a_session_of_its_own() -> None:
     async with served(f"serial:///dev/ptmx?{FAST}") as serving:
-        for _ in range(3):
+        for number in range(3):
             with client(serving.path) as line:
                 assert await line.ask(b"x\n") == b"1 x\n"
                 line.send(b"half a line")
-                await until(lambda: b"half a line" in b"".join(serving.sessions[-1].feeds))
-            before = len(serving.sessions)
-            await until(lambda before=before: len(serving.sessions) > before)  # type: ignore[misc]  # bound early
+                await serving.has_fed(number, b"half a line")
+            await serving.has_made(number + 2)
 
 
 @pytest.mark.parametrize("settings", [{"parity": "E"}, {"parity": "O", "bytesize": 7}])
@@ -204,7 +211,7 @@ async def test_a_client_may_ask_for_parity_and_bits_again_and_again(settings: di
             line.write(b"x\n")
             assert await asyncio.to_thread(line.readline) == b"1 x\n"
             line.close()
-            await until(lambda number=number: len(serving.sessions) > number)  # type: ignore[misc]  # bound early
+            await serving.has_made(number + 1)
 
 
 async def test_a_line_takes_the_time_of_its_bytes() -> None:
@@ -281,6 +288,18 @@ async def test_answers_that_take_time_and_streams_come_over_a_line() -> None:
             assert await line.ask(b"wait\n") == b"1 wait\n"
             assert await line.ask(b"go\n") == b"2 go\n"
             assert (await line.line()).startswith(b"tick\n")
+
+
+async def test_a_client_that_asks_and_goes_troubles_nobody(caplog: pytest.LogCaptureFixture) -> None:
+    async with served("serial:///dev/ptmx?baud=19200") as serving:
+        for number in range(5):
+            with client(serving.path) as line:
+                line.send(b"a question that nobody waits for\n")
+                await serving.has_fed(number, b"\n")
+            await serving.has_made(number + 2)
+        with client(serving.path) as line:
+            assert await line.ask(b"x\n") == b"1 x\n"
+    assert not caplog.records
 
 
 async def test_a_client_that_never_reads_does_not_grow_the_emulator() -> None:
