@@ -395,8 +395,8 @@ def test_any_cut_of_a_stream_gives_the_same_answers(cuts: list[int]) -> None:
 
 WORDS = st.sampled_from(
     (
-        b"1;1;|EXEC|EXEC2=|MOV |VAL|VAL=|(|)|,|;|\r|\v|J1|P1=|9|-1|+1|TOP|LOAD=A|EDATA|EDINS=|DELETE|RENUM|LISTL|SAVE|"
-        b"RUNA|RSTPRG|STOP|JOG00;00;00;01;00|FOPENA;w|FWRITE|FREAD|FCLOSE|PRM=|PMR=|HOT|VALS|CNTLON"
+        b"1;1;|EXEC|EXEC2=|MOV |VAL|VAL=|(|)|,|;|\r|\v|J1|P1=|9|-1|+1|TOP|LOAD=A|EDATA|EDINS=|DELETE|RENUM|LISTL|"
+        b"SAVE|RUNA|RSTPRG|STOP|JOG00;00;00;01;00|FOPENA;w|FWRITE|FREAD|FCLOSE|PRM=|PMR=|HOT|VALS|CNTLON"
     ).split(b"|")
 )
 
