@@ -1,0 +1,22 @@
+"""Settings of our drivers with short time-outs, so that the checks that wait for them are quick."""
+
+from pathlib import Path
+from typing import Any
+
+import drivers.counter
+from app.testing.candidate import Candidate
+
+TIMEOUT_S = 0.3
+
+
+def short_timeouts(candidate: Candidate, folder: Path) -> dict[str, Any]:
+    """Return settings; the line counter has its time-out in the profile, of which a copy is written."""
+    if candidate.name == "line-counter":
+        default = Path(drivers.counter.__file__).parent / "profiles" / "default.toml"
+        text = default.read_text(encoding="utf-8")
+        assert "timeout_s = 1.0" in text
+        profile = folder / "quick.toml"
+        profile.write_text(text.replace("timeout_s = 1.0", f"timeout_s = {TIMEOUT_S}"), encoding="utf-8")
+        return {"profile": str(profile)}
+    fields = candidate.driver.Settings.model_fields
+    return {name: TIMEOUT_S for name in ("answer_timeout_s", "timeout_s") if name in fields}

@@ -1,0 +1,192 @@
+"""The conformance suite finds what it looks for: drivers with one fault each fail the check that is about it."""
+
+import asyncio
+import time
+from dataclasses import replace
+from pathlib import Path
+from typing import Any, ClassVar
+
+import pytest
+from pydantic import BaseModel, ConfigDict
+
+from app.testing.candidate import candidate_of
+from app.testing.checks.catalogue import applicable
+from app.testing.checks.check import run_check
+from app.testing.trial import NotConformingError
+from drivers.air.modbus_air import ModbusAir
+from drivers.counter.counter import LineCounter
+from drivers.errors import DeviceError, LinkTimeoutError
+from drivers.latches import Latches
+from drivers.melfa.robot import MelfaR3
+from drivers.readings import AirSample, CounterReading, CounterStatus, Identity, Joints
+from tests.system.quick import short_timeouts
+
+
+class Lax(LineCounter):
+    """Has settings that take anything, and an argument without unit."""
+
+    class Settings(BaseModel):  # that is the fault
+        """Nothing is told."""
+
+        model_config = ConfigDict(extra="ignore")
+
+        patience: float = 1.0
+
+    def wait(self, length: float) -> None:
+        """Wait a length."""
+
+
+class Forgetful(LineCounter):
+    """Takes a returning beam for a valid one."""
+
+    async def status(self) -> CounterStatus:
+        """Return what the instrument shows."""
+        status = await super().status()
+        return replace(status, beam_lost=not status.beam_ok)
+
+
+class SameZero(LineCounter):
+    """Numbers no zeros."""
+
+    async def zero(self) -> int:
+        """Zero."""
+        await super().zero()
+        return 1
+
+
+class Remembering(LineCounter):
+    """Answers from memory when the instrument is silent."""
+
+    last: CounterReading | None = None
+
+    async def read(self) -> CounterReading:
+        """Return the last reading if there is no new one."""
+        try:
+            self.last = await super().read()
+        except DeviceError:
+            if self.last is None:
+                raise
+        return self.last
+
+
+class Blocking(LineCounter):
+    """Waits without letting others work."""
+
+    async def read(self) -> CounterReading:
+        """Wait and read."""
+        time.sleep(0.7)  # noqa: ASYNC251  # that is the fault
+        return await super().read()
+
+
+class Swallowing(LineCounter):
+    """Turns every error into one of its own."""
+
+    async def connect(self) -> Identity:
+        """Connect."""
+        try:
+            return await super().connect()
+        except DeviceError as error:
+            raise OSError(str(error)) from error
+
+
+class Terse(LineCounter):
+    """Says too little."""
+
+    async def read(self) -> CounterReading:
+        """Return a reading."""
+        try:
+            return await super().read()
+        except LinkTimeoutError:
+            raise DeviceError("failed") from None
+
+
+class Leaving(LineCounter):
+    """Leaves a task behind."""
+
+    pending: ClassVar[set["asyncio.Task[None]"]] = set()
+
+    async def connect(self) -> Identity:
+        """Connect and start something."""
+        self.pending.add(asyncio.get_running_loop().create_task(asyncio.sleep(60.0)))
+        return await super().connect()
+
+
+class Stubborn(LineCounter):
+    """Does not let itself be cancelled."""
+
+    async def read(self) -> CounterReading:
+        """Return a reading, whatever happens."""
+        try:
+            return await super().read()
+        except asyncio.CancelledError:
+            return await super().read()
+
+
+class Reviving(LineCounter):
+    """Trusts a count over a new link."""
+
+    def __init__(self, *args: Any, **kwargs: Any) -> None:
+        super().__init__(*args, **kwargs)
+        self._latches = _NeverGreeted()
+
+
+class _NeverGreeted(Latches):
+    def greeting(self) -> None:
+        """Forget."""
+
+
+class NaNAir(ModbusAir):
+    """Gives NaN for what is missing."""
+
+    async def sample(self) -> AirSample:
+        """Return a sample."""
+        sample = await super().sample()
+        return sample if sample.temperature_c is not None else replace(sample, temperature_c=float("nan"))
+
+
+class Repeating(MelfaR3):
+    """Commands a motion again when its answer is lost."""
+
+    async def move_joints(self, target: Joints) -> None:
+        """Move, and move again."""
+        try:
+            await super().move_joints(target)
+        except DeviceError:
+            await super().move_joints(target)
+
+
+class Coasting(MelfaR3):
+    """Does not stop."""
+
+    async def stop(self) -> None:
+        """Let it run out."""
+
+
+FAULTS: list[tuple[str, type, str]] = [
+    ("line-counter", Lax, "settings_are_a_strict_closed_model"),
+    ("line-counter", Lax, "settings_are_described_with_units"),
+    ("line-counter", Lax, "arguments_carry_units"),
+    ("line-counter", Forgetful, "a_lost_beam_is_latched_until_the_next_zero"),
+    ("line-counter", Forgetful, "a_beam_lost_between_two_questions_is_seen"),
+    ("line-counter", Reviving, "a_new_link_counts_as_a_lost_beam"),
+    ("line-counter", SameZero, "zeros_are_numbered"),
+    ("line-counter", Remembering, "a_stalled_device_times_out_and_is_healed"),
+    ("line-counter", Terse, "a_stalled_device_times_out_and_is_healed"),
+    ("line-counter", Swallowing, "a_dead_endpoint_is_a_link_error"),
+    ("line-counter", Swallowing, "a_stranger_is_a_device_error"),
+    ("line-counter", Blocking, "the_loop_is_never_blocked"),
+    ("line-counter", Leaving, "nothing_is_left_after_close"),
+    ("line-counter", Stubborn, "a_cancelled_question_leaves_the_link_usable"),
+    ("modbus-air", NaNAir, "a_missing_value_is_none"),
+    ("melfa-r3", Repeating, "a_lost_answer_never_repeats_a_motion"),
+    ("melfa-r3", Coasting, "stop_ends_a_motion"),
+]
+
+
+@pytest.mark.parametrize(("name", "driver", "check"), FAULTS, ids=[f"{d.__name__}-{c}" for _, d, c in FAULTS])
+def test_a_fault_is_found(name: str, driver: type, check: str, tmp_path: Path) -> None:
+    sound = candidate_of(name)
+    faulty = replace(sound, driver=driver, settings=short_timeouts(sound, tmp_path))
+    (wanted,) = [one for one in applicable(sound) if one.name == check]
+    with pytest.raises(NotConformingError):
+        run_check(wanted, faulty)

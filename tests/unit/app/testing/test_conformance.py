@@ -1,0 +1,63 @@
+"""Which checks of the conformance suite apply to which driver."""
+
+from dataclasses import replace
+from typing import Any
+
+import pytest
+
+from app.testing.candidate import Candidate, candidate_of, parse_setting
+from app.testing.checks.catalogue import ALL, applicable, not_applicable
+
+
+def test_checks_of_a_foreign_device_leave_out_what_needs_our_bench() -> None:
+    foreign = candidate_of("line-counter", endpoint="tcp://192.0.2.1:4000")
+    names = [check.name for check in applicable(foreign)]
+    assert "a_stalled_device_times_out_and_is_healed" in names
+    assert "a_lost_beam_is_latched_until_the_next_zero" not in names
+    assert "emulated bench" in not_applicable(foreign)["a_lost_beam_is_latched_until_the_next_zero"]
+
+
+def test_a_serial_link_cannot_be_spoilt() -> None:
+    line = candidate_of("line-counter", endpoint="serial:///dev/ttyUSB0")
+    assert "serial device server" in not_applicable(line)["a_dropped_connection_is_healed"]
+
+
+def test_a_foreign_robot_is_moved_by_permission_only() -> None:
+    robot = candidate_of("melfa-r3", endpoint="tcp://192.0.2.1:10001")
+    assert not robot.may_move
+    assert all("motion" not in check.needs for check in applicable(robot))
+    assert "--allow-motion" in not_applicable(robot)["stop_ends_a_motion"]
+    allowed = replace(robot, allow_motion=True)
+    assert "stop_ends_a_motion" in [check.name for check in applicable(allowed)]
+    moving = {"a_lost_answer_never_repeats_a_motion", "targets_beyond_the_limits_are_refused"}
+    assert not moving & {check.name for check in applicable(allowed)}
+
+
+def test_the_kind_is_told_by_the_methods() -> None:
+    kinds = {
+        name: candidate_of(name).kind for name in ("melfa-r3", "line-counter", "modbus-air", "bench-tracker")
+    }
+    assert list(kinds.values()) == ["robot", "interferometer", "environment", "tracker"]
+
+
+def test_patience_follows_the_time_outs_of_questions() -> None:
+    slow: Candidate = candidate_of("modbus-air", settings={"timeout_s": 7.0})
+    assert slow.patience_s == 28.0
+    assert candidate_of("melfa-r3").patience_s == 20.0
+
+
+@pytest.mark.parametrize(
+    ("text", "setting"),
+    [
+        ("timeout_s=0.5", ("timeout_s", 0.5)),
+        ("profile=a.toml", ("profile", "a.toml")),
+        ("terminator=", ("terminator", "")),
+        ("deep={}", ("deep", {})),
+    ],
+)
+def test_settings_are_json_or_text(text: str, setting: tuple[str, Any]) -> None:
+    assert parse_setting(text) == setting
+
+
+def test_every_check_says_what_it_asks() -> None:
+    assert all((check.body.__doc__ or "").strip() for check in ALL)
