@@ -5,6 +5,7 @@ from collections.abc import Callable
 from typing import Literal, Protocol, runtime_checkable
 
 from app.engine.states import State
+from app.engine.waiting import cancel
 from app.errors import SafetyError
 from drivers.errors import DeviceError
 from procedures.context import Json
@@ -81,6 +82,7 @@ class StackLight:
         self._asking = False
         self._changed = asyncio.Event()
         self._failed = False
+        self._ending = False
         self._task = asyncio.get_running_loop().create_task(self._follow())
 
     def take(self, event: dict[str, Json]) -> None:
@@ -98,12 +100,13 @@ class StackLight:
 
     async def end(self) -> None:
         """Put all lamps out and let go of the block."""
-        self._task.cancel()
-        await asyncio.gather(self._task, return_exceptions=True)
+        self._ending = True
+        await cancel(self._task)
         await self._show("off")
 
     async def _follow(self) -> None:
-        while True:
+        # A cancellation that comes together with an answer may be lost on its way through a library.
+        while not self._ending:
             await self._changed.wait()
             self._changed.clear()
             waiting = self._asking and self._state == "green"

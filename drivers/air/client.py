@@ -90,10 +90,10 @@ class RegisterClient:
                 f"{self._name} at {self.endpoint}: cannot connect within {self._timeout_s:g} s: check {advice}"
             )
         self._client = client
-        if self._in_doubt:
+        if self._in_doubt and isinstance(self._target, SerialEndpoint):
             # An answer without a number must have passed before the next question is asked.
             await asyncio.sleep(self._timeout_s)
-            self._in_doubt = False
+        self._in_doubt = False
 
     def _new_client(self) -> _Client:
         target = self._target
@@ -214,7 +214,7 @@ class RegisterClient:
         async with self._lock:
             client = await self._connected()
             # Until the answer is there; whoever is cancelled meanwhile leaves an answer behind.
-            self._in_doubt = isinstance(self._target, SerialEndpoint)
+            self._in_doubt = True
             try:
                 answer = await call(client)
             except ModbusException as exc:

@@ -16,6 +16,7 @@ from drivers.clock import SystemClock
 from drivers.endpoint import SerialEndpoint
 from drivers.errors import LinkTimeoutError
 from drivers.io.modbus_io import ModbusIo
+from tests.system.command import catseye
 from tests.system.modbus_cell import ModbusCell, modbus_cell
 
 
@@ -119,3 +120,20 @@ async def test_a_late_answer_over_a_serial_line_is_not_taken_for_the_next_one() 
         loop.remove_reader(master)
         os.close(master)
         os.close(slave)
+
+
+def test_nothing_moves_while_the_door_is_open(cell: ModbusCell) -> None:
+    bench = cell.emulated
+    bench.ask(op="fault", name="door", open=True)
+    try:
+        told = catseye("doctor", bench.cell, cwd=bench.cell.parent)
+        assert "the door is open: nothing will move" in told.stdout
+        done = catseye("run", "reflector-search", "--cell", bench.cell, cwd=bench.cell.parent)
+    finally:
+        bench.ask(op="fault", name="clear_faults")
+    assert done.returncode == 5, done.stderr
+    assert "the door is open: no motion" in done.stderr
+    assert not [
+        entry for entry in bench.ask(op="log", device="robot")["entries"] if entry["kind"] == "motion"
+    ]
+    assert bench.ask(op="state")["coils"]["io"][:3] == [False] * 3
