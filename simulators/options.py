@@ -21,6 +21,20 @@ def number(device: EmulatedDevice, key: str, default: float) -> float:
     return value
 
 
+def whole(device: EmulatedDevice, key: str, default: int, lowest: int, highest: int) -> int:
+    """Return an option that is a whole number within limits.
+
+    Raises:
+        EmulatorError: it is none.
+    """
+    value = number(device, key, default)
+    if not isinstance(value, int) or not lowest <= value <= highest:
+        raise EmulatorError(
+            f"{device.name}: option {key} has to be a whole number from {lowest} to {highest}, not {value!r}"
+        )
+    return value
+
+
 def flag(device: EmulatedDevice, key: str) -> bool:
     """Return an option that is true or false; false is the default.
 

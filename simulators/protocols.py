@@ -14,7 +14,7 @@ from simulators.melfa.datalink import NUMBER_FORMATS, Datalink, DatalinkSession
 from simulators.melfa.mxt import MODES, Mxt, MxtOptions, MxtSession
 from simulators.melfa.session import MelfaSession
 from simulators.modbus.devices import air_registers, io_block, modbus_sessions
-from simulators.options import LengthOptions, choice, flag, number
+from simulators.options import LengthOptions, choice, flag, number, whole
 from simulators.serving import Session
 from simulators.umd.session import Umd, UmdOptions, UmdSession
 from simulators.vaisala.session import Ptu300, Ptu300Session
@@ -42,7 +42,7 @@ def _melfa_r3(world: World, device: EmulatedDevice, note: Note) -> NewSession:
 def _attocube_ids(world: World, device: EmulatedDevice, note: Note) -> NewSession:
     options = IdsOptions(
         dialect=choice(device, "dialect", ("ids", "sen")),
-        axis=int(number(device, "axis", 0)),
+        axis=whole(device, "axis", 0, 0, 2),
         sign=LengthOptions.of(device).sign,
         bare_mode=flag(device, "bare_mode"),
         start_time_s=number(device, "start_time_s", 3.0),
@@ -84,7 +84,7 @@ def _melfa_mxt(world: World, device: EmulatedDevice, note: Note) -> NewSession:
 
 
 def _heidenhain_nd(world: World, device: EmulatedDevice, note: Note) -> NewSession:
-    decimals = int(number(device, "decimals", 4))
+    decimals = whole(device, "decimals", 4, 0, 7)
     display = Display(world.instrument(device.name), LengthOptions.of(device), decimals)
     return lambda: NdSession(display, note)
 
@@ -97,7 +97,7 @@ def _line_counter(world: World, device: EmulatedDevice, note: Note) -> NewSessio
 
 
 def _lasertex_hpi(world: World, device: EmulatedDevice, note: Note) -> NewSession:
-    full_scale = int(number(device, "signal_full_scale", 100))
+    full_scale = whole(device, "signal_full_scale", 100, 1, 255)
     hpi = Hpi(world.instrument(device.name), world.probe, LengthOptions.of(device), full_scale)
     return lambda: HpiSession(hpi, note)
 

@@ -11,7 +11,8 @@ from drivers.heidenhain.nd import HeidenhainNd, NdSettings
 from drivers.lasertex.hpi import HpiSettings, LasertexHpi
 from drivers.umd.display import UmdDisplay, UmdSettings
 from simulators.config import Option
-from tests.unit.interferometers.pairs import Make, Pair, paired
+from simulators.errors import EmulatorError
+from tests.unit.interferometers.pairs import Make, Pair, new_session, paired, quiet_world
 from tests.unit.simulators.benches import aimed, go
 
 DRIVERS: dict[str, Make] = {
@@ -89,3 +90,22 @@ async def test_the_instruments_on_one_beam_have_their_own_zeros(protocol: str) -
         assert other.zero()
         assert (await pair.driver.read()).displacement_mm == pytest.approx(shown_mm, abs=1e-6)
         assert pair.bench.read().zero_id == 0
+
+
+@pytest.mark.parametrize(
+    ("protocol", "option", "value"),
+    [
+        ("attocube-ids", "axis", 3),
+        ("attocube-ids", "dialect", "new"),
+        ("attocube-ids", "ecu_enabled", 1),
+        ("heidenhain-nd", "decimals", 0.5),
+        ("lasertex-hpi", "signal_full_scale", 300),
+        ("lasertex-hpi", "sign", 2),
+        ("lasertex-hpi", "compensated", "both"),
+        ("umd", "multiplier", 3),
+        ("umd", "rate_hz", "fast"),
+    ],
+)
+def test_wrong_options_of_an_emulator_are_named(protocol: str, option: str, value: Option) -> None:
+    with pytest.raises(EmulatorError, match=option):
+        new_session(quiet_world(), protocol, {option: value})
