@@ -9,7 +9,7 @@ from drivers.registry import load_driver
 from simulators.config import Option
 from simulators.protocols import PROTOCOLS
 
-Kind = Literal["robot", "interferometer", "environment", "tracker"]
+Kind = Literal["robot", "interferometer", "environment", "tracker", "io"]
 
 KINDS: tuple[Kind, ...] = get_args(Kind)
 
@@ -18,6 +18,7 @@ METHODS: dict[Kind, tuple[str, ...]] = {
     "interferometer": ("zero", "read", "status"),
     "environment": ("sample",),
     "tracker": ("locate",),
+    "io": ("door_closed", "show"),
 }
 """What a driver of each kind has besides `connect` and `close`; see procedures/devices.py."""
 
@@ -26,6 +27,7 @@ QUESTIONS: dict[Kind, str] = {
     "interferometer": "read",
     "environment": "sample",
     "tracker": "locate",
+    "io": "door_closed",
 }
 """The question that the checks of the link ask."""
 

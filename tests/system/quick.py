@@ -6,7 +6,7 @@ from typing import Any
 import drivers.counter
 from app.testing.candidate import Candidate
 
-TIMEOUT_S = 0.3
+TIMEOUT_S = 0.25
 
 
 def short_timeouts(candidate: Candidate, folder: Path) -> dict[str, Any]:

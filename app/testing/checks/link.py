@@ -50,13 +50,13 @@ async def close_may_be_called_any_number_of_times(trial: Trial) -> None:
 
 
 async def nothing_is_left_after_close(trial: Trial) -> None:
-    """After `close` no task, no thread and no connection is left, also when a question failed before."""
+    """After `close` no task, no thread and no connection is left, also when the link broke before."""
     tasks, threads = asyncio.all_tasks(), set(threading.enumerate())
     async with trial.connected() as driver:
         await trial.ask(driver)
-        trial.stall()
-        await _failure(trial.ask(driver))
-        trial.release()
+        trial.drop()
+        await asyncio.sleep(_IN_FLIGHT_S)
+        await trial.ask_after_trouble(driver)
     await _until(
         lambda: trial.connections == 0, f"connections are left open after close(): {trial.connections}"
     )
