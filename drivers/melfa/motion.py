@@ -1,9 +1,10 @@
 """Parts of a joint motion: its command, the comparison of reported joints with it, waiting for standstill."""
 
 import asyncio
+from collections.abc import Awaitable, Callable
 
 from drivers.clock import Clock
-from drivers.errors import LinkTimeoutError
+from drivers.errors import AlarmError, DeviceError, LinkError, LinkTimeoutError, NotArrivedError
 from drivers.melfa.session import Session
 from drivers.melfa.settings import MelfaSettings
 from drivers.readings import Joints
@@ -12,6 +13,11 @@ VARIABLE = "JCATSEYE"
 """Joint variable that carries the target in the controller."""
 
 JOINT_NAMES = ("J1", "J2", "J3", "J4")
+LOOK_WHY = "look for a collision, a stop by another source or an alarm before moving again"
+
+STILL_POLLS = 3
+"""Equal positions in a row that count as standstill."""
+
 _JOINT_UNITS = ("deg", "deg", "mm", "deg")
 
 _START_TIME_S = 0.5
@@ -94,3 +100,59 @@ async def standstill(
             f"{session.where}: the robot does not stand still after {timeout_s:g} s, last joints {last}: "
             "check what moves it"
         ) from None
+
+
+async def account_for(
+    session: Session,
+    clock: Clock,
+    settings: MelfaSettings,
+    target: Joints,
+    lost: DeviceError,
+    stop: Callable[[], Awaitable[None]],
+) -> None:
+    """Ask where the robot is after the answer to a motion was lost; go on only if it stands at the target.
+
+    Args:
+        session: where to ask.
+        clock: time of the pause between two polls.
+        settings: of the driver.
+        target: of the motion.
+        lost: how the answer was lost.
+        stop: stops the robot.
+
+    Raises:
+        AlarmError: an alarm is the reason.
+        NotArrivedError: the robot stands somewhere else; it was told to stop.
+        LinkError: the controller does not tell; the robot was told to stop.
+    """
+    try:
+        status, joints = await session.status(), await session.joints()
+        off = off_target(joints, target, settings)
+        # A program that waits for the next way counts as running too: then only the joints tell.
+        if not off and (not status.running or await _rests(session, clock, settings)):
+            return
+    except DeviceError as exc:
+        await stop()
+        raise LinkError(
+            f"{session.where}: the answer to the motion is lost ({lost}) and the controller does not tell "
+            f"where the robot is ({exc}): the robot was told to stop; {LOOK_WHY}"
+        ) from lost
+    await stop()
+    if status.alarm_number:
+        raise AlarmError(f"{session.where}: {status.alarm_text}", status.alarm_number) from lost
+    was = "was still moving" if status.running else f"stands elsewhere ({off})"
+    slow = "raise move_timeout_s or the override if the motion is only slow; "
+    raise NotArrivedError(
+        f"{session.where}: the answer to the motion is lost ({lost}); the robot {was} and was told to stop: "
+        f"{slow if isinstance(lost, LinkTimeoutError) else ''}{LOOK_WHY}"
+    ) from lost
+
+
+async def _rests(session: Session, clock: Clock, settings: MelfaSettings) -> bool:
+    """Return whether the joints stay the same over some polls."""
+    first = await session.joints()
+    for _ in range(STILL_POLLS - 1):
+        await clock.sleep(settings.poll_s)
+        if await session.joints() != first:
+            return False
+    return True

@@ -18,7 +18,6 @@ from drivers.errors import (
     AlarmError,
     DeviceError,
     LinkError,
-    LinkTimeoutError,
     NotArrivedError,
     NotReadyError,
     ProtocolError,
@@ -29,7 +28,16 @@ from drivers.melfa import codec
 from drivers.melfa.alarms import STOP_IS_ON
 from drivers.melfa.codec import Answer, Layout
 from drivers.melfa.controller import MelfaController
-from drivers.melfa.motion import VARIABLE, assignment, off_target, standstill, unstarted_polls
+from drivers.melfa.motion import (
+    LOOK_WHY,
+    STILL_POLLS,
+    VARIABLE,
+    account_for,
+    assignment,
+    off_target,
+    standstill,
+    unstarted_polls,
+)
 from drivers.melfa.session import Session, byte_time_s
 from drivers.melfa.settings import MelfaSettings
 from drivers.readings import Identity, Joints, RobotStatus
@@ -38,9 +46,7 @@ from drivers.transport import Transport
 
 _DUPLICATE_DEFINITION = 4350
 _CLOSE_TIMEOUT_S = 3.0
-_STILL_POLLS = 3
 _PRESS = "PRESS THE EMERGENCY STOP if the robot moves"
-_LOOK_WHY = "look for a collision, a stop by another source or an alarm before moving again"
 
 _Ask = Callable[[str, Layout], Awaitable[Answer]]
 
@@ -361,27 +367,7 @@ class MelfaR3:
             NotArrivedError: the robot stands somewhere else; it was told to stop.
             LinkError: the controller does not tell; the robot was told to stop.
         """
-        session = self._side
-        try:
-            status, joints = await session.status(), await session.joints()
-        except DeviceError as exc:
-            await self.stop()
-            raise LinkError(
-                f"{session.where}: the answer to the motion is lost ({lost}) and the controller does not tell "
-                f"where the robot is ({exc}): the robot was told to stop; {_LOOK_WHY}"
-            ) from lost
-        off = off_target(joints, target, self._settings)
-        if not status.running and not off:
-            return
-        await self.stop()
-        if status.alarm_number:
-            raise AlarmError(f"{session.where}: {status.alarm_text}", status.alarm_number) from lost
-        was = "was still moving" if status.running else f"stands elsewhere ({off})"
-        slow = "raise move_timeout_s or the override if the motion is only slow; "
-        raise NotArrivedError(
-            f"{session.where}: the answer to the motion is lost ({lost}); the robot {was} and was told to stop: "
-            f"{slow if isinstance(lost, LinkTimeoutError) else ''}{_LOOK_WHY}"
-        ) from lost
+        await account_for(self._side, self._clock, self._settings, target, lost, self.stop)
 
     async def _take_over(self) -> None:
         """Restore what a new connection does not know: the variable, and the right if it had been taken."""
@@ -461,7 +447,7 @@ class MelfaR3:
             return
         if off := off_target(reached, target, self._settings):
             await self._main.raise_alarm("MOV")
-            raise NotArrivedError(f"{self._main.where}: the motion is over, but {off}: {_LOOK_WHY}")
+            raise NotArrivedError(f"{self._main.where}: the motion is over, but {off}: {LOOK_WHY}")
 
     @property
     def _side(self) -> Session:
@@ -477,7 +463,7 @@ class MelfaR3:
         timeout_s = self._settings.stop_timeout_s
         try:
             await standstill(
-                session, self._clock, self._settings, timeout_s=timeout_s, still_polls=_STILL_POLLS
+                session, self._clock, self._settings, timeout_s=timeout_s, still_polls=STILL_POLLS
             )
         except DeviceError as exc:
             raise LinkError(

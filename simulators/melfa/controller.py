@@ -142,6 +142,12 @@ class Controller:
         self._run = Run(self.bench.standstill_s, target)
         return self._run
 
+    @property
+    def executing(self) -> bool:
+        """Something is carried out: a motion, the selected program, or a program that waits for its PC."""
+        waits = any(resident.running for resident in self.residents.values())
+        return self.bench.moving or self.task.running or waits
+
     def install(self, resident: Resident) -> None:
         """Keep a program whose behaviour is emulated without an interpreter."""
         name = self.memory.key(resident.name)

@@ -11,6 +11,9 @@ from drivers.readings import Joints
 
 Floats = NDArray[np.float64]
 
+_NOTHING = 1e-9
+"""Ways of less than this, deg or mm, are none."""
+
 
 @dataclass(frozen=True)
 class Bounds:
@@ -35,11 +38,11 @@ class WayProfile:
     def __init__(self, start: Joints, way: Sequence[Joints], bounds: Bounds) -> None:
         knots = np.array([start, *way], dtype=np.float64)
         steps = np.abs(np.diff(knots, axis=0))
-        keep = np.append(True, steps.max(axis=1) > 0.0)
+        keep = np.append(True, steps.max(axis=1) > _NOTHING)
         self._knots = knots[keep]
         self._length = float(len(self._knots) - 1)
         largest = np.max(np.abs(np.diff(self._knots, axis=0)), axis=0, initial=0.0)
-        moving = largest > 0.0
+        moving = largest > _NOTHING
         speeds = np.asarray(bounds.speed)[moving] / largest[moving]
         accelerations = np.asarray(bounds.acceleration)[moving] / largest[moving]
         self._speed = float(speeds.min(initial=math.inf))

@@ -31,7 +31,7 @@ class MxtSettings(MelfaSettings):
     mxt_cycle_ms: float = Field(default=7.1, ge=1.0, le=100.0)
     mxt_timeout_s: float = Field(default=1.0, ge=-1.0)
     reply_timeout_s: float = Field(default=0.1, gt=0)
-    most_lost: int = Field(default=3, ge=0)
+    most_lost: int = Field(default=5, ge=0)
     arrival_timeout_s: float = Field(default=5.0, gt=0)
     follow_speed_deg_s: float = Field(default=20.0, gt=0)
     follow_acceleration_deg_s2: float = Field(default=200.0, gt=0)

@@ -109,9 +109,11 @@ class SetPointStream:
         await self._transport.write(codec.encode(command, self._count, target))
         try:
             async with asyncio.timeout(self._settings.reply_timeout_s):
-                return self._decoded(await self._transport.read())
+                data = await self._transport.read()
         except TimeoutError:
-            return None
+            # Where this program itself was held up, the answer has come all the same.
+            data = self._transport.waiting()
+        return self._decoded(data) if data else None
 
     def _decoded(self, data: bytes) -> Reply:
         try:

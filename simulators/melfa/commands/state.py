@@ -19,7 +19,7 @@ def _bits(controller: Controller, client: Client) -> str:
         | _CYCLE_STOP * (task.running and task.cycle_stop)
         | _TEACH * controller.teach_mode
     )
-    run |= _SERVO * controller.servo_on | _RUN * (controller.bench.moving or task.running)
+    run |= _SERVO * controller.servo_on | _RUN * controller.executing
     run |= _RIGHT * (client in controller.right_holders)
     stop = _EMERGENCY * controller.emergency_stop | _STOP * controller.stopped | _WAIT * task.paused
     stop |= _SELECT * (not task.paused and not task.running) | _PSEUDO * controller.signals.pseudo
@@ -43,7 +43,7 @@ def _short_state(controller: Controller, client: Client, arguments: str) -> str:
 
 
 def _mechanism(controller: Controller) -> int:
-    return int(controller.bench.moving or controller.task.running)
+    return int(controller.executing)
 
 
 COMMANDS = {"STATE": Command(_state), "DSTATE": Command(_short_state)}
