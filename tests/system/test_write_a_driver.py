@@ -10,6 +10,8 @@ from pathlib import Path
 
 import pytest
 
+from app.cell.template import TEMPLATE
+
 ROOT = Path(__file__).parents[2]
 EXAMPLE = ROOT / "docs" / "examples" / "driver"
 PAGE = ROOT / "docs" / "write-a-driver.md"
@@ -131,3 +133,28 @@ def test_a_host_project_keeps_its_options_and_its_own_package_named_app(tmp_path
     )
     done = run(tmp_path, "-q", "-W", "error::ImportWarning", "--driver", "firefox", "test_host.py")
     assert done.returncode == 0, done.stdout + done.stderr
+
+
+def test_a_cell_file_may_name_the_driver_of_the_example(installed: Path, display: str) -> None:
+    table = f'[interferometer]\ndriver = "norra-ld5"\nendpoint = "{display}"\n\n[interferometer.settings]\n'
+    cell = installed / "cell.toml"
+    for settings, code, said in (
+        ("answer_timeout_s = 0.5", 3, "NORRA LD5 EMULATOR"),
+        ("patience = 1", 2, "patience"),
+    ):
+        edited = re.sub(
+            r"\[interferometer\]\n.*?(?=\n\[)", table + settings + "\n", TEMPLATE, flags=re.DOTALL
+        )
+        cell.write_text(edited, encoding="utf-8")
+        done = subprocess.run(
+            [sys.executable, "-m", "app", "doctor", "cell.toml"],
+            cwd=installed,
+            env=environment(installed),
+            capture_output=True,
+            text=True,
+            timeout=_LIMIT_S,
+            check=False,
+        )
+        # The other devices of the template are not there: exit code 3.
+        assert done.returncode == code, done.stdout + done.stderr
+        assert said in done.stdout + done.stderr
