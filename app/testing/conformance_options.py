@@ -35,6 +35,8 @@ def pytest_configure(config: pytest.Config) -> None:
     Raises:
         pytest.UsageError: there is none of that name, or an option is wrong.
     """
+    if config.option.help:
+        return
     name = config.getoption("--driver")
     if not name:
         raise pytest.UsageError(

@@ -118,6 +118,12 @@ def test_the_suite_says_what_is_wrong_with_its_options(installed: Path) -> None:
         assert said in done.stderr
 
 
+def test_the_suite_explains_its_options(installed: Path) -> None:
+    done = run(installed, "--pyargs", "app.testing.conformance", "--help")
+    assert done.returncode == 0, done.stderr
+    assert "--allow-motion" in done.stdout
+
+
 def test_a_host_project_keeps_its_options_and_its_own_package_named_app(tmp_path: Path) -> None:
     package = tmp_path / "app"
     package.mkdir()
