@@ -256,6 +256,10 @@ class RequestLink:
         self._doubt = "the greeting is not finished"
         await self._transport.close()
         await self._transport.open()
+        if not self._is_open:
+            # `close` came while the transport was being opened and found nothing to close.
+            await self._transport.close()
+            raise LinkError(f"{self.where}: the link was closed while it was being opened: connect again")
         self.greeting = await self._drain()
         try:
             await self._greet()

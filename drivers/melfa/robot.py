@@ -301,6 +301,7 @@ class MelfaR3:
             await self._declare()
             # The motion takes its target from this very connection, so no healing from here on.
             await self._main.command(f"EXEC{assignment(target)}", heal=False)
+            self.require_no_stop(stops_ended)
             await self._go(target)
         except asyncio.CancelledError:
             await self.stop()
@@ -324,6 +325,22 @@ class MelfaR3:
             await uninterrupted(self._stop())
         finally:
             self._stops_ended += 1
+
+    @property
+    def stops_ended(self) -> int:
+        """How many stops are over; what `require_no_stop` compares with."""
+        return self._stops_ended
+
+    def require_no_stop(self, since: int) -> None:
+        """Check that no stop has been under way since `stops_ended` was that: what it overtook must not begin.
+
+        Raises:
+            RefusedError: one is, or was.
+        """
+        if self._stops_begun > since:
+            raise RefusedError(
+                f"{self._main.where}: a stop overtook the motion: nothing was moved", STOP_IS_ON
+            )
 
     async def take_right(self) -> None:
         """Take the operation right unless it is held; permission to move has been given by now.

@@ -196,9 +196,11 @@ class MelfaDatalink:
             raise ValueError(f"a way has 1 to {codec.MAX_POINTS} targets, this one has {len(way)}")
         if not all(math.isfinite(value) for target in way for value in target):
             raise ValueError(f"joints of a way must be finite numbers, got {way}")
+        stops_ended = self._controller.stops_ended
         try:
             await self._ready()
             await self._send(way)
+            self._controller.require_no_stop(stops_ended)
             await self._drive(way[-1])
         except asyncio.CancelledError:
             await self.stop()
@@ -219,8 +221,13 @@ class MelfaDatalink:
     async def _restart(self) -> None:
         if not self._settings.program:
             raise RefusedError(f"{self._link.where}: the program stands after a stop: {_START_IT}", 0)
-        await self._controller.start_program(self._settings.program)
+        # A stop meanwhile sets it again.
         self._halted = False
+        try:
+            await self._controller.start_program(self._settings.program)
+        except BaseException:
+            self._halted = True
+            raise
 
     async def _send(self, way: Sequence[Joints]) -> None:
         await self._ask(codec.FORGET)

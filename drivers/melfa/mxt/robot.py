@@ -9,7 +9,7 @@ so that nothing streams while the arm is at rest.
 import asyncio
 import contextlib
 import math
-from collections.abc import Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from typing import Any, ClassVar, Self
 
 from drivers.clock import Clock
@@ -180,9 +180,10 @@ class MelfaMxt:
         """
         if not way or not all(math.isfinite(value) for target in way for value in target):
             raise ValueError(f"a way needs targets that are finite numbers, got {way}")
+        stops_ended = self._controller.stops_ended
         try:
             await self._ready()
-            await self._lead(way)
+            await self._lead(way, stops_ended)
         except asyncio.CancelledError:
             await self.stop()
             raise
@@ -211,17 +212,22 @@ class MelfaMxt:
                 "controller again, see docs/controller.md",
                 0,
             )
-        await self._controller.start_program(self._settings.program)
+        # A stop meanwhile sets it again.
         self._halted = False
+        try:
+            await self._controller.start_program(self._settings.program)
+        except BaseException:
+            self._halted = True
+            raise
 
-    async def _lead(self, way: Sequence[Joints]) -> None:
+    async def _lead(self, way: Sequence[Joints], stops_ended: int) -> None:
         bounds = await self._bounds()
         self._feedback = None
         try:
             start = await self._stream.begin()
             points = WayProfile(start, way, bounds).set_points(self._settings.mxt_cycle_ms / 1e3)
-            await self._stream.send(points)
-            reached = await self._rest(way[-1])
+            await self._stream.send(self._until_a_stop(points, stops_ended))
+            reached = await self._rest(way[-1], stops_ended)
             await self._stream.end()
         except (LinkError, ProtocolError) as lost:
             self._halted = True
@@ -229,6 +235,8 @@ class MelfaMxt:
             await self._controller.account_for(way[-1], lost)
             return
         if off := off_target(reached, way[-1], self._settings):
+            # The program may be told to stop now.
+            self._halted = True
             away = NotArrivedError(f"{self._stream.where}: the motion is over, but {off}: {_LOOK_WHY}")
             await self._controller.account_for(way[-1], away)
             raise away
@@ -245,14 +253,26 @@ class MelfaMxt:
         fast, slow = settings.follow_acceleration_deg_s2, settings.follow_acceleration_mm_s2
         return Bounds((j1, j2, j3, j4), (fast, fast, slow, fast))
 
-    async def _rest(self, target: Joints) -> Joints:
+    def _until_a_stop(self, points: Iterable[Joints], stops_ended: int) -> Iterator[Joints]:
+        """Hand out set points; none once a stop has begun, which does not wait for the end of the way.
+
+        Raises:
+            RefusedError: a stop has begun.
+        """
+        for point in points:
+            self._controller.require_no_stop(stops_ended)
+            yield point
+
+    async def _rest(self, target: Joints, stops_ended: int) -> Joints:
         """Hold the last set point until the feedback stays the same."""
         still = 0
         last: Joints | None = None
         try:
             async with asyncio.timeout(self._settings.arrival_timeout_s):
                 while True:
-                    feedback = await self._stream.send((target,))
+                    feedback = await self._stream.send(self._until_a_stop((target,), stops_ended))
+                    if feedback is None:
+                        continue
                     still = still + 1 if last is not None and _near(feedback, last) else 0
                     if still >= _REST_CYCLES:
                         return feedback

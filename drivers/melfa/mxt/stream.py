@@ -31,6 +31,7 @@ class SetPointStream:
         self._settings = settings
         self._name = name
         self._count = 0
+        self._missing = 0
         self.lost = 0
 
     @property
@@ -46,11 +47,11 @@ class SetPointStream:
             LinkError: the link cannot be opened.
             ProtocolError: garbage came.
         """
-        await self._transport.close()
-        await self._transport.open()
+        await self._open_anew()
+        self._missing = 0
         attempts = self._settings.most_lost + 1
         for _ in range(attempts):
-            reply = await self._exchange(Command.NONE, None)
+            reply = await self._asked()
             if reply is not None:
                 return self._joints(reply, Kind.JOINT_COMMAND)
         waited_s = attempts * self._settings.reply_timeout_s
@@ -59,31 +60,28 @@ class SetPointStream:
             "the controller (key at AUTO), check the PC's address in it and the first element of NETPORT (10000)"
         )
 
-    async def send(self, points: Iterable[Joints]) -> Joints:
-        """Send set points, one a cycle; return the feedback that came last, or the last point without any.
+    async def send(self, points: Iterable[Joints]) -> Joints | None:
+        """Send set points, one a cycle; return the feedback that came last, None when every answer was lost.
 
         Raises:
             LinkTimeoutError: too many answers in a row are missing.
             LinkError: the link is lost.
             ProtocolError: garbage came.
         """
-        missing = 0
         feedback: Joints | None = None
-        point: Joints | None = None
         for point in points:
             reply = await self._exchange(Command.MOVE, point)
             if reply is None:
-                missing += 1
+                self._missing += 1
                 self.lost += 1
-                if missing > self._settings.most_lost:
+                if self._missing > self._settings.most_lost:
                     raise LinkTimeoutError(
-                        f"{self.where}: {missing} answers to set points in a row are missing: check network and alarm"
+                        f"{self.where}: {self._missing} answers to set points in a row are missing: check network "
+                        "and alarm"
                     )
                 continue
-            missing = 0
+            self._missing = 0
             feedback = self._joints(reply, Kind.JOINT_FEEDBACK)
-        if feedback is None:
-            raise LinkError(f"{self.where}: no answer carried the joints' feedback, last set point {point}")
         return feedback
 
     async def end(self) -> None:
@@ -99,6 +97,19 @@ class SetPointStream:
     async def close(self) -> None:
         """Close the link; may be called any number of times."""
         await self._transport.close()
+
+    async def _open_anew(self) -> None:
+        await self._transport.close()
+        await self._transport.open()
+
+    async def _asked(self) -> Reply | None:
+        """Ask where the arm stands. A port that refuses now may be open soon: the program opens it anew after END."""
+        try:
+            return await self._exchange(Command.NONE, None)
+        except LinkError:
+            await asyncio.sleep(self._settings.reply_timeout_s)
+            await self._open_anew()
+            return None
 
     async def _exchange(self, command: Command, target: Joints | None) -> Reply | None:
         """Send one datagram; return the answer, None when it does not come in time."""

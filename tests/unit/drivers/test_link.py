@@ -333,3 +333,30 @@ async def test_uninterrupted_work_that_fails_says_so_although_it_was_cancelled()
     gate.set()
     with pytest.raises(LinkError, match="STOP was not taken"):
         await task
+
+
+async def test_closing_while_the_link_is_being_opened_leaves_nothing_open(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    may_open = asyncio.Event()
+
+    async def greet() -> None:
+        raise AssertionError("nothing is said on a link that was closed")
+
+    async with Peer(echo) as device:
+        transport = device.transport
+        open_at_once = transport.open
+
+        async def open_slowly() -> None:
+            await may_open.wait()
+            await open_at_once()
+
+        monkeypatch.setattr(transport, "open", open_slowly)
+        link = RequestLink(transport, name="device", greet=greet, quiet_s=QUIET_S)
+        opening = asyncio.create_task(link.open())
+        await asyncio.sleep(0)
+        await link.close()
+        may_open.set()
+        with pytest.raises(LinkError, match="closed while it was being opened"):
+            await opening
+        assert not transport.is_open

@@ -492,6 +492,19 @@ async def test_only_the_stop_of_this_program_is_no_matter_for_an_operator(
         assert isinstance(caught.value, NotReadyError) is not_ready
 
 
+async def test_a_motion_that_a_stop_overtakes_does_not_begin() -> None:
+    controller = Controller()
+    controller.replies["EXECJCATSEYE"] = list
+    async with bench(controller) as b:
+        moving = asyncio.create_task(b.robot.move_joints(TARGET))
+        await until(lambda: any(said.startswith("EXECJCATSEYE=") for said in b.said))
+        await b.robot.stop()
+        await b.main.say(b"QoK")
+        with pytest.raises(RefusedError, match="stop overtook"):
+            await moving
+        assert not any("MOV" in said for said in b.said)
+
+
 async def test_stop_that_is_on_long_after_the_stop_of_this_program_is_somebody_elses() -> None:
     controller = Controller()
     controller.replies["EXEC2"] = lambda: ["QeR561000000"]

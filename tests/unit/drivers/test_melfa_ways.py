@@ -26,6 +26,7 @@ from drivers.melfa.mxt.settings import MxtSettings
 from drivers.melfa.mxt.stream import SetPointStream
 from drivers.melfa.robot import MelfaR3
 from drivers.melfa.settings import MelfaSettings
+from drivers.memory import MemoryTransport
 from drivers.readings import Joints
 from tests.unit.drivers.peers import Peer, StepClock, until
 from tests.unit.drivers.test_melfa_robot import Controller
@@ -92,6 +93,7 @@ class Linked:
     program: Program
     main: Peer
     aside: Peer
+    datalink: Peer
 
 
 @asynccontextmanager
@@ -109,7 +111,7 @@ async def linked(**settings: object) -> AsyncIterator[Linked]:
         robot = MelfaDatalink(r3, link.transport, checked)
         try:
             await robot.connect()
-            yield Linked(robot, controller, program, main, aside)
+            yield Linked(robot, controller, program, main, aside, link)
         finally:
             await robot.close()
 
@@ -196,6 +198,35 @@ async def test_after_a_stop_the_program_is_started_again_before_the_next_way() -
         assert bench.program.driven == [pytest.approx(target) for target in WAY]
 
 
+async def test_a_way_that_a_stop_overtakes_is_not_driven() -> None:
+    async with linked() as bench:
+        bench.program.silent = {1}
+        way = asyncio.create_task(bench.robot.follow(WAY[:1]))
+        await until(lambda: any(command == 1 for _, command in bench.program.requests))
+        await bench.robot.stop()
+        number = bench.program.requests[-1][0]
+        await bench.datalink.say(f"{number},1,1,0,0,0\r".encode())
+        with pytest.raises(RefusedError, match="stop overtook"):
+            await way
+        assert bench.program.driven == []
+
+
+async def test_a_stop_while_the_program_is_started_again_is_not_forgotten() -> None:
+    async with linked() as bench:
+        await bench.robot.stop()
+        bench.controller.replies["RUNCATSDL;1"] = list
+        way = asyncio.create_task(bench.robot.follow(WAY))
+        await until(lambda: b"1;1;RUNCATSDL;1\r" in bench.main.requests)
+        await bench.robot.stop()
+        await bench.main.say(b"QoK")
+        with pytest.raises(RefusedError, match="stop overtook"):
+            await way
+        assert bench.program.driven == []
+        del bench.controller.replies["RUNCATSDL;1"]
+        await bench.robot.follow(WAY)
+        assert bench.main.requests.count(b"1;1;RUNCATSDL;1\r") == 2
+
+
 async def test_without_a_program_name_the_operator_starts_it() -> None:
     async with linked(program="") as bench:
         await bench.robot.stop()
@@ -276,6 +307,7 @@ class Led:
     port: RealTime
     main: Peer
     aside: Peer
+    datagrams: MemoryTransport
 
 
 @asynccontextmanager
@@ -295,7 +327,7 @@ async def led(**settings: object) -> AsyncIterator[Led]:
         robot = MelfaMxt(r3, SetPointStream(datagrams.transport, checked, name="robot (MXT)"), checked)
         try:
             await robot.connect()
-            yield Led(robot, controller, port, main, aside)
+            yield Led(robot, controller, port, main, aside, datagrams.transport)
         finally:
             await robot.close()
 
@@ -340,6 +372,47 @@ async def test_an_arm_that_does_not_follow_is_not_where_it_was_sent() -> None:
             await bench.robot.follow(WAY)
 
 
+async def test_a_lost_answer_while_the_arm_comes_to_rest_is_a_loss_like_others() -> None:
+    async with led() as bench:
+        at_rest: list[int] = []
+
+        def lose(number: int) -> bool:
+            if bench.port.set_points[-1] == pytest.approx(WAY[-1], abs=1e-4):
+                at_rest.append(number)
+            return len(at_rest) in {2, 3}
+
+        bench.port.lose = lose
+        await bench.robot.follow(WAY)
+        assert len(at_rest) > 5
+        assert not any(b"STOP" in request for request in bench.main.requests + bench.aside.requests)
+        assert await bench.robot.joints() == pytest.approx(WAY[-1], abs=1e-4)
+
+
+async def test_no_set_point_goes_out_once_a_stop_has_begun() -> None:
+    async with led() as bench:
+        way = asyncio.create_task(bench.robot.follow(((150.0, 0.0, 0.0, 0.0),)))
+        await until(lambda: len(bench.port.set_points) > 5)
+        sent = len(bench.port.set_points)
+        stop = asyncio.create_task(bench.robot.stop())
+        with pytest.raises(RefusedError, match="stop overtook"):
+            await way
+        await stop
+        # One may have been on its way.
+        assert len(bench.port.set_points) <= sent + 1
+        assert bench.port.ends >= 1
+
+
+async def test_a_way_after_one_that_ended_elsewhere_starts_the_stopped_program_again() -> None:
+    async with led() as bench:
+        bench.port.frozen = True
+        with pytest.raises(NotArrivedError):
+            await bench.robot.follow(WAY)
+        assert any(b"STOP" in request for request in bench.main.requests + bench.aside.requests)
+        bench.port.frozen = False
+        await bench.robot.follow(WAY)
+        assert b"1;1;RUNCATSMXT;1\r" in bench.main.requests
+
+
 async def test_a_port_that_falls_silent_stops_the_arm() -> None:
     async with led() as bench:
         bench.port.lose = lambda number: number > 10
@@ -367,6 +440,26 @@ async def test_a_port_without_a_program_says_what_to_start() -> None:
         with pytest.raises((LinkTimeoutError, NotArrivedError), match="CATSMXT"):
             await bench.robot.follow(WAY)
         assert bench.port.set_points == []
+
+
+async def test_a_real_time_port_that_refuses_for_a_moment_is_asked_again(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """The program closes its port after END and opens it again."""
+    async with led(reply_timeout_s=0.005) as bench:
+        write = bench.datagrams.write
+        refusals = 2
+
+        async def refuse(data: bytes) -> None:
+            nonlocal refusals
+            refusals -= 1
+            if refusals >= 0:
+                raise LinkError("a datagram was refused")
+            await write(data)
+
+        monkeypatch.setattr(bench.datagrams, "write", refuse)
+        await bench.robot.follow(WAY)
+        assert bench.port.set_points[-1] == pytest.approx(WAY[-1], abs=1e-4)
 
 
 async def test_a_cancelled_way_ends_with_stop_and_end() -> None:
