@@ -23,6 +23,13 @@ def _open_files() -> dict[str, str]:
     return links
 
 
+@pytest.fixture(scope="session", autouse=True)
+def imported_modules_stay() -> None:
+    """Take what importing has made out of the garbage collector's rounds, of which every test pays one."""
+    gc.collect()
+    gc.freeze()
+
+
 @pytest.fixture(autouse=True)
 def nothing_left_behind() -> Iterator[None]:
     """Fail a test that leaves a thread, a socket or an open file."""
