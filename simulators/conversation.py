@@ -79,6 +79,8 @@ class Conversation:
         if self._waiting is None:
             self._answer()
             return
+        if self._faults.stall() is None:
+            self._session.overtake()
         self._backlog += len(data)
         if self._backlog > _BACKLOG_BYTES:
             self._wire.pause()

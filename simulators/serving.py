@@ -36,6 +36,9 @@ class Session:
         """Take what the client sent."""
         raise NotImplementedError
 
+    def overtake(self) -> None:
+        """Look at what was fed last while an earlier request still waits for its answer."""
+
     def answer(self) -> Answer | None:
         """Carry out the next complete request and answer it; None when there is none."""
         raise NotImplementedError

@@ -6,7 +6,7 @@ from collections.abc import Callable
 from simulators.melfa import alarms
 from simulators.melfa.alarms import Refusal
 from simulators.melfa.commands.command import Client
-from simulators.melfa.commands.table import cannot_go_on, carry_out
+from simulators.melfa.commands.table import cannot_go_on, carry_out, split
 from simulators.melfa.controller import Controller, Run
 from simulators.melfa.framing import TOO_LONG, RequestBuffer
 from simulators.serving import Answer, Pending, Session
@@ -38,6 +38,7 @@ class MelfaSession(Session):
         self._note = note
         self._buffer = RequestBuffer()
         self._requests: deque[bytes | None] = deque()
+        self._latest: list[bytes | None] = []
         self._client = Client()
 
     def feed(self, data: bytes) -> None:
@@ -46,7 +47,8 @@ class MelfaSession(Session):
         rest = self._buffer.rest
         if self._segments and rest and cannot_go_on(rest.decode("latin-1")):
             self._buffer.end_request()
-        self._requests.extend(self._buffer.take())
+        self._latest = self._buffer.take()
+        self._requests.extend(self._latest)
 
     def silence_s(self) -> float | None:
         """A pause ends a request that came without terminator."""
@@ -56,6 +58,11 @@ class MelfaSession(Session):
         """Take what has come as a request."""
         self._buffer.end_request()
         self._requests.extend(self._buffer.take())
+
+    def overtake(self) -> None:
+        """Let a STOP stop the motion that EXEC2 waits for; its own answer comes in its turn."""
+        if any(map(_is_stop, (*self._latest, self._buffer.rest))):
+            self._controller.stop()
 
     def answer(self) -> Answer | None:
         """Carry out the next request."""
@@ -99,3 +106,10 @@ class MelfaSession(Session):
         prefix = "Qer" if refusal.place else "QeR"
         said = f"{prefix}{refusal.number:04d}{refusal.detail:05d}{refusal.place}{self._suffix}"
         return said.encode("latin-1")
+
+
+def _is_stop(request: bytes | None) -> bool:
+    try:
+        return request is not TOO_LONG and split(request.decode("latin-1"))[0] == "STOP"
+    except Refusal:
+        return False

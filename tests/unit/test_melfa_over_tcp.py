@@ -127,3 +127,24 @@ async def test_a_jog_to_the_limit_ends_with_the_alarm() -> None:
         with pytest.raises(AlarmError, match="joint limit reached downwards, J3"):
             await keep_jogging(robot, {"J3": -1})
         assert not bench.bench.moving
+
+
+@pytest.mark.parametrize("stop", [b"1;1;STOP\r", b"1;1;STOP"])
+async def test_a_stop_on_the_connection_whose_exec2_waits_stops_at_once(stop: bytes) -> None:
+    """Section 1.9: STOP at any moment; each command gets exactly one answer, in the order of the requests."""
+    async with robot_and_bench("\r", speed=5.0) as (robot, bench):
+        await robot.servo(on=True)
+        await robot.set_override(5.0)
+        host, _, port = bench.endpoints[0].endpoint.removeprefix("tcp://").rpartition(":")
+        reader, writer = await asyncio.open_connection(host, int(port))
+        try:
+            writer.write(b"1;1;CNTLON\r1;1;EXECJ1=(100,0,0,0)\r1;1;EXEC2=MOV J1\r")
+            assert await reader.readexactly(8) == b"QoK\rQoK\r"
+            await seen(lambda: moves(bench) and bench.bench.joints[0] > 5.0)
+            writer.write(stop)
+            async with asyncio.timeout(2.0):
+                assert await reader.readexactly(17) == b"QeR561000000\rQoK\r"
+            assert bench.bench.joints[0] < 50.0
+        finally:
+            writer.close()
+            await writer.wait_closed()
