@@ -60,6 +60,7 @@ class _Opened:
     port: serial.Serial
     reader: threading.Thread
     worker: ThreadPoolExecutor
+    closing: threading.Event
 
 
 def is_pseudo_terminal(device: str) -> bool:
@@ -118,9 +119,10 @@ class SerialTransport:
                 raise self._not_opened(exc) from None
             raise
         self._inbox = Inbox(_MOST_BYTES)
-        arguments = (port, self._inbox, asyncio.get_running_loop())
+        closing = threading.Event()
+        arguments = (port, self._inbox, asyncio.get_running_loop(), closing)
         reader = threading.Thread(target=self._read_on, args=arguments, name="serial-read", daemon=True)
-        self._opened = _Opened(port, reader, worker)
+        self._opened = _Opened(port, reader, worker, closing)
         reader.start()
 
     async def close(self) -> None:
@@ -129,6 +131,7 @@ class SerialTransport:
             return
         opened, self._opened = self._opened, None
         self._inbox.end(LinkError(f"{self.endpoint}: the link was closed: connect again"))
+        opened.closing.set()
         opened.port.cancel_write()
         opened.port.cancel_read()
         closing = opened.worker.submit(_shut, opened)
@@ -190,13 +193,17 @@ class SerialTransport:
             exclusive=True,
         )
 
-    def _read_on(self, port: serial.Serial, inbox: Inbox, loop: asyncio.AbstractEventLoop) -> None:
+    def _read_on(
+        self, port: serial.Serial, inbox: Inbox, loop: asyncio.AbstractEventLoop, closing: threading.Event
+    ) -> None:
         """Hand over what comes until the port is closed or breaks; runs in a thread of its own."""
         try:
-            while first := port.read(1):
+            # Under a steady stream the cancellation of a read may be swallowed by the one that takes the rest.
+            while (first := port.read(1)) and not closing.is_set():
                 loop.call_soon_threadsafe(self._arrived, inbox, first + port.read(port.in_waiting))
         except OSError as exc:
-            loop.call_soon_threadsafe(inbox.end, self._broken(exc))
+            if not closing.is_set():
+                loop.call_soon_threadsafe(inbox.end, self._broken(exc))
 
     def _arrived(self, inbox: Inbox, data: bytes) -> None:
         if not inbox.put(data):

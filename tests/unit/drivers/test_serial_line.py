@@ -202,3 +202,29 @@ async def test_an_inbox_keeps_order_bound_and_end() -> None:
     for _ in range(2):
         with pytest.raises(LinkError, match="gone"):
             await inbox.read()
+
+
+async def test_closing_under_a_steady_stream_takes_no_time(device: Device) -> None:
+    link = transport(device)
+    ended = threading.Event()
+
+    def stream() -> None:
+        os.set_blocking(device.master, False)
+        while not ended.is_set():
+            try:
+                os.write(device.master, b"0 0 0 0\r\n" * 20)
+            except BlockingIOError:
+                ended.wait(0.0005)
+
+    talker = threading.Thread(target=stream)
+    talker.start()
+    try:
+        for _ in range(20):
+            await link.open()
+            assert await link.read()
+            start_s = time.monotonic()
+            await link.close()
+            assert time.monotonic() - start_s < 0.5
+    finally:
+        ended.set()
+        talker.join()
