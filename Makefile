@@ -4,7 +4,7 @@ BIN := .venv/bin
 # Small matrices: threads of the linear algebra wait for one another on busy machines.
 export OMP_NUM_THREADS ?= 1
 
-.PHONY: demo test lint types contracts bench soak seeds pictures clean help
+.PHONY: demo test lint types contracts bench soak campaigns peers seeds pictures clean help
 
 help:  ## list the targets
 	@grep -E '^[a-z]+:.*##' $(MAKEFILE_LIST) | sed 's/:.*##/\t/'

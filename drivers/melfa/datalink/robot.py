@@ -23,13 +23,13 @@ from drivers.errors import (
     WrongDeviceError,
 )
 from drivers.link import RequestLink, uninterrupted
-from drivers.melfa.controller import MelfaController
 from drivers.melfa.datalink import codec
 from drivers.melfa.datalink.codec import Record, RecordDecoder
+from drivers.melfa.led import LedArm
 from drivers.melfa.motion import off_target
 from drivers.melfa.robot import MelfaR3
 from drivers.melfa.settings import MelfaSettings
-from drivers.readings import Identity, Joints, RobotStatus
+from drivers.readings import Identity, Joints
 from drivers.record import Sink
 from drivers.transport import Transport
 
@@ -50,7 +50,7 @@ class DatalinkSettings(MelfaSettings):
     in_position_pulses: int = Field(default=20, ge=1, le=10000)
 
 
-class MelfaDatalink:
+class MelfaDatalink(LedArm):
     """Robot driver.
 
     Args:
@@ -63,7 +63,7 @@ class MelfaDatalink:
     following: ClassVar[str] = "blended"
 
     def __init__(self, controller: MelfaR3, transport: Transport, settings: DatalinkSettings) -> None:
-        self._controller = controller
+        super().__init__(controller)
         self._settings = settings
         self._link = RequestLink(
             transport, name="robot (data link)", greet=self._greet, quiet_s=settings.quiet_s
@@ -134,31 +134,6 @@ class MelfaDatalink:
         """Disconnect; may be called any number of times."""
         await self._link.close()
         await self._controller.close()
-
-    async def status(self) -> RobotStatus:
-        """Return the controller's state; see MelfaR3.status."""
-        return await self._controller.status()
-
-    async def servo(self, *, on: bool) -> None:
-        """Switch the drives; see MelfaR3.servo."""
-        await self._controller.servo(on=on)
-
-    async def set_override(self, percent: float) -> float:
-        """Set the operation-panel override; see MelfaR3.set_override."""
-        return await self._controller.set_override(percent)
-
-    @property
-    def controller(self) -> MelfaController:
-        """The controller beyond motion; see MelfaR3.controller."""
-        return self._controller.controller
-
-    async def joint_limits(self) -> tuple[tuple[float, float], ...]:
-        """Return the controller's own limits; see MelfaR3.joint_limits."""
-        return await self._controller.joint_limits()
-
-    async def reset_alarm(self) -> None:
-        """Reset the active alarm; see MelfaR3.reset_alarm."""
-        await self._controller.reset_alarm()
 
     async def joints(self) -> Joints:
         """Return the joints by encoder feedback; while a way is driven those that the R-protocol reports.

@@ -23,14 +23,14 @@ from drivers.errors import (
     RefusedError,
 )
 from drivers.link import uninterrupted
-from drivers.melfa.controller import MelfaController
+from drivers.melfa.led import LedArm
 from drivers.melfa.motion import off_target
 from drivers.melfa.mxt.profile import Bounds, WayProfile
 from drivers.melfa.mxt.settings import MxtSettings
 from drivers.melfa.mxt.stream import SetPointStream
 from drivers.melfa.robot import MelfaR3
 from drivers.melfa.settings import MelfaSettings
-from drivers.readings import Identity, Joints, RobotStatus
+from drivers.readings import Identity, Joints
 from drivers.record import Sink
 
 _REST_CYCLES = 5
@@ -38,7 +38,7 @@ _REST_DEG = 1e-3
 _LOOK_WHY = "look for a collision, a stop by another source or an alarm before moving again"
 
 
-class MelfaMxt:
+class MelfaMxt(LedArm):
     """Robot driver.
 
     Args:
@@ -51,7 +51,7 @@ class MelfaMxt:
     following: ClassVar[str] = "streamed"
 
     def __init__(self, controller: MelfaR3, stream: SetPointStream, settings: MxtSettings) -> None:
-        self._controller = controller
+        super().__init__(controller)
         self._stream = stream
         self._settings = settings
         self._feedback: Joints | None = None
@@ -118,31 +118,6 @@ class MelfaMxt:
         """Disconnect; may be called any number of times."""
         await self._stream.close()
         await self._controller.close()
-
-    async def status(self) -> RobotStatus:
-        """Return the controller's state; see MelfaR3.status."""
-        return await self._controller.status()
-
-    async def servo(self, *, on: bool) -> None:
-        """Switch the drives; see MelfaR3.servo."""
-        await self._controller.servo(on=on)
-
-    async def set_override(self, percent: float) -> float:
-        """Set the operation-panel override, which bounds the set points' speed too; see MelfaR3.set_override."""
-        return await self._controller.set_override(percent)
-
-    @property
-    def controller(self) -> MelfaController:
-        """The controller beyond motion; see MelfaR3.controller."""
-        return self._controller.controller
-
-    async def joint_limits(self) -> tuple[tuple[float, float], ...]:
-        """Return the controller's own limits; see MelfaR3.joint_limits."""
-        return await self._controller.joint_limits()
-
-    async def reset_alarm(self) -> None:
-        """Reset the active alarm; see MelfaR3.reset_alarm."""
-        await self._controller.reset_alarm()
 
     async def joints(self) -> Joints:
         """Return the joints: the encoder feedback at the end of the last way while the arm still stands there.
