@@ -35,6 +35,7 @@ from drivers.transport import Transport
 
 _VERSION = 1
 _LOOK_S = 0.2
+_LOOKS = 2
 _START_IT = "start the program CATSDL on the controller (key at AUTO, slot 1), see docs/controller.md"
 
 
@@ -233,17 +234,23 @@ class MelfaDatalink(LedArm):
             )
 
     async def _driven(self) -> Record:
-        """Drive; return the answer. A program that stands after a STOP or in alarm gives none: both are looked for.
+        """Drive; return the answer. A program that stands after anybody's STOP or in alarm gives none: it is watched.
 
         Raises:
             LinkError: the program stands, or the controller does not tell.
             ProtocolError: garbage came.
         """
         drive = asyncio.ensure_future(self._ask(codec.DRIVE, timeout_s=self._settings.move_timeout_s))
+        standing = 0
         try:
             while not drive.done():
                 await asyncio.wait({drive}, timeout=_LOOK_S)
-                if not drive.done() and (self._halted or (await self._controller.status()).alarm_number):
+                if drive.done():
+                    break
+                status = await self._controller.status()
+                # Once may be the moment in which the program goes from one statement to the next.
+                standing = 0 if status.running else standing + 1
+                if self._halted or status.alarm_number or standing >= _LOOKS:
                     raise LinkError(f"{self._link.where}: the program stands: see the controller's status")
             return drive.result()
         finally:

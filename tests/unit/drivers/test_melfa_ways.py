@@ -157,6 +157,25 @@ async def test_a_lost_answer_with_the_arm_elsewhere_stops_it() -> None:
         assert any(b"STOP" in request for request in bench.main.requests + bench.aside.requests)
 
 
+async def test_a_program_that_somebody_else_stopped_is_not_waited_for(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """A STOP of the pendant is no alarm; STATE tells that nothing runs (sheet, section 1.10)."""
+    monkeypatch.setattr("drivers.melfa.datalink.robot._LOOK_S", 0.005)
+    async with linked(move_timeout_s=30.0) as bench:
+        bench.program.silent = {2}
+        bench.program.moves = False
+        bench.controller.flags = "E0000"
+        way = asyncio.create_task(bench.robot.follow(WAY))
+        await until(lambda: any(command == 2 for _, command in bench.program.requests))
+        await asyncio.sleep(0.03)
+        assert not way.done()
+        bench.controller.flags = "A0020"
+        async with asyncio.timeout(2.0):
+            with pytest.raises(NotArrivedError, match="program stands"):
+                await way
+
+
 async def test_an_answer_with_another_number_is_no_answer() -> None:
     async with linked() as bench:
         bench.program.replies[3] = lambda number: f"{number + 1},3,1,2,3,4"
