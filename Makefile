@@ -38,6 +38,9 @@ test: lint types contracts  ## everything that CI runs
 peers: .venv/installed  ## public clients of the protocols, unmodified, against the emulators
 	@command -v mbpoll >/dev/null || { test "$$(id -u)" = 0 && apt-get install -y mbpoll; } \
 	  || { echo "mbpoll is missing; call: apt-get install mbpoll"; exit 2; }
+	test -d .venv-peers || $(PYTHON) -m venv .venv-peers
+	.venv-peers/bin/pip install --quiet --disable-pip-version-check melfapy==0.1.0 numpy matplotlib
+	.venv-peers/bin/pip install --quiet --disable-pip-version-check --no-deps feather-xrol==0.1.1
 	$(BIN)/python -m pytest -c pyproject.toml tests/peers
 
 bench: .venv/installed  ## the figures of the README, side by side with their peers

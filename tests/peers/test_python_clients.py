@@ -1,0 +1,57 @@
+"""Public Python clients, unmodified, in an environment of their own (`make peers` makes it)."""
+
+import asyncio
+import json
+import subprocess
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from simulators.config import EmulatedDevice
+from simulators.launch import EmulatedBench
+from tests.system.test_ways_of_following import TRUTH
+from tests.unit.simulators.benches import QUIET
+
+HERE = Path(__file__).parent
+PYTHON = HERE.parents[1] / ".venv-peers" / "bin" / "python"
+
+
+async def told(script: str, *arguments: str) -> Any:
+    """Return the last line that a client prints, as data."""
+    command = [str(PYTHON), str(HERE / "clients" / script), *arguments]
+    done = await asyncio.to_thread(
+        lambda: subprocess.run(command, capture_output=True, text=True, timeout=60, check=False)
+    )
+    assert done.returncode == 0, done.stdout + done.stderr
+    return json.loads(done.stdout.splitlines()[-1])
+
+
+async def test_set_points_of_melfapy_lead_the_arm() -> None:
+    devices = (EmulatedDevice("robot", "melfa-mxt", "udp://127.0.0.1:0", {"mxt_mode": "xyz"}),)
+    config = replace(QUIET, devices=devices, start_joints=(20.0, 40.0, 0.0, 10.0))
+    async with EmulatedBench(config) as bench:
+        bench.controller.switch_servo_on()
+        bench.bench.advance(2.0)
+        port = bench.endpoints[0].endpoint.rpartition(":")[2]
+        before, after = await told("set_points.py", "127.0.0.1", port, "-30", "30")
+        bench.keeper.sync()
+        assert bench.controller.alarm == 0
+    assert after[:3] == pytest.approx([before[0] - 30.0, before[1] + 30.0, before[2]], abs=0.01)
+    assert after[5] == pytest.approx(before[5], abs=1e-4)
+
+
+async def test_the_makers_api_reads_displacements(tmp_path: Path) -> None:
+    truth = tmp_path / "truth.json"
+    truth.write_text(json.dumps(TRUTH), encoding="utf-8")
+    # The API knows one port.
+    device = EmulatedDevice("interferometer", "attocube-ids", "tcp://127.0.0.1:9090", {"dialect": "sen"})
+    async with EmulatedBench(replace(QUIET, devices=(device,), truth=truth)):
+        said = await told("displacements.py", "127.0.0.1")
+    assert said["mode"] == "measurement running"
+    assert said["enabled"] is True
+    warning, displacement_pm = said["displacement_pm"]
+    assert warning == 0
+    # The arm rests and the measurement has just begun.
+    assert abs(displacement_pm) < 1_000_000
