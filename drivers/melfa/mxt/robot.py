@@ -93,7 +93,7 @@ class MelfaMxt(LedArm):
             **{k: v for k, v in settings.items() if k not in {"stop_endpoint", "stop_sink"}}
         )
         stream = SetPointStream(
-            open_transport(mxt_endpoint, sink=stream_sink or sink), checked, name="robot (MXT)"
+            open_transport(mxt_endpoint, sink=stream_sink or sink), clock, checked, name="robot (MXT)"
         )
         return cls(controller, stream, checked)
 
@@ -149,6 +149,7 @@ class MelfaMxt(LedArm):
             AlarmError: an alarm came up.
             NotReadyError: refused for a reason that an operator has to look at.
             NotArrivedError: the robot stands somewhere else.
+            WrongDeviceError: the controller's cycle is shorter than the setting; nothing moves.
             LinkError: lost or silent; the robot has been stopped if it was moving.
             ProtocolError: garbage came.
             ValueError: no target, or a joint is not a finite number.

@@ -3,12 +3,17 @@
 import asyncio
 from collections.abc import Iterable
 
-from drivers.errors import LinkError, LinkTimeoutError, ProtocolError
+from drivers.clock import Clock
+from drivers.errors import LinkError, LinkTimeoutError, ProtocolError, WrongDeviceError
 from drivers.melfa.mxt import codec
 from drivers.melfa.mxt.codec import Command, Kind, Reply
 from drivers.melfa.mxt.settings import MxtSettings
 from drivers.readings import Joints
 from drivers.transport import Transport
+
+_TIMED_CYCLES = 8
+_SHORTEST = 0.75
+"""Of the time that these cycles should take; where the first one begins is not known."""
 
 _END_SENDS = 2
 """A datagram may be lost; the controller takes END twice without harm."""
@@ -22,12 +27,15 @@ class SetPointStream:
 
     Args:
         transport: the datagrams.
+        clock: measures the controller's cycle.
         settings: of the driver.
         name: what is behind it, for texts.
     """
 
-    def __init__(self, transport: Transport, settings: MxtSettings, *, name: str) -> None:
+    def __init__(self, transport: Transport, clock: Clock, settings: MxtSettings, *, name: str) -> None:
         self._transport = transport
+        self._clock = clock
+        self._in_time = False
         self._settings = settings
         self._name = name
         self._count = 0
@@ -43,6 +51,7 @@ class SetPointStream:
         """Open the link and ask where the arm stands (command side): J1 deg, J2 deg, J3 mm, J4 deg.
 
         Raises:
+            WrongDeviceError: the controller's cycle is shorter than the setting.
             LinkTimeoutError: nobody answers.
             LinkError: the link cannot be opened.
             ProtocolError: garbage came.
@@ -53,6 +62,7 @@ class SetPointStream:
         for _ in range(attempts):
             reply = await self._asked()
             if reply is not None:
+                await self._require_cycle()
                 return self._joints(reply, Kind.JOINT_COMMAND)
         waited_s = attempts * self._settings.reply_timeout_s
         raise LinkTimeoutError(
@@ -110,6 +120,23 @@ class SetPointStream:
             await asyncio.sleep(self._settings.reply_timeout_s)
             await self._open_anew()
             return None
+
+    async def _require_cycle(self) -> None:
+        """Measure the controller's cycle, once: a shorter one would make every motion faster than planned."""
+        if self._in_time:
+            return
+        start_s = self._clock.monotonic_s()
+        for _ in range(_TIMED_CYCLES):
+            await self._exchange(Command.NONE, None)
+        cycle_ms = (self._clock.monotonic_s() - start_s) * 1e3 / _TIMED_CYCLES
+        if cycle_ms < _SHORTEST * self._settings.mxt_cycle_ms:
+            await self.end()
+            raise WrongDeviceError(
+                f"{self.where}: the controller answers every {cycle_ms:.1f} ms and mxt_cycle_ms is "
+                f"{self._settings.mxt_cycle_ms:g}: the arm would move faster than it may; set mxt_cycle_ms in "
+                "[robot.settings] to the controller's cycle (3.5 for CR800-R and CR800-D)"
+            )
+        self._in_time = True
 
     async def _exchange(self, command: Command, target: Joints | None) -> Reply | None:
         """Send one datagram; return the answer, None when it does not come in time."""

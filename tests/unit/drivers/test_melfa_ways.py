@@ -276,6 +276,8 @@ class RealTime:
     """The real-time port (sheet, section 2): answers each datagram with joints, one cycle behind the set point."""
 
     controller: Controller
+    clock: StepClock
+    cycle_s: float = 0.0071
     set_points: list[tuple[float, ...]] = field(default_factory=list)
     ends: int = 0
     at: tuple[float, ...] = (0.0, 0.0, 0.0, 0.0)
@@ -290,6 +292,7 @@ class RealTime:
         command, kind = struct.unpack_from("<2H", data, 0)
         if self.deaf:
             return []
+        self.clock.time_s += self.cycle_s
         if command == 255:
             self.ends += 1
             self.controller.at = self._degrees(self.at)
@@ -333,7 +336,8 @@ class Led:
 async def led(**settings: object) -> AsyncIterator[Led]:
     """Connect a real-time driver to a scripted controller and port."""
     controller = Controller()
-    port = RealTime(controller)
+    clock = StepClock()
+    port = RealTime(controller, clock)
     async with (
         Peer(controller.answer) as main,
         Peer(controller.answer) as aside,
@@ -343,7 +347,7 @@ async def led(**settings: object) -> AsyncIterator[Led]:
             {**QUICK, "reply_timeout_s": 0.02, "arrival_timeout_s": 0.5, **settings}
         )
         r3 = MelfaR3(main.transport, aside.transport, StepClock(), MelfaSettings.model_validate(QUICK))
-        robot = MelfaMxt(r3, SetPointStream(datagrams.transport, checked, name="robot (MXT)"), checked)
+        robot = MelfaMxt(r3, SetPointStream(datagrams.transport, clock, checked, name="robot (MXT)"), checked)
         try:
             await robot.connect()
             yield Led(robot, controller, port, main, aside, datagrams.transport)
@@ -364,6 +368,16 @@ async def test_set_points_lead_from_rest_to_rest_through_every_target() -> None:
         assert steps[0] < 0.2 * max(steps)
         await until(lambda: bench.port.ends >= 1)
         assert await bench.robot.joints() == pytest.approx(WAY[-1], abs=1e-4)
+
+
+async def test_a_controller_with_a_shorter_cycle_than_the_setting_is_not_led() -> None:
+    """Section 2: 7.1 or 3.5 ms; the same set points would go out at twice the speed."""
+    async with led(mxt_cycle_ms=7.1) as bench:
+        bench.port.cycle_s = 0.0035
+        with pytest.raises(WrongDeviceError, match=r"every 3\.5 ms.*mxt_cycle_ms is 7\.1"):
+            await bench.robot.follow(WAY)
+        assert bench.port.set_points == []
+        await until(lambda: bench.port.ends >= 1)
 
 
 async def test_the_override_bounds_the_set_points() -> None:
