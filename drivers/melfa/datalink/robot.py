@@ -152,13 +152,13 @@ class MelfaDatalink(LedArm):
         await self.follow((target,))
 
     async def follow(self, way: Sequence[Joints]) -> None:
-        """Pass all targets and return when the robot stands at the last one.
+        """Pass all targets and return when the robot stands at the last one; it stands at every 60th, too.
 
         The way is driven once. When its answer is lost, the controller is asked where the robot is. A cancellation
         stops the robot before it goes on.
 
         Args:
-            way: J1 deg, J2 deg, J3 mm, J4 deg of each target, at most 60.
+            way: J1 deg, J2 deg, J3 mm, J4 deg of each target.
 
         Raises:
             AlarmError: an alarm came up.
@@ -166,18 +166,18 @@ class MelfaDatalink(LedArm):
             NotArrivedError: the robot stands somewhere else.
             LinkError: lost or silent; the robot has been stopped if it was moving.
             ProtocolError: garbage came.
-            ValueError: no target, too many, or a joint is not a finite number.
+            ValueError: no target, or a joint is not a finite number.
         """
-        if not 1 <= len(way) <= codec.MAX_POINTS:
-            raise ValueError(f"a way has 1 to {codec.MAX_POINTS} targets, this one has {len(way)}")
-        if not all(math.isfinite(value) for target in way for value in target):
-            raise ValueError(f"joints of a way must be finite numbers, got {way}")
+        if not way or not all(math.isfinite(value) for target in way for value in target):
+            raise ValueError(f"a way needs targets that are finite numbers, got {way}")
         stops_ended = self._controller.stops_ended
         try:
-            await self._ready()
-            await self._send(way)
-            self._controller.require_no_stop(stops_ended)
-            await self._drive(way[-1])
+            for first in range(0, len(way), codec.MAX_POINTS):
+                part = way[first : first + codec.MAX_POINTS]
+                await self._ready()
+                await self._send(part)
+                self._controller.require_no_stop(stops_ended)
+                await self._drive(part[-1])
         except asyncio.CancelledError:
             await self.stop()
             raise
