@@ -25,7 +25,7 @@ class NdSettings(BaseModel):
 
     Attributes:
         decimals: digits behind the decimal point, which a position is sent without; compared with the display
-            at each connection.
+            at each connection and each zero.
         sign: -1 when the display falls while the beam grows longer.
         compensated: `instrument` when the display shows lengths that are corrected for the air.
         zero: `software` keeps an offset in this program, `keys` presses 0 and ENT, which sets the datum.
@@ -114,6 +114,7 @@ class HeidenhainNd:
 
         Raises:
             RefusedError: the error does not go away, or the display refuses a key.
+            WrongDeviceError: the display's decimals are not those of the settings.
             LinkError: lost or silent.
             ProtocolError: garbage came.
         """
@@ -123,6 +124,8 @@ class HeidenhainNd:
                 raise RefusedError(
                     f"{self._link.where}: no zero, the display shows {text!r}: aim the beam first", 0
                 )
+        # A display that was connected without a signal had no value to compare with.
+        self._check_decimals(await self._ask("A0100"))
         if self._settings.zero == "keys":
             for key in _ZERO_KEYS:
                 await self._press(key)

@@ -113,8 +113,11 @@ class LasertexHpi:
         """
         async with self._lock:
             await self._link.ensure()
-            for code in (codec.CLEAR_SMALL_SIGNAL, codec.CLEAR_OVERSPEED, codec.ZERO):
+            for code in (codec.CLEAR_SMALL_SIGNAL, codec.CLEAR_OVERSPEED):
                 await self._order(code)
+            # From here on the old count is gone, even if the caller gives up before the new one is there.
+            self._latches.note(beam_lost=True)
+            await self._order(codec.ZERO)
             distance, _ = await self._next()
             if not distance.signal_ok:
                 raise RefusedError(

@@ -1,5 +1,6 @@
 """Lines of the uMD displays: integers separated by blanks, 8 for one axis, 16 for three. Pure."""
 
+import re
 from dataclasses import dataclass
 
 FIRMWARE = 10
@@ -15,6 +16,7 @@ EMULATOR_MARK = 0x454D554C
 """LOWDATA of an emulator where LOWCODE has no meaning: the letters EMUL."""
 
 MAX_LINE_BYTES = 512
+_NUMBER = re.compile(rb"[+-]?\d{1,20}")
 _PHASES = 256.0
 _WRAPS = frozenset(2**bits - 1 for bits in (8, 15, 16, 24, 31, 32))
 
@@ -90,12 +92,9 @@ class SampleDecoder:
 def parse_sample(line: bytes) -> Sample | None:
     """Read a line without its end; None when it is no sample."""
     fields = line.split()
-    if len(fields) not in {8, 16} or len(line) > MAX_LINE_BYTES:
+    if len(fields) not in {8, 16} or not all(map(_NUMBER.fullmatch, fields)):
         return None
-    try:
-        numbers = [int(field) for field in fields]
-    except ValueError:
-        return None
+    numbers = [int(field) for field in fields]
     reference, measured, displacement, velocity, phase, sequence, low_code, low_data = numbers[:8]
     axes = [Axis(measured, displacement, velocity, phase)]
     axes += [Axis(*numbers[at : at + 4]) for at in range(8, len(numbers), 4)]

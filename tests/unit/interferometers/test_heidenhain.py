@@ -183,6 +183,15 @@ async def test_a_display_without_signal_can_be_connected() -> None:
         assert not (await pair.driver.status()).beam_ok
 
 
+async def test_wrong_decimals_of_a_display_connected_without_signal_are_told_at_the_zero() -> None:
+    async with paired("heidenhain-nd", make, {"decimals": 3}, connect=False) as pair:
+        pair.bench.block_beam(None)
+        await pair.driver.connect()
+        pair.bench.unblock_beam()
+        with pytest.raises(WrongDeviceError, match="set decimals = 3"):
+            await pair.driver.zero()
+
+
 async def test_locked_keys_are_told() -> None:
     async with paired("heidenhain-nd", lambda t, c: make(t, c, zero="keys")) as pair:
         talk(pair.far.new_session(), b"\x1bS0001\r")

@@ -1,7 +1,10 @@
 """Lasertex HPI-3D: bytes of the open client, both codecs, the driver on the emulator."""
 
+import asyncio
 import struct
+from collections.abc import Coroutine
 from itertools import pairwise
+from typing import Any, TypeVar
 
 import pytest
 from hypothesis import given
@@ -19,6 +22,8 @@ from tests.transcripts import lasertex_hpi as transcript
 from tests.unit.drivers.peers import Peer, StepClock
 from tests.unit.interferometers.pairs import new_session, paired, quiet_world
 from tests.unit.simulators.benches import aimed, go
+
+T = TypeVar("T")
 
 EXAMPLE = bytes.fromhex(transcript.DISTANCE)
 
@@ -184,6 +189,39 @@ async def test_no_zero_without_a_beam() -> None:
         pair.bench.block_beam(None)
         with pytest.raises(RefusedError, match="signal is too small"):
             await pair.driver.zero()
+
+
+async def streamed(question: Coroutine[Any, Any, T], peer: Peer) -> T:
+    """Ask the driver while distances go on coming."""
+    task = asyncio.create_task(question)
+    while not task.done():
+        await asyncio.sleep(0)
+        if peer.transport.is_open:
+            await peer.say(EXAMPLE)
+    return await task
+
+
+async def test_a_zero_that_is_given_up_spoils_the_old_count() -> None:
+    zero_sent = asyncio.Event()
+
+    def answer(data: bytes) -> list[bytes]:
+        code = int.from_bytes(data[1:3], "big")
+        if code != codec.ZERO:
+            return [frames.frame(code, b"")]
+        zero_sent.set()
+        return []
+
+    async with Peer(answer) as peer:
+        driver = make(peer.transport, StepClock())
+        await streamed(driver.connect(), peer)
+        assert not (await streamed(driver.status(), peer)).beam_lost
+        zeroing = asyncio.create_task(driver.zero())
+        await zero_sent.wait()
+        zeroing.cancel()
+        with pytest.raises(asyncio.CancelledError):
+            await zeroing
+        assert (await streamed(driver.status(), peer)).beam_lost
+        await driver.close()
 
 
 async def test_a_stream_that_stops_is_an_error_and_the_next_question_opens_the_link_again() -> None:

@@ -69,6 +69,13 @@ def test_random_bytes_do_no_harm(chunks: list[bytes]) -> None:
     assert decoder.feed(b"\n" + transcript.ONE_AXIS)[-1].sequence == 4711
 
 
+@pytest.mark.parametrize("field", [b"9" * 400, b"1_000", b"12a", b"1.5"])
+def test_what_is_no_number_of_the_display_is_left_out(field: bytes) -> None:
+    decoder = codec.SampleDecoder()
+    assert decoder.feed(b"1500 1500 " + field + b" 0 0 5 0 0\r\n") == []
+    assert decoder.discarded_lines == 1
+
+
 def test_an_endless_line_is_not_kept() -> None:
     decoder = codec.SampleDecoder()
     for _ in range(100):
