@@ -20,7 +20,7 @@ class Proxy:
 
     Attributes:
         stalled: what the device says is held back, and comes late when this is taken back.
-        muted: what the device says is lost.
+        muted: what the device says is lost; what a stall has held back comes nevertheless.
         one_by_one: what the device says comes a byte at a time.
         connections: how many are open.
     """
@@ -112,9 +112,10 @@ class Proxy:
 
     async def _back(self, from_device: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
         while data := await from_device.read(_CHUNK_BYTES):
+            held = self.stalled
             while self.stalled:  # noqa: ASYNC110  # the flag is set by another thread
                 await asyncio.sleep(0.002)
-            if not self.muted:
+            if held or not self.muted:
                 await self._say(data, writer)
 
     async def _say(self, data: bytes, writer: asyncio.StreamWriter) -> None:

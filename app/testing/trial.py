@@ -136,6 +136,12 @@ class Trial:
         for proxy in self.proxies:
             proxy.muted = True
 
+    def release_then_mute(self) -> None:
+        """Let come late what was held back, and lose whatever the device says from now on."""
+        self.mute()
+        for proxy in self.proxies:
+            proxy.stalled = False
+
     def drop(self) -> None:
         """Break all links."""
         for proxy in self.proxies:

@@ -19,7 +19,7 @@ from drivers.errors import DeviceError, LinkTimeoutError
 from drivers.latches import Latches
 from drivers.melfa.robot import MelfaR3
 from drivers.readings import AirSample, CounterReading, CounterStatus, Identity, Joints
-from tests.system.quick import short_timeouts
+from tests.system.quick import TIMEOUT_S, short_timeouts
 
 
 class Lax(LineCounter):
@@ -67,6 +67,22 @@ class Remembering(LineCounter):
             if self.last is None:
                 raise
         return self.last
+
+
+class Trusting(LineCounter):
+    """Takes the next line for its answer, whoever asked for it."""
+
+    async def read(self) -> CounterReading:
+        """Ask and take a line."""
+        transport, line = self._link._transport, b""  # noqa: SLF001  # past the link, that is the fault
+        try:
+            async with asyncio.timeout(TIMEOUT_S):
+                await transport.write(b"R\r\n")
+                while not line.endswith(b"\n"):
+                    line += await transport.read()
+        except TimeoutError:
+            raise LinkTimeoutError(f"{self._link.where}: no line: check the link") from None
+        return CounterReading(float(line.split()[0]), line.decode("ascii"), self._clock.monotonic_s())
 
 
 class Blocking(LineCounter):
@@ -171,6 +187,7 @@ FAULTS: list[tuple[str, type, str]] = [
     ("line-counter", Reviving, "a_new_link_counts_as_a_lost_beam"),
     ("line-counter", SameZero, "zeros_are_numbered"),
     ("line-counter", Remembering, "a_stalled_device_times_out_and_is_healed"),
+    ("line-counter", Trusting, "a_late_answer_answers_no_later_question"),
     ("line-counter", Terse, "a_stalled_device_times_out_and_is_healed"),
     ("line-counter", Swallowing, "a_dead_endpoint_is_a_link_error"),
     ("line-counter", Swallowing, "a_stranger_is_a_device_error"),

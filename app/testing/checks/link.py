@@ -118,6 +118,23 @@ async def a_stalled_device_times_out_and_is_healed(trial: Trial) -> None:
         await trial.ask_after_trouble(driver)
 
 
+async def a_late_answer_answers_no_later_question(trial: Trial) -> None:
+    """After a time-out the answer to the old question is never taken for that to a new one."""
+    async with trial.connected() as driver:
+        await trial.ask(driver)
+        trial.stall()
+        await _failure(trial.ask(driver))
+        trial.release_then_mute()
+        await asyncio.sleep(_IN_FLIGHT_S)
+        error = await _failure(trial.ask(driver))
+        expect(
+            isinstance(error, DeviceError),
+            f"a late answer came and no other, and the driver answers {error!r}",
+        )
+        trial.release()
+        await trial.ask_after_trouble(driver)
+
+
 async def a_dropped_connection_is_healed(trial: Trial) -> None:
     """After the device has dropped the connection the driver opens it again by itself."""
     async with trial.connected() as driver:
@@ -242,6 +259,7 @@ CHECKS = (
     Check(a_silent_endpoint_is_a_link_error, needs=("proxy",)),
     Check(a_stranger_is_a_device_error, needs=("proxy",)),
     Check(a_stalled_device_times_out_and_is_healed, needs=("proxy",)),
+    Check(a_late_answer_answers_no_later_question, needs=("proxy",)),
     Check(a_dropped_connection_is_healed, needs=("proxy",)),
     Check(a_connection_that_drops_under_a_question_is_healed, needs=("proxy",)),
     Check(a_cancelled_question_leaves_the_link_usable, needs=("proxy",)),
