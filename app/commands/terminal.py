@@ -156,8 +156,15 @@ class _Traffic:
             line = f"{stamp} {direction} {part.hex(' '):<{3 * _BYTES_A_LINE}}|{text}|"
             emit(line)
             if self._log:
-                self._log.write(line.encode() + b"\n")
+                _append(self._log, line)
         self.heard.set()
+
+
+def _append(log: BinaryIO, line: str) -> None:
+    try:
+        log.write(line.encode() + b"\n")
+    except OSError as error:
+        raise UsageError(f"--log {log.name}: cannot be written: {error.strerror}") from error
 
 
 async def _converse(

@@ -124,3 +124,10 @@ def test_it_speaks_over_a_serial_line(tmp_path: Path) -> None:
         code, stdout, stderr = talk(bench.cell, "interferometer", "I\n", "--wait", "0.3")
         assert code == 0, stderr
         assert traffic(stdout, "rx").startswith(b"CATSEYE LINE COUNTER EMULATOR")
+
+
+def test_a_log_without_room_is_told_before_anything_is_sent(bench: Emulated) -> None:
+    code, _, stderr = talk(bench.cell, "interferometer", "I\n", "--log", "/dev/full")
+    assert code == 2, stderr
+    assert "--log /dev/full: cannot be written: No space left on device" in stderr
+    assert "fault of the program" not in stderr
