@@ -35,15 +35,14 @@ def device_builder(cell: Cell, clock: Clock) -> DeviceBuilder:
 def _build(cell: Cell, clock: Clock, record: WireRecorder) -> Devices:
     robot, counter, air = cell.robot, cell.interferometer, cell.environment
     return Devices(
-        robot=_make(robot.driver, "robot", robot.endpoint, clock, record, **robot_settings(robot, record)),
+        robot=_make(robot.driver, "robot", robot.endpoint, clock, record, robot_settings(robot, record)),
         interferometer=_make(
             counter.driver,
             "interferometer",
             counter.endpoint,
             clock,
             record,
-            **_given(profile=counter.profile),
-            **counter.settings,
+            _joined("interferometer", _given(profile=counter.profile), counter.settings),
         ),
         environment=_make(
             air.driver,
@@ -51,16 +50,15 @@ def _build(cell: Cell, clock: Clock, record: WireRecorder) -> Devices:
             air.endpoint,
             clock,
             record,
-            **_given(map=air.map, pressure_address=air.pressure_register),
-            **air.settings,
+            _joined("environment", _given(map=air.map, pressure_address=air.pressure_register), air.settings),
         ),
         io=None
         if cell.io is None
-        else _make(cell.io.driver, "io", cell.io.endpoint, clock, record, **cell.io.settings),
+        else _make(cell.io.driver, "io", cell.io.endpoint, clock, record, cell.io.settings),
         material=_material(cell, clock, record),
         tracker=None
         if cell.tracker is None
-        else _make(cell.tracker.driver, "tracker", cell.tracker.endpoint, clock, record),
+        else _make(cell.tracker.driver, "tracker", cell.tracker.endpoint, clock, record, {}),
     )
 
 
@@ -79,7 +77,7 @@ def further_device(device: FurtherDevice, clock: Clock, record: WireRecorder) ->
     Raises:
         ConfigError: the driver is not installed or a setting is wrong.
     """
-    return _make(device.driver, device.name, device.endpoint, clock, record, **device.settings)
+    return _make(device.driver, device.name, device.endpoint, clock, record, device.settings)
 
 
 def robot_settings(robot: Robot, record: WireRecorder) -> dict[str, Any]:
@@ -109,12 +107,27 @@ def _given(**values: Any) -> dict[str, Any]:
     return {key: value for key, value in values.items() if value is not None}
 
 
+def _joined(section: str, keys: dict[str, Any], settings: dict[str, Any]) -> dict[str, Any]:
+    """Return the settings of a section with those that have keys of their own.
+
+    Raises:
+        ConfigError: one of them is given twice.
+    """
+    if twice := sorted(keys.keys() & settings.keys()):
+        raise ConfigError(
+            f"[{section}]: {twice[0]} is set in the section and in [{section}.settings]: leave one of them out"
+        )
+    return {**keys, **settings}
+
+
 def _make(
-    driver: str, device: str, endpoint: str, clock: Clock, record: WireRecorder, **settings: Any
+    driver: str, device: str, endpoint: str, clock: Clock, record: WireRecorder, settings: dict[str, Any]
 ) -> Any:
     def sink(direction: Literal["tx", "rx"], data: bytes) -> None:
         record(device, direction, data)
 
+    if wrong := sorted(settings.keys() & {"endpoint", "clock", "sink"}):
+        raise ConfigError(f"[{device}]: {wrong[0]} is no setting of a driver: leave it out of the settings")
     try:
         return load_driver(driver).at(endpoint, clock, sink, **settings)
     except LookupError as error:

@@ -64,6 +64,7 @@ def doctor_command(file: Path, as_json: bool) -> None:
 async def _examine_all(cell: Cell) -> list[Finding]:
     clock, rule = SystemClock(), air_rule(cell)
     devices = device_builder(cell, clock)(_ignore)
+    further = [(device, further_device(device, clock, _ignore)) for device in cell.device]
     endpoints = {
         "robot": cell.robot.endpoint,
         "interferometer": cell.interferometer.endpoint,
@@ -78,8 +79,7 @@ async def _examine_all(cell: Cell) -> list[Finding]:
         for name, driver in devices.named().items()
         if name in endpoints
     ]
-    for device in cell.device:
-        driver = further_device(device, clock, _ignore)
+    for device, driver in further:
         look = _look_at(driver, rule, cell.robot.limits_deg)
         examinations.append(_examine(device.name, device.endpoint, driver, look))
     return list(await asyncio.gather(*examinations))

@@ -3,7 +3,7 @@
 import contextlib
 import re
 from functools import partial
-from typing import ClassVar, Literal
+from typing import Any, ClassVar, Literal
 
 from pydantic import BaseModel, ConfigDict, Field
 
@@ -69,10 +69,7 @@ class LineCounter:
         endpoint: str,
         clock: Clock,
         sink: Sink | None = None,
-        *,
-        profile: str = "default",
-        connect_timeout_s: float = 5.0,
-        quiet_s: float = 0.02,
+        **settings: Any,
     ) -> "LineCounter | StreamedCounter":
         """Return a driver for an endpoint as the cell file writes it; nothing is opened yet.
 
@@ -82,19 +79,19 @@ class LineCounter:
             endpoint: of the counter.
             clock: time of the readings.
             sink: is shown all bytes.
-            profile: name of a built-in profile or path of a TOML file.
-            connect_timeout_s: for connecting, real s.
-            quiet_s: silence after which the link counts as drained, real s.
+            settings: fields of `CounterSettings`.
 
         Raises:
             LinkError: the endpoint is wrong.
             ProfileError: the profile is not found or wrong.
+            pydantic.ValidationError: a setting is unknown or wrong.
         """
-        transport = open_transport(endpoint, connect_timeout_s=connect_timeout_s, sink=sink)
-        used = load_profile(profile)
+        checked = CounterSettings(**settings)
+        transport = open_transport(endpoint, connect_timeout_s=checked.connect_timeout_s, sink=sink)
+        used = load_profile(checked.profile)
         if used.stream.mode != "none":
             return StreamedCounter(transport, clock, used)
-        return cls(transport, clock, used, quiet_s=quiet_s)
+        return cls(transport, clock, used, quiet_s=checked.quiet_s)
 
     @property
     def notes(self) -> tuple[str, ...]:
