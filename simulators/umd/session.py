@@ -75,6 +75,8 @@ class Umd:
 
     def join(self, listener: Callable[[bytes], None]) -> None:
         """Have a listener told every line from now on."""
+        # Bench time may stand where the last one asked: what was sampled until now went to nobody.
+        self._keeper.sync()
         self._listeners.append(listener)
         if not self._running:
             self._running = True

@@ -14,10 +14,13 @@ from drivers.errors import LinkTimeoutError, RefusedError, WrongDeviceError
 from drivers.memory import MemoryTransport
 from drivers.umd import codec
 from drivers.umd.display import UmdDisplay, UmdSettings
+from simulators.air_probe import AirProbe
+from simulators.timekeeper import TimeKeeper
+from simulators.umd.session import Umd, UmdOptions, UmdSession
 from tests.transcripts import umd as transcript
 from tests.unit.drivers.peers import Peer, StepClock
 from tests.unit.interferometers.pairs import new_session, paired, quiet_world
-from tests.unit.simulators.benches import aimed, go
+from tests.unit.simulators.benches import aimed, go, quiet_bench
 
 T = TypeVar("T")
 
@@ -118,6 +121,20 @@ def test_the_stream_keeps_its_rate_in_real_time_when_the_bench_runs_faster() -> 
     session = new_session(world, "umd", {"rate_hz": 1000})
     world.bench.advance(50.0)
     assert len(codec.SampleDecoder().feed(session.output())) == pytest.approx(1000, abs=1)
+
+
+def test_a_new_client_hears_nothing_of_the_time_before_it_came() -> None:
+    now_s = 0.0
+    bench = quiet_bench()
+    keeper = TimeKeeper(bench, clock=lambda: now_s)
+    umd = Umd(bench.new_instrument(), AirProbe(bench), keeper, UmdOptions(rate_hz=1000))
+    now_s = 30.0
+    session = UmdSession(umd)
+    now_s = 30.5
+    keeper.sync()
+    samples = codec.SampleDecoder().feed(session.output())
+    assert len(samples) == pytest.approx(500, abs=1)
+    assert samples[0].sequence == pytest.approx(30_000, abs=1)
 
 
 def test_what_nobody_takes_is_bounded() -> None:
