@@ -54,6 +54,7 @@ class MelfaController:
         session: where to ask.
         take_right: takes the operation right.
         stop: stops the robot and waits for its standstill.
+        watch_stops: returns a check that refuses once a stop has begun.
     """
 
     def __init__(
@@ -61,10 +62,12 @@ class MelfaController:
         session: Session,
         take_right: Callable[[], Awaitable[None]],
         stop: Callable[[], Awaitable[None]],
+        watch_stops: Callable[[], Callable[[], None]],
     ) -> None:
         self._session = session
         self._take_right = take_right
         self._stop = stop
+        self._watch_stops = watch_stops
 
     async def read_variable(self, name: str) -> Value:
         """Return a variable's value: number, joints (deg or mm), position or text."""
@@ -255,7 +258,7 @@ class MelfaController:
         """
         await self._session.link.ensure()
         await self._take_right()
-        async with jogging(self._session, directions, self._stop) as jog:
+        async with jogging(self._session, directions, self._stop, self._watch_stops()) as jog:
             yield jog
 
     async def _ask(self, command: str, parse: Callable[[str], T]) -> T:

@@ -33,10 +33,12 @@ class Jog:
     Args:
         session: where telegrams go.
         command: the telegram.
+        require_no_stop: refuses once a stop has begun.
     """
 
-    def __init__(self, session: Session, command: str) -> None:
+    def __init__(self, session: Session, command: str, require_no_stop: Callable[[], None]) -> None:
         self._session = session
+        self._require_no_stop = require_no_stop
         self._command = command
         self._loop = asyncio.get_running_loop()
         self._fed_until_s = 0.0
@@ -51,12 +53,13 @@ class Jog:
         """Send telegrams while fed, for ever.
 
         Raises:
-            DeviceError: one was refused or not answered in time.
+            DeviceError: one was refused or not answered in time, or a stop has begun.
         """
         while True:
             await self._fed.wait()
             self._fed.clear()
             while (begun_s := self._loop.time()) < self._fed_until_s:
+                self._require_no_stop()
                 # A late answer is worth nothing: the robot has stopped by then.
                 await self._session.command(self._command, timeout_s=DEAD_MAN_S, heal=False)
                 await asyncio.sleep(max(0.0, begun_s + PERIOD_S - self._loop.time()))
@@ -67,6 +70,7 @@ async def jogging(
     session: Session,
     directions: Mapping[str, Direction],
     stop: Callable[[], Awaitable[None]],
+    require_no_stop: Callable[[], None],
 ) -> AsyncIterator[Jog]:
     """Jog joints while the caller feeds; at the end, however it comes, the robot is stopped.
 
@@ -74,12 +78,13 @@ async def jogging(
         session: that holds the operation right.
         directions: joint names with -1 or 1.
         stop: stops the robot and waits for its standstill.
+        require_no_stop: refuses once a stop has begun.
 
     Raises:
         ValueError: there is no such joint.
-        DeviceError: a telegram was refused or not answered in time; the robot has been stopped.
+        DeviceError: a telegram was refused or not answered in time, or a stop has begun; the robot has been stopped.
     """
-    jog = Jog(session, telegram(directions))
+    jog = Jog(session, telegram(directions), require_no_stop)
     telegrams = asyncio.create_task(jog.repeat())
     body = asyncio.current_task()
     failed: list[DeviceError] = []

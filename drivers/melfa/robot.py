@@ -136,7 +136,7 @@ class MelfaR3:
     @property
     def controller(self) -> MelfaController:
         """The controller beyond motion: variables, programs, parameters, signals, log, monitors, jog."""
-        return MelfaController(self._main, self.take_right, self.stop)
+        return MelfaController(self._main, self.take_right, self.stop, self._watch_stops)
 
     async def connect(self) -> Identity:
         """Open both connections and recognise the controller; nothing but questions is sent.
@@ -341,6 +341,9 @@ class MelfaR3:
             raise RefusedError(
                 f"{self._main.where}: a stop overtook the motion: nothing was moved", STOP_IS_ON
             )
+
+    def _watch_stops(self) -> Callable[[], None]:
+        return partial(self.require_no_stop, self._stops_ended)
 
     async def take_right(self) -> None:
         """Take the operation right unless it is held; permission to move has been given by now.

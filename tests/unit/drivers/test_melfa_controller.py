@@ -321,6 +321,26 @@ def test_a_jog_that_is_not_fed_falls_silent() -> None:
     run(feed_twice())
 
 
+def test_a_stop_ends_a_jog_although_it_is_fed() -> None:
+    async def feed_on() -> None:
+        async with bench() as b:
+            held = asyncio.create_task(feeding(b))
+            await asyncio.sleep(0.12)
+            await b.robot.stop()
+            told = jogs(b)
+            with pytest.raises(RefusedError, match="stop overtook"):
+                await held
+            assert jogs(b) == told > 0
+
+    async def feeding(b: Bench) -> None:
+        async with b.robot.controller.jog({"J1": 1}) as jog:
+            while True:
+                jog.feed()
+                await asyncio.sleep(0.05)
+
+    run(feed_on())
+
+
 async def test_a_refused_telegram_ends_the_jog_with_its_reason() -> None:
     controller = Controller()
     replies(controller, {"JOG00;00;00;01;00": "QeR200000000"})
