@@ -136,7 +136,7 @@ class MelfaR3:
     @property
     def controller(self) -> MelfaController:
         """The controller beyond motion: variables, programs, parameters, signals, log, monitors, jog."""
-        return MelfaController(self._main, self.take_right, self.stop, self._watch_stops)
+        return MelfaController(self._main, self.take_right, self.stop, self.watch_stops)
 
     async def connect(self) -> Identity:
         """Open both connections and recognise the controller; nothing but questions is sent.
@@ -301,7 +301,7 @@ class MelfaR3:
             await self._declare()
             # The motion takes its target from this very connection, so no healing from here on.
             await self._main.command(f"EXEC{assignment(target)}", heal=False)
-            self.require_no_stop(stops_ended)
+            self._require_no_stop(stops_ended)
             await self._go(target)
         except asyncio.CancelledError:
             await self.stop()
@@ -326,24 +326,14 @@ class MelfaR3:
         finally:
             self._stops_ended += 1
 
-    @property
-    def stops_ended(self) -> int:
-        """How many stops are over; what `require_no_stop` compares with."""
-        return self._stops_ended
+    def watch_stops(self) -> Callable[[], None]:
+        """Return a check that raises RefusedError once a stop has begun: what it overtakes must not begin."""
+        return partial(self._require_no_stop, self._stops_ended)
 
-    def require_no_stop(self, since: int) -> None:
-        """Check that no stop has been under way since `stops_ended` was that: what it overtook must not begin.
-
-        Raises:
-            RefusedError: one is, or was.
-        """
+    def _require_no_stop(self, since: int) -> None:
         if self._stops_begun > since:
-            raise RefusedError(
-                f"{self._main.where}: a stop overtook the motion: nothing was moved", STOP_IS_ON
-            )
-
-    def _watch_stops(self) -> Callable[[], None]:
-        return partial(self.require_no_stop, self._stops_ended)
+            where = self._main.where
+            raise RefusedError(f"{where}: a stop overtook the motion: it does not go on", STOP_IS_ON)
 
     async def take_right(self) -> None:
         """Take the operation right unless it is held; permission to move has been given by now.

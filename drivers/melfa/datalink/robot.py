@@ -170,13 +170,13 @@ class MelfaDatalink(LedArm):
         """
         if not way or not all(math.isfinite(value) for target in way for value in target):
             raise ValueError(f"a way needs targets that are finite numbers, got {way}")
-        stops_ended = self._controller.stops_ended
+        require_no_stop = self._controller.watch_stops()
         try:
             for first in range(0, len(way), codec.MAX_POINTS):
                 part = way[first : first + codec.MAX_POINTS]
                 await self._ready()
                 await self._send(part)
-                self._controller.require_no_stop(stops_ended)
+                require_no_stop()
                 await self._drive(part[-1])
         except asyncio.CancelledError:
             await self.stop()

@@ -9,7 +9,7 @@ so that nothing streams while the arm is at rest.
 import asyncio
 import contextlib
 import math
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from typing import Any, ClassVar, Self
 
 from drivers.clock import Clock
@@ -156,10 +156,10 @@ class MelfaMxt(LedArm):
         """
         if not way or not all(math.isfinite(value) for target in way for value in target):
             raise ValueError(f"a way needs targets that are finite numbers, got {way}")
-        stops_ended = self._controller.stops_ended
+        require_no_stop = self._controller.watch_stops()
         try:
             await self._ready()
-            await self._lead(way, stops_ended)
+            await self._lead(way, require_no_stop)
         except asyncio.CancelledError:
             await self.stop()
             raise
@@ -196,14 +196,14 @@ class MelfaMxt(LedArm):
             self._halted = True
             raise
 
-    async def _lead(self, way: Sequence[Joints], stops_ended: int) -> None:
+    async def _lead(self, way: Sequence[Joints], require_no_stop: Callable[[], None]) -> None:
         bounds = await self._bounds()
         self._feedback = None
         try:
             start = await self._stream.begin()
             points = WayProfile(start, way, bounds).set_points(self._settings.mxt_cycle_ms / 1e3)
-            await self._stream.send(self._until_a_stop(points, stops_ended))
-            reached = await self._rest(way[-1], stops_ended)
+            await self._stream.send(_until_a_stop(points, require_no_stop))
+            reached = await self._rest(way[-1], require_no_stop)
             await self._stream.end()
         except (LinkError, ProtocolError) as lost:
             self._halted = True
@@ -229,24 +229,14 @@ class MelfaMxt(LedArm):
         fast, slow = settings.follow_acceleration_deg_s2, settings.follow_acceleration_mm_s2
         return Bounds((j1, j2, j3, j4), (fast, fast, slow, fast))
 
-    def _until_a_stop(self, points: Iterable[Joints], stops_ended: int) -> Iterator[Joints]:
-        """Hand out set points; none once a stop has begun, which does not wait for the end of the way.
-
-        Raises:
-            RefusedError: a stop has begun.
-        """
-        for point in points:
-            self._controller.require_no_stop(stops_ended)
-            yield point
-
-    async def _rest(self, target: Joints, stops_ended: int) -> Joints:
+    async def _rest(self, target: Joints, require_no_stop: Callable[[], None]) -> Joints:
         """Hold the last set point until the feedback stays the same."""
         still = 0
         last: Joints | None = None
         try:
             async with asyncio.timeout(self._settings.arrival_timeout_s):
                 while True:
-                    feedback = await self._stream.send(self._until_a_stop((target,), stops_ended))
+                    feedback = await self._stream.send(_until_a_stop((target,), require_no_stop))
                     if feedback is None:
                         continue
                     still = still + 1 if last is not None and _near(feedback, last) else 0
@@ -266,3 +256,14 @@ class MelfaMxt(LedArm):
 
 def _near(one: Joints, other: Joints) -> bool:
     return all(abs(a - b) < _REST_DEG for a, b in zip(one, other, strict=True))
+
+
+def _until_a_stop(points: Iterable[Joints], require_no_stop: Callable[[], None]) -> Iterator[Joints]:
+    """Hand out set points; none once a stop has begun, which does not wait for the end of the way.
+
+    Raises:
+        RefusedError: a stop has begun.
+    """
+    for point in points:
+        require_no_stop()
+        yield point
