@@ -175,6 +175,8 @@ class RunContext:
             MeasurementRejectedError: the program has to correct for the air and does not know it.
         """
         await self._control.checkpoint()
+        # The count may be new and the air at its zero unknown, if this does not come to its end.
+        self._zeroed = False
         number = await self._control.command(self._zero(dead_path_mm))
         self._zeroed = True
         await self.event("zero", number=number, dead_path_mm=dead_path_mm)

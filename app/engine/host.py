@@ -248,8 +248,10 @@ class _Run:
             )
 
     def _require_same_compensation(self, present: dict[str, Json]) -> None:
-        stored = RunReader(self._store.path).meta.get("compensation", present)
-        if stored != present:
+        meta = RunReader(self._store.path).meta
+        # A run of format 1 took lengths as the instrument gave them and did not say so.
+        silent = "devices" in meta and "compensation" not in meta
+        if (present["by"] != "instrument") if silent else (meta.get("compensation", present) != present):
             raise UsageError(
                 f"{self._store.path.name} was begun with another correction for the air and cannot go on with this "
                 "one: its points would not belong together; set [air] and the instrument as they were, or start anew"

@@ -15,7 +15,13 @@ from app.engine.devices import Devices
 from app.engine.gate import JointLimits, MotionGate
 from app.engine.host import run_procedure
 from app.engine.operator import Answer, Operator
-from app.errors import ConfigError, LimitError, PromptUnansweredError, SafetyError
+from app.errors import (
+    ConfigError,
+    LimitError,
+    MeasurementRejectedError,
+    PromptUnansweredError,
+    SafetyError,
+)
 from app.exitcode import ExitCode
 from app.store.reader import RunReader
 from app.store.run_store import RunStore
@@ -278,6 +284,26 @@ async def test_a_count_of_wavelengths_without_the_air_is_refused(tmp_path: Path)
     assert (outcome.status, outcome.exit_code) == ("failed", ExitCode.REJECTED)
     assert "no pressure" in outcome.text
     assert "program corrects" in str(RunReader(outcome.path).meta["compensation"])
+
+
+async def test_a_count_whose_zero_failed_for_want_of_the_air_is_not_ok(tmp_path: Path) -> None:
+    bench = FakeBench(tmp_path)
+    bench.counter.compensated = "none"
+    seen: list[bool] = []
+
+    async def body(ctx: Context) -> None:
+        await ctx.zero(500.0)
+        seen.append((await ctx.measure(0.1, 0.1, 1)).beam_ok)
+        bench.air.pressure_hpa = None
+        bench.clock.advance(10.0)
+        with pytest.raises(MeasurementRejectedError, match="no pressure"):
+            await ctx.zero(600.0)
+        bench.air.pressure_hpa = 1013.0
+        bench.clock.advance(10.0)
+        seen.append((await ctx.measure(0.1, 0.1, 1)).beam_ok)
+
+    await run_procedure(bench.request(Script(body)), bench.build, bench.clock, bench.publish, bench.install)
+    assert seen == [True, False]
 
 
 async def test_a_cell_without_a_tracker_says_so(parts: Parts) -> None:

@@ -3,7 +3,9 @@
 import asyncio
 import os
 import signal
+import sqlite3
 import stat
+from contextlib import closing
 from functools import partial
 from pathlib import Path
 from typing import NamedTuple
@@ -152,6 +154,21 @@ async def test_a_run_does_not_change_between_emulated_and_real_devices(bench: Fa
     assert second.exit_code == ExitCode.SAFETY
     assert "begun with emulated devices" in second.text
     assert bench.robot.calls[calls:] == ["connect", "close"]
+
+
+@pytest.mark.parametrize("silent", [False, True], ids=["told", "format 1"])
+async def test_a_run_does_not_go_on_with_another_correction_for_the_air(
+    bench: FakeBench, silent: bool
+) -> None:
+    bench.robot.move_error = LinkError("lost")
+    first = await run(bench, measuring(0))
+    if silent:
+        with closing(sqlite3.connect(first.path / "run.sqlite")) as stored:
+            stored.executescript("DROP TRIGGER meta_no_delete; DELETE FROM meta WHERE key = 'compensation'")
+    bench.counter.compensated = "none"
+    second = await run(bench, measuring(0), resume=first.path)
+    assert second.exit_code == ExitCode.USAGE
+    assert "begun with another correction" in second.text
 
 
 async def test_a_run_that_died_before_its_devices_answered_learns_of_them_later(bench: FakeBench) -> None:
