@@ -129,10 +129,11 @@ class AttocubeIds:
         """Zero the axis, clear the latched faults; return the new zero's number.
 
         Raises:
-            RefusedError: the instrument refuses, in its own words.
+            RefusedError: the instrument refuses, in its own words; or its environment unit was switched.
             LinkError: lost or silent.
             ProtocolError: garbage came.
         """
+        await self._check_unit()
         if (await self._displacement()).error:
             await self._ask("system.resetError", False)
         await self._require("system.resetAxis", self._settings.axis)
@@ -223,6 +224,15 @@ class AttocubeIds:
         name = "isEnabled" if self._settings.dialect == "ids" else "getEnabled"
         answer = await self._ask(f"ecu.{name}")
         return not answer.error and bool(answer.values) and answer.values[0] is True
+
+    async def _check_unit(self) -> None:
+        """Refuse when the unit was switched since the connection: lengths would be corrected twice or not at all."""
+        if self._settings.compensated == "auto" and await self._asks_unit() != self._corrects:
+            raise RefusedError(
+                f"{self._link.where}: no zero, the environment unit was switched {'off' if self._corrects else 'on'} "
+                "since the connection: switch it back, or connect again",
+                0,
+            )
 
     async def _require(self, method: str, *params: object) -> codec.Answer:
         answer = await self._ask(method, *params, retry=False)

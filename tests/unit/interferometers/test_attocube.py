@@ -238,6 +238,19 @@ async def test_no_zero_without_a_beam_in_the_instruments_words() -> None:
             await pair.driver.zero()
 
 
+@pytest.mark.parametrize("enabled", [False, True])
+async def test_no_zero_after_somebody_switched_the_environment_unit(enabled: bool) -> None:
+    async with paired("attocube-ids", make, {"start_time_s": 0, "ecu_enabled": enabled}) as pair:
+        await pair.driver.zero()
+        web_page = pair.far.new_session()
+        assert ask(web_page, f"com.attocube.ecu.{'disable' if enabled else 'enable'}") == [0]
+        with pytest.raises(RefusedError, match=f"switched {'off' if enabled else 'on'} since the connection"):
+            await pair.driver.zero()
+        await pair.driver.connect()
+        assert pair.driver.compensated == ("none" if enabled else "instrument")
+        await pair.driver.zero()
+
+
 async def test_nothing_is_read_when_the_measurement_does_not_run() -> None:
     async with paired("attocube-ids", make, {"start_time_s": 0}) as pair:
         web_page = pair.far.new_session()
