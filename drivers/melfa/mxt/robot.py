@@ -111,8 +111,14 @@ class MelfaMxt(LedArm):
             LinkError: unreachable or silent.
         """
         self._feedback = None
-        self._halted = False
-        return await self._controller.connect()
+        identity = await self._controller.connect()
+        try:
+            # A STOP of an earlier run has left the program standing.
+            self._halted = not (await self._controller.status()).running
+        except BaseException:
+            await uninterrupted(self.close())
+            raise
+        return identity
 
     async def close(self) -> None:
         """Disconnect; may be called any number of times."""

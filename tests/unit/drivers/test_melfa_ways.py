@@ -348,9 +348,11 @@ class Led:
 
 
 @asynccontextmanager
-async def led(**settings: object) -> AsyncIterator[Led]:
+async def led(flags: str = "E0060", **settings: object) -> AsyncIterator[Led]:
     """Connect a real-time driver to a scripted controller and port."""
     controller = Controller()
+    controller.flags = flags
+    controller.replies["STOP"] = controller.halt
     clock = StepClock()
     port = RealTime(controller, clock)
     async with (
@@ -434,6 +436,16 @@ async def test_a_lost_answer_while_the_arm_comes_to_rest_is_a_loss_like_others()
         assert len(at_rest) > 5
         assert not any(b"STOP" in request for request in bench.main.requests + bench.aside.requests)
         assert await bench.robot.joints() == pytest.approx(WAY[-1], abs=1e-4)
+
+
+async def test_a_program_that_stands_since_an_earlier_run_is_started_before_the_first_way() -> None:
+    async with led(flags="A0060") as bench:
+        assert not any(b"RUN" in request for request in bench.main.requests)
+        await bench.robot.follow(WAY)
+        assert b"1;1;RUNCATSMXT;1\r" in bench.main.requests
+    async with led() as bench:
+        await bench.robot.follow(WAY)
+        assert not any(b"RUN" in request for request in bench.main.requests)
 
 
 async def test_no_set_point_goes_out_once_a_stop_has_begun() -> None:
