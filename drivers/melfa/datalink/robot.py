@@ -124,11 +124,13 @@ class MelfaDatalink(LedArm):
         """
         identity = await self._controller.connect()
         try:
-            await self._link.open()
+            # A STOP of an earlier run has left the program standing: it is started before the first way.
+            self._halted = bool(self._settings.program) and not (await self._controller.status()).running
+            if not self._halted:
+                await self._link.open()
         except BaseException:
             await uninterrupted(self.close())
             raise
-        self._halted = False
         return identity
 
     async def close(self) -> None:
@@ -201,6 +203,7 @@ class MelfaDatalink(LedArm):
         self._halted = False
         try:
             await self._controller.start_program(self._settings.program)
+            await self._link.open()
         except BaseException:
             self._halted = True
             raise

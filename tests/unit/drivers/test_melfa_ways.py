@@ -97,9 +97,11 @@ class Linked:
 
 
 @asynccontextmanager
-async def linked(**settings: object) -> AsyncIterator[Linked]:
+async def linked(flags: str = "E0060", **settings: object) -> AsyncIterator[Linked]:
     """Connect a data link driver to a scripted controller and program."""
     controller = Controller()
+    controller.flags = flags
+    controller.replies["STOP"] = controller.halt
     program = Program(controller)
     async with (
         Peer(controller.answer) as main,
@@ -143,6 +145,7 @@ async def test_a_way_of_more_targets_than_the_program_keeps_is_driven_in_parts()
 
 async def test_a_program_of_another_version_is_not_used() -> None:
     controller = Controller()
+    controller.flags = "E0060"
     program = Program(controller)
     program.version = "2"
     async with (
@@ -259,6 +262,15 @@ async def test_a_stop_while_the_program_is_started_again_is_not_forgotten() -> N
         del bench.controller.replies["RUNCATSDL;1"]
         await bench.robot.follow(WAY)
         assert bench.main.requests.count(b"1;1;RUNCATSDL;1\r") == 2
+
+
+async def test_a_data_link_program_that_stands_since_an_earlier_run_is_started_before_the_first_way() -> None:
+    async with linked(flags="A0060") as bench:
+        assert not any(b"RUN" in request for request in bench.main.requests)
+        assert bench.program.requests == []
+        await bench.robot.follow(WAY)
+        assert b"1;1;RUNCATSDL;1\r" in bench.main.requests
+        assert bench.program.driven == [pytest.approx(target) for target in WAY]
 
 
 async def test_without_a_program_name_the_operator_starts_it() -> None:
