@@ -8,6 +8,7 @@ from drivers.inbox import Inbox
 
 _LARGEST_BYTES = 65_536
 _MOST_BYTES = 1 << 20
+_RESOLVE_TIMEOUT_S = 5.0
 
 
 class UdpTransport:
@@ -45,7 +46,8 @@ class UdpTransport:
         loop = asyncio.get_running_loop()
         link: socket.socket | None = None
         try:
-            places = await loop.getaddrinfo(self._host, self._port, type=socket.SOCK_DGRAM)
+            async with asyncio.timeout(_RESOLVE_TIMEOUT_S):
+                places = await loop.getaddrinfo(self._host, self._port, type=socket.SOCK_DGRAM)
             family, kind, protocol, _, address = places[0]
             link = socket.socket(family, kind, protocol)
             link.setblocking(False)
@@ -53,8 +55,9 @@ class UdpTransport:
         except OSError as exc:
             if link:
                 link.close()
+            why = exc.strerror or str(exc) or "its name is not resolved in time"
             raise LinkError(
-                f"{self.endpoint}: cannot be reached ({exc.strerror or exc}): check address, cable and network"
+                f"{self.endpoint}: cannot be reached ({why}): check address, cable and network"
             ) from None
         self._socket = link
         self._inbox = Inbox(_MOST_BYTES)

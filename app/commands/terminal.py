@@ -45,6 +45,10 @@ def terminal_command(
     encode = _encoder(eol or ("none" if as_hex else "crlf"), as_hex)
     with _Traffic(log) as traffic:
         say(f"{device} at {endpoint}; a line of input is sent, Ctrl-C ends")
+        if arm is not None:
+            say(
+                "what you start by hand goes on when the terminal ends: stop it yourself; this is no emergency stop"
+            )
         if not may_send:
             say(f"listening only: what is sent may move the robot; --arm {cell.name} lets it pass")
         link = open_transport(endpoint, sink=traffic.show)

@@ -23,6 +23,9 @@ _IDLE = "system idle"
 _POLL_S = 0.5
 _STARTED = "the measurement was not running and has been started: its laser is on"
 
+_SAME_PM = 1000.0
+"""References that differ by less are one and the same."""
+
 
 class IdsSettings(BaseModel):
     """What a cell file may set. Times are real seconds, but for the start.
@@ -70,6 +73,8 @@ class AttocubeIds:
         self._firmware = ""
         self._started = False
         self._corrects = False
+        self._tells_reference = False
+        self._reference_pm: float | None = None
         self._link = RequestLink(transport, name=MODEL, greet=self._greet, quiet_s=self._settings.quiet_s)
 
     @classmethod
@@ -118,6 +123,8 @@ class AttocubeIds:
             self._started = True
         await self._await_start()
         self._corrects = await self._asks_unit()
+        self._reference_pm = None
+        self._tells_reference = await self._can_tell_reference()
         simulated = "EMULATOR" in f"{self._type}{self._firmware}".upper()
         return Identity(f"attocube {self._type}", self._firmware, "", simulated)
 
@@ -140,6 +147,7 @@ class AttocubeIds:
         answer = await self._displacement()
         if answer.error:
             raise await self._refused("displacement.getAxisDisplacement", answer.error)
+        self._reference_pm = await self._reference()
         return self._latches.zeroed()
 
     async def read(self) -> CounterReading:
@@ -171,6 +179,7 @@ class AttocubeIds:
         if answer.error:
             await self._ask("system.resetError", False)
             answer = await self._displacement()
+        await self._look_for_another_zero()
         contrast = await self._ask("adjustment.getContrastInPermille", self._settings.axis)
         permille = contrast.number() if contrast.values else 0.0
         running = await self._mode() == _RUNNING
@@ -188,6 +197,31 @@ class AttocubeIds:
         answer = await self._ask("displacement.getAxisDisplacement", self._settings.axis)
         self._latches.note(beam_lost=answer.error != 0)
         return answer
+
+    async def _can_tell_reference(self) -> bool:
+        try:
+            await self._reference(asks=True)
+        except ProtocolError:
+            return False
+        return True
+
+    async def _reference(self, *, asks: bool = False) -> float | None:
+        """Return the position at which the axis was reset or the measurement began, pm; None when it is not told."""
+        if not (asks or self._tells_reference):
+            return None
+        if self._settings.dialect == "ids":
+            answer, place = await self._ask("displacement.getReferencePositions"), self._settings.axis
+        else:
+            answer, place = await self._ask("displacement.getReferencePosition", self._settings.axis), 0
+        return None if answer.error else answer.number(place)
+
+    async def _look_for_another_zero(self) -> None:
+        """Latch a lost beam when somebody else has reset the axis or restarted the measurement since the zero."""
+        if self._reference_pm is None:
+            return
+        now_pm = await self._reference()
+        moved = now_pm is not None and abs(now_pm - self._reference_pm) > _SAME_PM
+        self._latches.note(beam_lost=moved)
 
     def _checked(self, answer: codec.Answer) -> float:
         try:

@@ -4,7 +4,15 @@ import asyncio
 from collections.abc import Awaitable, Callable
 
 from drivers.clock import Clock
-from drivers.errors import AlarmError, DeviceError, LinkError, LinkTimeoutError, NotArrivedError
+from drivers.errors import (
+    AlarmError,
+    DeviceError,
+    LinkError,
+    LinkTimeoutError,
+    NotArrivedError,
+    ProtocolError,
+    RefusedError,
+)
 from drivers.melfa.session import Session
 from drivers.melfa.settings import MelfaSettings
 from drivers.readings import Joints
@@ -79,6 +87,7 @@ async def standstill(
 
     Raises:
         LinkTimeoutError: still moving.
+        ProtocolError: a question was refused, which a line that garbles bytes does.
         DeviceError: the controller does not answer as it should.
     """
     last: Joints | None = None
@@ -95,6 +104,10 @@ async def standstill(
                     return joints
                 last = joints
                 await clock.sleep(settings.poll_s)
+    except AlarmError:
+        raise
+    except RefusedError as exc:
+        raise ProtocolError(f"{session.where}: a question was refused while the arm may move: {exc}") from exc
     except TimeoutError:
         raise LinkTimeoutError(
             f"{session.where}: the robot does not stand still after {timeout_s:g} s, last joints {last}: "

@@ -917,3 +917,18 @@ def test_endpoints_are_checked_before_anything_is_opened() -> None:
         MelfaR3.at("tcp://127.0.0.1:1", StepClock(), stop_endpoint="serial://")
     with pytest.raises(LinkError, match="set terminator"):
         MelfaR3.at("serial:///dev/ttyUSB0?baud=9600", StepClock(), terminator="")
+
+
+async def test_a_question_refused_during_a_polled_motion_is_accounted_for_and_the_motion_stays_one() -> None:
+    controller = Controller()
+    async with bench(controller, motion="exec") as b:
+        refusals = iter([["QeR601000000"]])
+
+        def states() -> Iterable[str]:
+            moving = any(said.startswith("EXECMOV") for said in b.said)
+            return next(refusals, [STATE.format(flags="A0060")]) if moving else [STATE.format(flags="A0060")]
+
+        controller.replies["STATE"] = states
+        await b.robot.move_joints(TARGET)
+        assert sum(said.startswith("EXECMOV") for said in b.said) == 1
+        assert await b.robot.joints() == TARGET

@@ -251,6 +251,35 @@ async def test_no_zero_after_somebody_switched_the_environment_unit(enabled: boo
         await pair.driver.zero()
 
 
+@pytest.mark.parametrize("dialect", ["ids", "sen"])
+async def test_a_reset_by_somebody_else_ends_the_count(dialect: str) -> None:
+    options: dict[str, str | int | bool] = {"start_time_s": 0, "dialect": dialect}
+    async with paired("attocube-ids", lambda t, c: make(t, c, dialect=dialect), options) as pair:
+        await pair.driver.zero()
+        go(pair.bench, aimed(20.01, 30.01))
+        assert not (await pair.driver.status()).beam_lost
+        web_page = pair.far.new_session()
+        assert ask(web_page, f"com.attocube.{dialect}.system.resetAxis", 0) == [0]
+        status = await pair.driver.status()
+        assert status.beam_lost
+        assert status.beam_ok
+        await pair.driver.zero()
+        assert not (await pair.driver.status()).beam_lost
+
+
+async def test_an_instrument_that_tells_no_reference_is_used_without(monkeypatch: pytest.MonkeyPatch) -> None:
+    def without(self: AttocubeIds, method: str) -> str:
+        return "com.attocube.ids.displacement.none" if "getReference" in method else full(self, method)
+
+    full = AttocubeIds._full  # noqa: SLF001  # the method that names requests
+    monkeypatch.setattr(AttocubeIds, "_full", without)
+    async with paired("attocube-ids", make, {"start_time_s": 0}) as pair:
+        await pair.driver.zero()
+        status = await pair.driver.status()
+        assert status.beam_ok
+        assert not status.beam_lost
+
+
 async def test_nothing_is_read_when_the_measurement_does_not_run() -> None:
     async with paired("attocube-ids", make, {"start_time_s": 0}) as pair:
         web_page = pair.far.new_session()
