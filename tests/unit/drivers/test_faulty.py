@@ -15,8 +15,8 @@ from drivers.melfa.robot import MelfaR3
 from drivers.melfa.settings import MelfaSettings
 from drivers.memory import MemoryTransport, pipe
 from drivers.readings import Joints
+from tests.unit.drivers.melfa_bench import Controller
 from tests.unit.drivers.peers import Answer, Peer
-from tests.unit.drivers.test_melfa_robot import Controller
 from tests.unit.drivers.virtual_time import VirtualClock, run
 
 LONGEST_S = 60.0

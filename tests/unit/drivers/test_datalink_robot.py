@@ -1,0 +1,294 @@
+"""The data link driver against a scripted controller and program."""
+
+import asyncio
+import math
+from collections.abc import AsyncIterator, Callable, Iterable
+from contextlib import asynccontextmanager
+from dataclasses import dataclass
+
+import pytest
+
+from drivers.errors import (
+    LinkError,
+    NotArrivedError,
+    ProtocolError,
+    RefusedError,
+    WrongDeviceError,
+)
+from drivers.melfa.datalink.robot import DatalinkSettings, MelfaDatalink
+from drivers.melfa.robot import MelfaR3
+from drivers.melfa.settings import MelfaSettings
+from drivers.readings import Joints
+from tests.unit.drivers.melfa_bench import Controller
+from tests.unit.drivers.peers import Peer, StepClock, until
+
+WAY: tuple[Joints, ...] = ((1.0, 2.0, 5.0, -3.0), (2.0, 4.0, 5.0, -6.5), (3.0, 6.0, 5.0, -10.0))
+QUICK = {"quiet_s": 0.001, "answer_timeout_s": 0.2}
+
+
+class Program:
+    """The data link program: six numbers and a CR both ways (sheet, section 4)."""
+
+    def __init__(self, controller: Controller) -> None:
+        self.controller = controller
+        self.version = "1"
+        self.form = "{:.3f}"
+        self.points: list[tuple[float, ...]] = []
+        self.driven: list[tuple[float, ...]] = []
+        self.requests: list[tuple[int, int]] = []
+        self.silent: set[int] = set()
+        self.moves = True
+        self.replies: dict[int, Callable[[int], str]] = {}
+
+    def answer(self, data: bytes) -> Iterable[bytes]:
+        """Answer a record."""
+        assert data.endswith(b"\r")
+        number, command, *values = (float(field) for field in data.split(b","))
+        assert len(values) == 4
+        self.requests.append((int(number), int(command)))
+        usual = self.usual(int(number), int(command), tuple(values))
+        if command in self.silent:
+            return []
+        reply = self.replies.get(int(command))
+        return [(reply(int(number)) if reply else usual).encode() + b"\r"]
+
+    def usual(self, number: int, command: int, values: tuple[float, ...]) -> str:
+        """Do what the program does."""
+        told: tuple[float, ...] = (0.0, 0.0, 0.0, 0.0)
+        match command:
+            case 1:
+                self.points.append(values)
+                told = (len(self.points), 0.0, 0.0, 0.0)
+            case 2:
+                self.driven, self.points = self.points, []
+                if self.moves:
+                    self.controller.at = self.driven[-1]
+                told = self.controller.at
+            case 3:
+                told = self.controller.at
+            case 4:
+                self.points = []
+            case 5:
+                return f"{number},5,{self.version},4,0,0"
+            case 6:
+                told = values
+        return f"{number},{command}," + ",".join(self.form.format(value) for value in told)
+
+
+@dataclass
+class Linked:
+    """A data link driver with what stands at its other end."""
+
+    robot: MelfaDatalink
+    controller: Controller
+    program: Program
+    main: Peer
+    aside: Peer
+    datalink: Peer
+
+
+@asynccontextmanager
+async def linked(flags: str = "E0060", **settings: object) -> AsyncIterator[Linked]:
+    """Connect a data link driver to a scripted controller and program."""
+    controller = Controller()
+    controller.flags = flags
+    controller.replies["STOP"] = controller.halt
+    program = Program(controller)
+    async with (
+        Peer(controller.answer) as main,
+        Peer(controller.answer) as aside,
+        Peer(program.answer) as link,
+    ):
+        checked = DatalinkSettings.model_validate({**QUICK, "move_timeout_s": 0.3, **settings})
+        r3 = MelfaR3(main.transport, aside.transport, StepClock(), MelfaSettings.model_validate(QUICK))
+        robot = MelfaDatalink(r3, link.transport, checked)
+        try:
+            await robot.connect()
+            yield Linked(robot, controller, program, main, aside, link)
+        finally:
+            await robot.close()
+
+
+@pytest.mark.parametrize("form", ["{:.3f}", "{:+.3f}", " {:.2f}", "{:.6E}", "{:g}"])
+async def test_a_way_is_sent_and_driven_in_one_go(form: str) -> None:
+    async with linked() as bench:
+        bench.program.form = form
+        await bench.robot.follow(WAY)
+        assert bench.program.driven == [pytest.approx(target) for target in WAY]
+        assert [command for _, command in bench.program.requests].count(2) == 1
+        assert await bench.robot.joints() == pytest.approx(WAY[-1])
+
+
+async def test_a_way_of_more_targets_than_the_program_keeps_is_driven_in_parts() -> None:
+    way: list[Joints] = [(0.1 * number, 0.0, 0.0, 0.0) for number in range(1, 126)]
+    driven: list[tuple[float, ...]] = []
+    async with linked() as bench:
+
+        def keep(number: int) -> str:
+            driven.extend(bench.program.driven)
+            assert len(bench.program.driven) <= 60
+            return f"{number},2," + ",".join(map(str, bench.controller.at))
+
+        bench.program.replies[2] = keep
+        await bench.robot.follow(way)
+    assert driven == [pytest.approx(target) for target in way]
+
+
+async def test_a_program_of_another_version_is_not_used() -> None:
+    controller = Controller()
+    controller.flags = "E0060"
+    program = Program(controller)
+    program.version = "2"
+    async with (
+        Peer(controller.answer) as main,
+        Peer(controller.answer) as aside,
+        Peer(program.answer) as link,
+    ):
+        r3 = MelfaR3(main.transport, aside.transport, StepClock(), MelfaSettings.model_validate(QUICK))
+        robot = MelfaDatalink(r3, link.transport, DatalinkSettings.model_validate(QUICK))
+        with pytest.raises(WrongDeviceError, match=r"version 2.*needs 1"):
+            await robot.connect()
+
+
+async def test_a_lost_answer_to_a_way_is_asked_about_and_the_way_is_not_sent_again() -> None:
+    async with linked() as bench:
+        bench.program.silent = {2}
+        await bench.robot.follow(WAY)
+        assert [command for _, command in bench.program.requests].count(2) == 1
+
+
+async def test_a_lost_answer_with_the_arm_elsewhere_stops_it() -> None:
+    async with linked() as bench:
+        bench.program.silent = {2}
+        bench.program.moves = False
+        with pytest.raises(NotArrivedError):
+            await bench.robot.follow(WAY[:1])
+        assert any(b"STOP" in request for request in bench.main.requests + bench.aside.requests)
+
+
+async def test_a_program_that_somebody_else_stopped_is_not_waited_for(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """A STOP of the pendant is no alarm; STATE tells that nothing runs (sheet, section 1.10)."""
+    monkeypatch.setattr("drivers.melfa.datalink.robot._LOOK_S", 0.005)
+    async with linked(move_timeout_s=30.0) as bench:
+        bench.program.silent = {2}
+        bench.program.moves = False
+        bench.controller.flags = "E0000"
+        way = asyncio.create_task(bench.robot.follow(WAY))
+        await until(lambda: any(command == 2 for _, command in bench.program.requests))
+        await asyncio.sleep(0.03)
+        assert not way.done()
+        bench.controller.flags = "A0020"
+        async with asyncio.timeout(2.0):
+            with pytest.raises(NotArrivedError, match="program stands"):
+                await way
+
+
+async def test_an_answer_with_another_number_is_no_answer() -> None:
+    async with linked() as bench:
+        bench.program.replies[3] = lambda number: f"{number + 1},3,1,2,3,4"
+        with pytest.raises(ProtocolError, match="was answered by"):
+            await bench.robot.joints()
+
+
+async def test_what_the_program_refuses_is_told_with_its_number() -> None:
+    async with linked() as bench:
+        bench.program.replies[1] = lambda number: f"{number},-2,3120,0,0,0"
+        with pytest.raises(RefusedError, match="3120") as caught:
+            await bench.robot.follow(WAY)
+        assert caught.value.number == 3120
+        assert bench.program.driven == []
+
+
+async def test_miscounted_points_are_not_driven() -> None:
+    async with linked() as bench:
+        bench.program.replies[1] = lambda number: f"{number},1,9,0,0,0"
+        with pytest.raises(ProtocolError, match="counts 9"):
+            await bench.robot.follow(WAY)
+        assert bench.program.driven == []
+
+
+async def test_standing_elsewhere_at_the_end_is_an_error() -> None:
+    async with linked() as bench:
+        bench.program.replies[2] = lambda number: f"{number},2,1,1,1,1"
+        with pytest.raises(NotArrivedError, match=r"J1 is at 1\.00 deg instead of 3"):
+            await bench.robot.follow(WAY)
+
+
+async def test_after_a_stop_the_program_is_started_again_before_the_next_way() -> None:
+    async with linked() as bench:
+        await bench.robot.stop()
+        assert not any(b"RUN" in request for request in bench.main.requests)
+        await bench.robot.follow(WAY)
+        asked = [request.decode().strip() for request in bench.main.requests]
+        assert asked.index("1;1;RSTPRG") < asked.index("1;1;RUNCATSDL;1")
+        assert bench.program.driven == [pytest.approx(target) for target in WAY]
+
+
+async def test_a_way_that_a_stop_overtakes_is_not_driven() -> None:
+    async with linked() as bench:
+        bench.program.silent = {1}
+        way = asyncio.create_task(bench.robot.follow(WAY[:1]))
+        await until(lambda: any(command == 1 for _, command in bench.program.requests))
+        await bench.robot.stop()
+        number = bench.program.requests[-1][0]
+        await bench.datalink.say(f"{number},1,1,0,0,0\r".encode())
+        with pytest.raises(RefusedError, match="stop overtook"):
+            await way
+        assert bench.program.driven == []
+
+
+async def test_a_stop_while_the_program_is_started_again_is_not_forgotten() -> None:
+    async with linked() as bench:
+        await bench.robot.stop()
+        bench.controller.replies["RUNCATSDL;1"] = list
+        way = asyncio.create_task(bench.robot.follow(WAY))
+        await until(lambda: b"1;1;RUNCATSDL;1\r" in bench.main.requests)
+        await bench.robot.stop()
+        await bench.main.say(b"QoK")
+        with pytest.raises(RefusedError, match="stop overtook"):
+            await way
+        assert bench.program.driven == []
+        del bench.controller.replies["RUNCATSDL;1"]
+        await bench.robot.follow(WAY)
+        assert bench.main.requests.count(b"1;1;RUNCATSDL;1\r") == 2
+
+
+async def test_a_data_link_program_that_stands_since_an_earlier_run_is_started_before_the_first_way() -> None:
+    async with linked(flags="A0060") as bench:
+        assert not any(b"RUN" in request for request in bench.main.requests)
+        assert bench.program.requests == []
+        await bench.robot.follow(WAY)
+        assert b"1;1;RUNCATSDL;1\r" in bench.main.requests
+        assert bench.program.driven == [pytest.approx(target) for target in WAY]
+
+
+async def test_without_a_program_name_the_operator_starts_it() -> None:
+    async with linked(program="") as bench:
+        await bench.robot.stop()
+        with pytest.raises(RefusedError, match="start the program CATSDL"):
+            await bench.robot.follow(WAY)
+
+
+async def test_a_cancelled_way_is_stopped() -> None:
+    async with linked(move_timeout_s=30.0) as bench:
+        bench.program.silent = {2}
+        task = asyncio.create_task(bench.robot.follow(WAY))
+        await until(lambda: any(command == 2 for _, command in bench.program.requests))
+        task.cancel()
+        with pytest.raises(asyncio.CancelledError):
+            await task
+        assert any(b"STOP" in request for request in bench.aside.requests)
+
+
+@pytest.mark.parametrize("way", [(), ((math.nan, 0.0, 0.0, 0.0),)])
+async def test_ways_that_cannot_be_are_refused(way: tuple[Joints, ...]) -> None:
+    async with linked() as bench:
+        with pytest.raises(ValueError, match=r"targets|finite"):
+            await bench.robot.follow(way)
+
+
+def test_a_missing_data_link_endpoint_is_named() -> None:
+    with pytest.raises(LinkError, match="datalink_endpoint"):
+        MelfaDatalink.at("tcp://127.0.0.1:1", StepClock())

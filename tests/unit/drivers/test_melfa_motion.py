@@ -1,0 +1,285 @@
+"""Motions of the robot driver against scripted controllers: commanded once, accounted for when the answer is lost."""
+
+import asyncio
+from collections.abc import Iterable
+
+import pytest
+
+from drivers.errors import (
+    AlarmError,
+    LinkError,
+    LinkTimeoutError,
+    NotArrivedError,
+    NotReadyError,
+    RefusedError,
+)
+from tests.unit.drivers.melfa_bench import STATE, TARGET, Controller, bench
+from tests.unit.drivers.peers import until
+
+
+async def test_a_move_takes_two_requests_and_one_check() -> None:
+    async with bench() as b:
+        await b.robot.move_joints(TARGET)
+        before = len(b.said)
+        await b.robot.move_joints((0.00004, -0.00004, 5.0, 1.23456))
+    assert b.said[before : before + 3] == [
+        "EXECJCATSEYE=(0.0000,0.0000,5.0000,1.2346)",
+        "EXEC2=MOV JCATSEYE",
+        "JPOSF",
+    ]
+
+
+async def test_a_definition_that_is_there_already_is_used() -> None:
+    """Section 1.9: re-DEF gives 4350, which clients tolerate."""
+    controller = Controller()
+    controller.replies["EXECDEF JNT JCATSEYE"] = lambda: ["QeR435000000"]
+    async with bench(controller) as b:
+        await b.robot.move_joints(TARGET)
+        assert controller.at == TARGET
+    assert "RSTALRM" not in b.said
+
+
+async def test_a_definition_that_leaves_an_alarm_is_reset() -> None:
+    controller = Controller()
+    alarms = iter(["Qok4350;2", "QoK"])
+    controller.replies["EXECDEF JNT JCATSEYE"] = lambda: ["QeR435000000"]
+    controller.replies["ERROR"] = lambda: [next(alarms)]
+    async with bench(controller) as b:
+        await b.robot.move_joints(TARGET)
+    assert b.said[2:6] == ["EXECDEF JNT JCATSEYE", "ERROR", "RSTALRM", "ERROR"]
+
+
+async def test_a_refused_motion_tells_meaning_and_remedy_and_moves_nothing() -> None:
+    """Section 5.3: L2602 destination out of range; no alarm stays."""
+    controller = Controller()
+    controller.replies["EXEC2"] = lambda: ["QeR260200000"]
+    async with bench(controller) as b:
+        with pytest.raises(RefusedError, match=r"alarm L2602: the target is outside .*MEJAR") as caught:
+            await b.robot.move_joints(TARGET)
+        assert caught.value.number == 2602
+        assert not isinstance(caught.value, AlarmError)
+
+
+# Section 5.3: emergency stop and pendant link, servo, mode, operation right, STOP.
+@pytest.mark.parametrize(
+    "number",
+    [50, 51, 60, 61, 70, 71, 75, 1680, 1681, 2000, 5000, 5130, 5610, 5630, 6020, 6060],
+)
+async def test_a_controller_that_an_operator_has_to_look_at_is_not_ready(number: int) -> None:
+    controller = Controller()
+    controller.replies["EXEC2"] = lambda: [f"QeR{number:04d}00000"]
+    async with bench(controller) as b:
+        with pytest.raises(NotReadyError, match=f"{number:04d}") as caught:
+            await b.robot.move_joints(TARGET)
+        assert caught.value.number == number
+
+
+async def test_drives_that_are_off_with_an_alarm_stay_an_alarm() -> None:
+    controller = Controller()
+    controller.alarm = "2000"
+    controller.replies["EXEC2"] = lambda: ["QeR200000000"]
+    controller.replies["EXECDEF JNT JCATSEYE"] = lambda: ["QoK"]
+    controller.replies["EXECJCATSEYE"] = lambda: ["QoK"]
+    async with bench(controller) as b:
+        with pytest.raises(AlarmError, match="L2000"):
+            await b.robot.move_joints(TARGET)
+
+
+@pytest.mark.parametrize(("reply", "not_ready"), [("QeR561000000", False), ("QeR005000000", True)])
+async def test_only_the_stop_of_this_program_is_no_matter_for_an_operator(
+    reply: str, not_ready: bool
+) -> None:
+    """Section 5.3: C5610 STOP on. An emergency stop during a stop of this program stays one."""
+    controller = Controller()
+    controller.replies["EXEC2"] = list
+    async with bench(controller) as b:
+        moving = asyncio.create_task(b.robot.move_joints(TARGET))
+        await until(lambda: "EXEC2=MOV JCATSEYE" in b.said)
+        stopping = asyncio.create_task(b.robot.stop())
+        await until(lambda: "STOP" in b.said_aside)
+        await b.main.say(reply.encode())
+        with pytest.raises(RefusedError) as caught:
+            await moving
+        await stopping
+        assert isinstance(caught.value, NotReadyError) is not_ready
+
+
+async def test_a_motion_that_a_stop_overtakes_does_not_begin() -> None:
+    controller = Controller()
+    controller.replies["EXECJCATSEYE"] = list
+    async with bench(controller) as b:
+        moving = asyncio.create_task(b.robot.move_joints(TARGET))
+        await until(lambda: any(said.startswith("EXECJCATSEYE=") for said in b.said))
+        await b.robot.stop()
+        await b.main.say(b"QoK")
+        with pytest.raises(RefusedError, match="stop overtook"):
+            await moving
+        assert not any("MOV" in said for said in b.said)
+
+
+async def test_stop_that_is_on_long_after_the_stop_of_this_program_is_somebody_elses() -> None:
+    controller = Controller()
+    controller.replies["EXEC2"] = lambda: ["QeR561000000"]
+    async with bench(controller) as b:
+        await b.robot.stop()
+        with pytest.raises(NotReadyError, match="C5610"):
+            await b.robot.move_joints(TARGET)
+
+
+async def test_an_alarm_during_a_motion_is_raised_with_its_text() -> None:
+    controller = Controller()
+
+    def stops_half_way() -> Iterable[str]:
+        controller.alarm = "2171"
+        return ["Qok"]
+
+    controller.replies["EXEC2"] = stops_half_way
+    async with bench(controller) as b:
+        with pytest.raises(AlarmError, match="alarm H2171: joint limit reached downwards, J1; jog") as caught:
+            await b.robot.move_joints(TARGET)
+        assert caught.value.number == 2171
+
+
+async def test_a_rejection_while_an_alarm_is_active_tells_both() -> None:
+    """Section 5.3: L5600 alarm present."""
+    controller = Controller()
+    controller.alarm = "50"
+    controller.replies["SRVON"] = lambda: ["QeR560000000"]
+    async with bench(controller) as b:
+        with pytest.raises(AlarmError, match=r"L5600.*active is alarm H0050"):
+            await b.robot.servo(on=True)
+
+
+async def test_a_robot_that_stands_elsewhere_has_not_arrived() -> None:
+    controller = Controller()
+    controller.arrives = False
+    async with bench(controller) as b:
+        with pytest.raises(
+            NotArrivedError, match=r"J1 is at 0\.00 deg instead of 10\.0000 deg.*look for a collision"
+        ):
+            await b.robot.move_joints(TARGET)
+
+
+async def test_the_resolution_of_the_protocol_is_no_deviation() -> None:
+    """Section 1.11: JPOSF has two decimals."""
+    controller = Controller()
+    controller.arrives = False
+    controller.at = (10.0, -20.5, 0.0, 30.25)
+    async with bench(controller) as b:
+        await b.robot.move_joints((10.0049, -20.4951, 0.0049, 30.2451))
+
+
+@pytest.mark.parametrize("bad", [float("nan"), float("inf")])
+async def test_only_finite_targets_are_sent(bad: float) -> None:
+    async with bench() as b:
+        with pytest.raises(ValueError, match="finite"):
+            await b.robot.move_joints((0.0, bad, 0.0, 0.0))
+        assert not [c for c in b.said if c.startswith("EXEC")]
+
+
+async def test_a_lost_answer_to_a_motion_is_looked_up_and_not_sent_again() -> None:
+    controller = Controller()
+
+    def moves_without_answer() -> Iterable[str]:
+        controller.arrive()
+        return []
+
+    controller.replies["EXEC2"] = moves_without_answer
+    async with bench(controller, move_timeout_s=0.01) as b:
+        await b.robot.move_joints(TARGET)
+        assert b.said.count("EXEC2=MOV JCATSEYE") == 1
+        assert b.said_aside[1:3] == ["STATE", "JPOSF"]
+        assert "STOP" not in b.said_aside
+
+
+async def test_a_lost_answer_of_a_robot_that_did_not_arrive_stops_and_raises() -> None:
+    controller = Controller()
+    controller.replies["EXEC2"] = list
+    async with bench(controller, move_timeout_s=0.01) as b:
+        with pytest.raises(
+            NotArrivedError, match=r"answer to the motion is lost.*stands elsewhere.*J1 is at 0\.00"
+        ):
+            await b.robot.move_joints(TARGET)
+        assert b.said.count("EXEC2=MOV JCATSEYE") == 1
+        assert "STOP" in b.said_aside
+
+
+async def test_a_motion_that_takes_too_long_is_stopped() -> None:
+    controller = Controller()
+    controller.replies["EXEC2"] = list
+    states = iter(["E0060"])
+    controller.replies["STATE"] = lambda: [STATE.format(flags=next(states, "A0060"))]
+    async with bench(controller, move_timeout_s=0.01) as b:
+        with pytest.raises(
+            NotArrivedError, match="was still moving and was told to stop: raise move_timeout_s"
+        ):
+            await b.robot.move_joints(TARGET)
+
+
+async def test_garbage_instead_of_the_end_of_a_motion_is_looked_up_too() -> None:
+    controller = Controller()
+
+    def garbles() -> Iterable[str]:
+        controller.arrive()
+        return ["\x02?"]
+
+    controller.replies["EXEC2"] = garbles
+    async with bench(controller) as b:
+        await b.robot.move_joints(TARGET)
+        assert b.said.count("EXEC2=MOV JCATSEYE") == 1
+
+
+async def test_a_lost_answer_and_a_silent_controller_is_an_error_of_the_link() -> None:
+    controller = Controller()
+    controller.replies["EXEC2"] = list
+    for command in ("STATE", "JPOSF"):
+        controller.replies[command] = list
+    async with bench(controller, move_timeout_s=0.01, answer_timeout_s=0.05) as b:
+        with pytest.raises(LinkError, match="standstill is not confirmed: PRESS THE EMERGENCY STOP"):
+            await b.robot.move_joints(TARGET)
+        assert "STOP" in b.said_aside
+
+
+async def test_a_lost_assignment_moves_nothing() -> None:
+    controller = Controller()
+    controller.replies["EXECJCATSEYE"] = list
+    async with bench(controller) as b:
+        with pytest.raises(LinkTimeoutError, match="EXECJCATSEYE"):
+            await b.robot.move_joints(TARGET)
+        assert "EXEC2=MOV JCATSEYE" not in b.said
+
+
+async def test_motions_can_be_polled_for_controllers_without_exec2() -> None:
+    """Section 1.9: EXEC answers when accepted; EXEC2 is not on CRn-500."""
+    controller = Controller()
+    controller.arrives = False
+    polls = 0
+
+    def state() -> Iterable[str]:
+        nonlocal polls
+        polls += 1
+        # The run bit comes late: nothing runs yet at the first poll.
+        if polls == 3:
+            controller.at = TARGET
+        return [STATE.format(flags="E0060" if polls == 2 else "A0060")]
+
+    controller.replies["STATE"] = state
+    async with bench(controller, motion="exec") as b:
+        await b.robot.move_joints(TARGET)
+    assert polls == 3
+    assert "EXECMOV JCATSEYE" in b.said
+
+
+async def test_a_question_refused_during_a_polled_motion_is_accounted_for_and_the_motion_stays_one() -> None:
+    controller = Controller()
+    async with bench(controller, motion="exec") as b:
+        refusals = iter([["QeR601000000"]])
+
+        def states() -> Iterable[str]:
+            moving = any(said.startswith("EXECMOV") for said in b.said)
+            return next(refusals, [STATE.format(flags="A0060")]) if moving else [STATE.format(flags="A0060")]
+
+        controller.replies["STATE"] = states
+        await b.robot.move_joints(TARGET)
+        assert sum(said.startswith("EXECMOV") for said in b.said) == 1
+        assert await b.robot.joints() == TARGET

@@ -1,0 +1,264 @@
+"""STOP and healing of the robot driver against scripted controllers."""
+
+import asyncio
+
+import pytest
+
+from drivers.errors import (
+    LinkError,
+    LinkTimeoutError,
+    NotArrivedError,
+    ProtocolError,
+    RefusedError,
+    WrongDeviceError,
+)
+from drivers.melfa.robot import MelfaR3
+from drivers.melfa.settings import MelfaSettings
+from drivers.memory import MemoryTransport
+from tests.unit.drivers.melfa_bench import JPOS, OPEN, QUICK, START, STATE, TARGET, Controller, bench
+from tests.unit.drivers.peers import Peer, StepClock, until
+
+
+async def test_after_healing_right_override_and_variable_are_there_again() -> None:
+    """The controller forgets a connection's right when it drops (section 1.7, likely)."""
+    controller = Controller()
+    async with bench(controller) as b:
+        await b.robot.set_override(15)
+        await b.robot.move_joints(TARGET)
+        controller.replies["OVRD"] = list
+        with pytest.raises(LinkTimeoutError):
+            await b.robot.set_override(20)
+        del controller.replies["OVRD"]
+        before = len(b.said)
+        await b.robot.move_joints(START)
+    assert b.said[before : before + 6] == [
+        "OPEN=CATSEYE",
+        "CNTLON",
+        "OVRD",
+        "EXECDEF JNT JCATSEYE",
+        "EXECJCATSEYE=(0.0000,0.0000,0.0000,0.0000)",
+        "EXEC2=MOV JCATSEYE",
+    ]
+
+
+@pytest.mark.parametrize(("found", "left"), [("10", "10"), ("15", "15"), ("40", "15"), ("15.5", "15")])
+async def test_healing_lowers_the_override_but_never_raises_it(found: str, left: str) -> None:
+    controller = Controller()
+    async with bench(controller) as b:
+        await b.robot.set_override(15)
+        controller.replies["RSTALRM"] = list
+        with pytest.raises(LinkTimeoutError):
+            await b.robot.reset_alarm()
+        controller.override = found
+        before = len(b.said)
+        await b.robot.joints()
+        assert controller.override == left
+        lowered = ["OVRD=15"] if found != left else []
+        assert b.said[before:] == ["OPEN=CATSEYE", "CNTLON", "OVRD", *lowered, "JPOSF"]
+
+
+async def test_a_right_that_was_refused_while_healing_comes_back_with_the_override() -> None:
+    controller = Controller()
+    async with bench(controller) as b:
+        await b.robot.set_override(15)
+        controller.replies["RSTALRM"] = list
+        with pytest.raises(LinkTimeoutError):
+            await b.robot.reset_alarm()
+        controller.replies["CNTLON"] = lambda: ["QeR602000000"]
+        assert await b.robot.joints() == START
+        assert "operation right is refused" in b.robot.notes[0]
+        del controller.replies["CNTLON"]
+        controller.override = "40"
+        before = len(b.said)
+        await b.robot.move_joints(TARGET)
+        assert b.said[before : before + 3] == ["CNTLON", "OVRD", "OVRD=15"]
+        assert b.robot.notes == ()
+
+
+async def test_nothing_moves_while_the_override_cannot_be_restored() -> None:
+    controller = Controller()
+    async with bench(controller) as b:
+        await b.robot.set_override(15)
+        controller.replies["RSTALRM"] = list
+        with pytest.raises(LinkTimeoutError):
+            await b.robot.reset_alarm()
+        controller.replies["CNTLON"] = lambda: ["QeR602000000"]
+        await b.robot.joints()
+        del controller.replies["CNTLON"]
+        controller.replies["OVRD"] = lambda: ["QeR601000000"]
+        for _ in range(2):
+            with pytest.raises(RefusedError, match="refused OVRD"):
+                await b.robot.move_joints(TARGET)
+    assert not [c for c in b.said if c.startswith("EXEC")]
+
+
+async def test_a_new_connection_has_forgotten_the_override_of_the_old_one() -> None:
+    controller = Controller()
+    async with bench(controller) as b:
+        await b.robot.set_override(15)
+        await b.robot.close()
+        controller.override = "40"
+        await b.robot.connect()
+        await b.robot.move_joints(TARGET)
+    assert controller.override == "40"
+
+
+async def test_a_controller_that_was_exchanged_meanwhile_is_refused() -> None:
+    controller = Controller()
+    async with bench(controller) as b:
+        controller.replies["STATE"] = list
+        with pytest.raises(LinkTimeoutError):
+            await b.robot.status()
+        controller.replies["OPEN"] = lambda: [OPEN.format(copyright="c").replace(";1;3;8;", ";1;4;8;")]
+        with pytest.raises(WrongDeviceError, match=r"serial '4', answers instead of the .* serial '3'"):
+            await b.robot.status()
+
+
+async def test_questions_are_asked_again_once() -> None:
+    answers = iter([[], [JPOS.format(*START)]])
+    controller = Controller()
+    controller.replies["JPOSF"] = lambda: next(answers)
+    async with bench(controller) as b:
+        assert await b.robot.joints() == START
+
+
+async def test_an_answer_of_another_layout_makes_the_driver_distrust_the_link() -> None:
+    controller = Controller()
+    controller.suffix = "\r"
+    controller.replies["JPOSF"] = lambda: ["QoK100"]
+    async with bench(controller) as b:
+        with pytest.raises(ProtocolError, match=r"memory://robot: JPOSF: .*last bytes b'QoK100\\r'"):
+            await b.robot.joints()
+        del controller.replies["JPOSF"]
+        assert await b.robot.joints() == START
+        assert b.said.count("OPEN=CATSEYE") == 2
+
+
+async def test_stop_goes_past_a_motion_that_waits() -> None:
+    """EXEC2 answers at the end only (section 1.9); STOP takes the other connection and needs no right (1.7)."""
+    controller = Controller()
+    controller.replies["EXEC2"] = list
+    async with bench(controller) as b:
+        moving = asyncio.create_task(b.robot.move_joints(TARGET))
+        await until(lambda: "EXEC2=MOV JCATSEYE" in b.said)
+        await b.robot.stop()
+        assert b.said_aside == ["OPEN=CATSEYE", "STOP", *["STATE", "JPOSF"] * 3]
+        assert "CNTLON" not in b.said_aside
+        assert not moving.done()
+        await b.main.say(b"QoK")
+        with pytest.raises(NotArrivedError):
+            await moving
+
+
+async def test_stop_waits_for_standstill() -> None:
+    controller = Controller()
+    places = iter([(1.0, 0.0, 0.0, 0.0), (2.0, 0.0, 0.0, 0.0)])
+    states = iter(["E0060"])
+    controller.replies["STATE"] = lambda: [STATE.format(flags=next(states, "A0060"))]
+    controller.replies["JPOSF"] = lambda: [JPOS.format(*next(places, (2.5, 0.0, 0.0, 0.0)))]
+    async with bench(controller) as b:
+        await b.robot.stop()
+        await b.robot.stop()
+    assert b.said_aside.count("JPOSF") == 5 + 3
+
+
+async def test_stop_that_is_not_followed_by_standstill_says_so() -> None:
+    controller = Controller()
+    controller.flags = "E0060"
+    async with bench(controller, stop_timeout_s=0.02) as b:
+        with pytest.raises(
+            LinkError, match=r"standstill is not confirmed: PRESS .*does not stand still after 0\.02 s"
+        ):
+            await b.robot.stop()
+
+
+async def test_cancelling_a_motion_stops_the_robot_and_leaves_the_link_to_be_healed() -> None:
+    controller = Controller()
+    controller.replies["EXEC2"] = list
+    async with bench(controller) as b:
+        moving = asyncio.create_task(b.robot.move_joints(TARGET))
+        await until(lambda: "EXEC2=MOV JCATSEYE" in b.said)
+        moving.cancel()
+        await until(lambda: "STOP" in b.said_aside)
+        moving.cancel()
+        with pytest.raises(asyncio.CancelledError):
+            await moving
+        assert b.said_aside.count("STOP") == 1
+        assert b.said_aside[-1] == "JPOSF"
+        assert await b.robot.joints() == START
+    assert b.said[b.said.index("EXEC2=MOV JCATSEYE") + 1 :][:3] == ["OPEN=CATSEYE", "CNTLON", "JPOSF"]
+
+
+async def test_a_stop_that_fails_is_told_although_the_motion_was_cancelled() -> None:
+    controller = Controller()
+    controller.replies["EXEC2"] = list
+    async with bench(controller, stop_timeout_s=0.02) as b:
+        moving = asyncio.create_task(b.robot.move_joints(TARGET))
+        await until(lambda: "EXEC2=MOV JCATSEYE" in b.said)
+        controller.flags = "E0060"
+        moving.cancel()
+        with pytest.raises(LinkError, match="PRESS THE EMERGENCY STOP"):
+            await moving
+
+
+async def test_without_a_second_connection_motions_are_polled_and_stop_goes_between() -> None:
+    """Section 1.15: one source claims that a port serves one client only."""
+    controller = Controller()
+    async with Peer(controller.answer, endpoint="memory://robot") as main:
+        nobody = MemoryTransport("memory://nobody")
+        clock = StepClock()
+        robot = MelfaR3(main.transport, nobody, clock, MelfaSettings(**QUICK))
+        await robot.connect()
+        assert "stop_endpoint" in robot.notes[0]
+        controller.arrives = False
+        controller.flags = "E0060"
+        moving = asyncio.create_task(robot.move_joints(TARGET))
+        await until(lambda: b"1;1;EXECMOV JCATSEYE\r" in main.requests)
+        controller.replies["STOP"] = controller.halt
+        await robot.stop()
+        with pytest.raises(NotArrivedError):
+            await moving
+        await robot.close()
+    assert b"1;1;STOP\r" in main.requests
+    assert not [data for data in main.requests if b"EXEC2" in data]
+
+
+async def test_a_broken_stop_connection_shouts_on_the_first_one() -> None:
+    controller = Controller()
+    controller.replies["EXEC2"] = list
+    async with bench(controller) as b:
+        moving = asyncio.create_task(b.robot.move_joints(TARGET))
+        await until(lambda: "EXEC2=MOV JCATSEYE" in b.said)
+        await b.aside.far.close()
+        await b.aside.far.open()
+        await b.robot.stop()
+        assert b.said[b.said.index("EXEC2=MOV JCATSEYE") + 1] == "STOP"
+        assert "STOP" in b.said_aside
+        with pytest.raises(NotArrivedError):
+            await moving
+
+
+async def test_stop_that_cannot_be_sent_calls_for_the_emergency_stop() -> None:
+    async with bench() as b:
+        await b.aside.far.close()
+        await b.main.far.close()
+        for peer in (b.main, b.aside):
+            await peer.transport.close()
+        with pytest.raises(
+            LinkError, match="STOP could not be sent on any connection: PRESS THE EMERGENCY STOP"
+        ):
+            await b.robot.stop()
+        for peer in (b.main, b.aside):
+            await peer.far.open()
+
+
+async def test_close_does_not_wait_for_a_motion(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("drivers.melfa.robot._CLOSE_TIMEOUT_S", 0.01)
+    controller = Controller()
+    controller.replies["EXEC2"] = list
+    async with bench(controller) as b:
+        moving = asyncio.create_task(b.robot.move_joints(TARGET))
+        await until(lambda: "EXEC2=MOV JCATSEYE" in b.said)
+        await b.robot.close()
+        with pytest.raises(LinkError):
+            await moving
