@@ -12,7 +12,7 @@ from app.aim import find_aim
 from app.cell.bench import air_rule, bench_of
 from app.cell.load import LoadedCell
 from app.engine.announcer import Publish
-from app.engine.arm_model import MoveTiming, reflector_beam
+from app.engine.arm_model import reflector_beam
 from app.engine.dry_run import DryRunContext
 from app.engine.gate import JointLimits
 from app.engine.host import RunOutcome, RunRequest, run_procedure
@@ -115,7 +115,7 @@ async def rehearse(planned: PlannedRun) -> DryRunContext:
     optics, arm = bench.optics, bench.arm
     context = DryRunContext(
         limits=joint_limits(bench),
-        timing=move_timing(bench),
+        arm=arm,
         beam_at=reflector_beam(arm.link1_mm, arm.link2_mm, places, optics.acceptance_mm, optics.theta40_deg),
         pose=(0.0, 0.0, arm.j3_mm, 0.0),
     )
@@ -128,13 +128,6 @@ def joint_limits(bench: Bench) -> JointLimits:
     """Return the limits that the gate checks at each move; J3 stays where the cell file puts it."""
     arm = bench.arm
     return JointLimits(arm.j1_limits_deg, arm.j2_limits_deg, arm.j4_limits_deg, (arm.j3_mm, arm.j3_mm))
-
-
-def move_timing(bench: Bench) -> MoveTiming:
-    """Return how long moves take, for the time estimate."""
-    (v1, v2, v4), (a1, a2, a4) = bench.arm.speed_deg_s, bench.arm.acceleration_deg_s2
-    # J3 never moves during a measurement; its figures only have to be positive.
-    return MoveTiming((v1, v2, 1000.0, v4), (a1, a2, 1000.0, a4), bench.arm.override_percent)
 
 
 def _meta(planned: PlannedRun, speed: float) -> dict[str, Json]:

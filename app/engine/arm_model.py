@@ -1,41 +1,12 @@
-"""The arm as the dry run sees it: how long a move takes, and where the beam goes."""
+"""The arm as the dry run sees it: where it passes, and where the beam goes."""
 
 import math
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
 
 from procedures.devices import Joints
 
 Beam = Callable[[Joints], float | None]
 """Length of the beam at a pose, mm; None where it does not return."""
-
-SPEEDS_RH_3FRH: Joints = (400.0, 670.0, 1300.0, 1500.0)
-"""Highest joint speeds of the order of a small SCARA, deg/s, mm/s for J3."""
-
-ACCELERATIONS: Joints = (2000.0, 3000.0, 8000.0, 8000.0)
-"""Joint accelerations of the order of a small SCARA, deg/s², mm/s² for J3."""
-
-
-@dataclass(frozen=True)
-class MoveTiming:
-    """How long joint moves take: a trapezoid of speed for each joint, the slowest decides.
-
-    Attributes:
-        speeds: joint speeds at 100 % override, deg/s, mm/s for J3.
-        accelerations: deg/s², mm/s² for J3.
-        override_percent: scales the speeds.
-    """
-
-    speeds: Joints = SPEEDS_RH_3FRH
-    accelerations: Joints = ACCELERATIONS
-    override_percent: float = 100.0
-
-    def duration_s(self, start: Joints, target: Joints) -> float:
-        """Return the time of a move, s."""
-        return max(
-            _trapezoid_s(abs(b - a), speed * self.override_percent / 100.0, acceleration)
-            for a, b, speed, acceleration in zip(start, target, self.speeds, self.accelerations, strict=True)
-        )
 
 
 def reflector_beam(
@@ -81,9 +52,3 @@ def poses_between(start: Joints, target: Joints, step: float = 1.0) -> list[Join
 def _between(start: Joints, target: Joints, share: float) -> Joints:
     j1, j2, j3, j4 = (a + (b - a) * share for a, b in zip(start, target, strict=True))
     return j1, j2, j3, j4
-
-
-def _trapezoid_s(distance: float, speed: float, acceleration: float) -> float:
-    if distance >= speed**2 / acceleration:
-        return distance / speed + speed / acceleration
-    return 2.0 * math.sqrt(distance / acceleration)

@@ -5,13 +5,17 @@ from dataclasses import dataclass, field
 from datetime import UTC, datetime, timedelta
 from typing import Literal
 
-from app.engine.arm_model import Beam, MoveTiming, poses_between
+import numpy as np
+
+from app.engine.arm_model import Beam, poses_between
 from app.engine.gate import JointLimits
 from app.engine.measuring import dwell_interval_s
 from app.engine.operator import fault_of
 from app.store.rows import Table, encode
+from procedures.bench import Arm
 from procedures.context import Json, Location, Measurement, Prompt, Row
 from procedures.devices import Joints
+from procedures.motion_time import way_time_s
 
 _EPOCH = datetime(1970, 1, 1, tzinfo=UTC)
 
@@ -70,7 +74,7 @@ class DryRunContext:
 
     Attributes:
         limits: checked at every move.
-        timing: how long moves take.
+        arm: tells how long moves take.
         beam_at: the ideal beam.
         pose: where the arm stands; set it to where it starts.
         steps: the step table, filled while the procedure runs.
@@ -80,7 +84,7 @@ class DryRunContext:
     """
 
     limits: JointLimits
-    timing: MoveTiming
+    arm: Arm
     beam_at: Beam
     pose: Joints = (0.0, 0.0, 0.0, 0.0)
     steps: list[DryStep] = field(default_factory=list)
@@ -130,13 +134,7 @@ class DryRunContext:
         Raises:
             LimitError: the target is outside the limits.
         """
-        self.limits.require(target)
-        self._lost = self._lost or any(
-            self.beam_at(pose) is None for pose in poses_between(self.pose, target)
-        )
-        self._account.time_s += self.timing.duration_s(self.pose, target)
-        self._account.moves += 1
-        self.pose = target
+        await self.follow((target,))
 
     async def follow(self, way: Sequence[Joints]) -> None:
         """Account for every target of a way.
@@ -144,8 +142,14 @@ class DryRunContext:
         Raises:
             LimitError: a target is outside the limits.
         """
+        poses = np.array([self.pose, *way])[:, [0, 1, 3]]
         for target in way:
-            await self.move(target)
+            self.limits.require(target)
+            between = poses_between(self.pose, target)
+            self._lost = self._lost or any(self.beam_at(pose) is None for pose in between)
+            self.pose = target
+        self._account.time_s += way_time_s(self.arm, poses)
+        self._account.moves += len(way)
 
     async def joints(self) -> Joints:
         """Return the pose."""

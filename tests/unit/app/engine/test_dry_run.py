@@ -1,32 +1,52 @@
 """A procedure without instruments."""
 
 import math
+from dataclasses import replace
 
 import pytest
 
-from app.engine.arm_model import MoveTiming, poses_between, reflector_beam
+from app.engine.arm_model import poses_between, reflector_beam
 from app.engine.dry_run import DryRunContext
 from app.errors import LimitError
+from procedures.bench import Arm, Following
 from procedures.context import Context, Prompt, Row
 from tests.unit.app.engine.fakes import HOME, LIMITS, point
 
-TIMING = MoveTiming(speeds=(100.0,) * 4, accelerations=(200.0,) * 4, override_percent=50.0)
+ARM = Arm(
+    link1_mm=325.0,
+    link2_mm=225.0,
+    j1_limits_deg=(-170.0, 170.0),
+    j2_limits_deg=(-145.0, 145.0),
+    j4_limits_deg=(-360.0, 360.0),
+    j3_mm=0.0,
+    speed_deg_s=(100.0, 100.0, 100.0),
+    acceleration_deg_s2=(200.0, 200.0, 200.0),
+    override_percent=50.0,
+    follow_speed_deg_s=10.0,
+    follow_acceleration_deg_s2=math.pi * 50.0,
+)
 BEAM = reflector_beam(325.0, 225.0, {"P1": (650.0, 0.0), "P2": (0.0, 900.0)}, acceptance_mm=1.0)
 
 
 @pytest.fixture
 def dry() -> DryRunContext:
-    return DryRunContext(LIMITS, TIMING, BEAM)
+    return DryRunContext(LIMITS, ARM, BEAM)
 
 
-def test_a_long_move_reaches_full_speed_and_a_short_one_does_not() -> None:
-    assert TIMING.duration_s(HOME, (100.0, 0.0, 0.0, 0.0)) == pytest.approx(2.25)
-    assert TIMING.duration_s(HOME, (2.0, 0.0, 0.0, 0.0)) == pytest.approx(0.2)
-    assert TIMING.duration_s(HOME, HOME) == 0.0
-
-
-def test_the_slowest_joint_decides() -> None:
-    assert TIMING.duration_s(HOME, (2.0, 0.0, 0.0, 100.0)) == pytest.approx(2.25)
+@pytest.mark.parametrize(
+    ("following", "duration_s"),
+    # Twice 50 deg at 50 deg/s with ramps of a quarter of a second; once 100 deg; led at 10 deg/s, ramps of a tenth.
+    [("stops", 2.5), ("blended", 2.25), ("streamed", 10.1)],
+)
+async def test_the_time_of_a_way_is_that_of_the_arms_way_of_following(
+    following: Following, duration_s: float
+) -> None:
+    dry = DryRunContext(LIMITS, replace(ARM, following=following), BEAM)
+    await dry.follow(((50.0, 0.0, 0.0, 0.0), (100.0, 0.0, 0.0, 0.0)))
+    assert dry.total_s == pytest.approx(duration_s)
+    assert dry.pose == (100.0, 0.0, 0.0, 0.0)
+    with pytest.raises(LimitError, match="J2"):
+        await dry.follow(((50.0, 0.0, 0.0, 0.0), (50.0, 150.0, 0.0, 0.0)))
 
 
 def test_the_ideal_beam_returns_from_the_reflector_that_it_hits() -> None:
