@@ -312,7 +312,7 @@ def main() -> None:
     os.environ.setdefault("OMP_NUM_THREADS", "1")
     try:
         cli()
-    except (Exception, KeyboardInterrupt) as error:  # noqa: BLE001 - the outermost frame tells and ends the process
+    except (Exception, KeyboardInterrupt) as error:  # noqa: BLE001  # the outermost frame tells and ends the process
         # The process is ending anyway; another Ctrl-C must not cut the sentence short.
         signal.signal(signal.SIGINT, signal.SIG_IGN)
         from app.failure import tell

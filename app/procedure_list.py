@@ -26,15 +26,15 @@ class Runnable(Protocol):
     """
 
     @property
-    def name(self) -> str: ...  # noqa: D102 - said above
+    def name(self) -> str: ...  # noqa: D102  # said above
     @property
-    def title(self) -> str: ...  # noqa: D102 - said above
+    def title(self) -> str: ...  # noqa: D102  # said above
     @property
-    def needs_aim(self) -> bool: ...  # noqa: D102 - said above
+    def needs_aim(self) -> bool: ...  # noqa: D102  # said above
     @property
-    def needs_tracker(self) -> bool: ...  # noqa: D102 - said above
+    def needs_tracker(self) -> bool: ...  # noqa: D102  # said above
     @property
-    def params_type(self) -> type[BaseModel]: ...  # noqa: D102 - said above
+    def params_type(self) -> type[BaseModel]: ...  # noqa: D102  # said above
 
     # Each procedure has parameters and a plan of types of its own.
     def plan(self, bench: Bench, params: Any) -> Any:

@@ -49,5 +49,5 @@ class SystemClock:
         loop = asyncio.get_running_loop()
         end_s = loop.time() + duration_s / self.speed
         await asyncio.sleep(max(0.0, end_s - loop.time() - _TIMER_STEP_S))
-        while loop.time() < end_s:  # noqa: ASYNC110 - a timer is too coarse here
+        while loop.time() < end_s:  # noqa: ASYNC110  # a timer is too coarse here
             await asyncio.sleep(0)

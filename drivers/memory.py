@@ -45,7 +45,7 @@ class MemoryTransport:
             self._is_open = False
             self._inbox.put_nowait(None)
             if self._peer:
-                self._peer._inbox.put_nowait(None)  # noqa: SLF001 - the other end of the same pipe
+                self._peer._inbox.put_nowait(None)  # noqa: SLF001  # the other end of the same pipe
 
     async def write(self, data: bytes) -> None:
         """Send all bytes as one chunk.
@@ -56,7 +56,7 @@ class MemoryTransport:
         if not self._is_open or not self._peer or not self._peer.is_open:
             raise LinkError(f"{self._endpoint}: the link is closed: open both ends first")
         if data:
-            self._peer._inbox.put_nowait(data)  # noqa: SLF001 - the other end of the same pipe
+            self._peer._inbox.put_nowait(data)  # noqa: SLF001  # the other end of the same pipe
 
     async def read(self) -> bytes:
         """Return the next chunk.

@@ -11,67 +11,67 @@ class DeviceIdentity(Protocol):
     """Who answers behind an endpoint."""
 
     @property
-    def model(self) -> str: ...  # noqa: D102 - the attribute's name says it
+    def model(self) -> str: ...  # noqa: D102  # the attribute's name says it
     @property
-    def firmware(self) -> str: ...  # noqa: D102 - the attribute's name says it
+    def firmware(self) -> str: ...  # noqa: D102  # the attribute's name says it
     @property
-    def serial(self) -> str: ...  # noqa: D102 - the attribute's name says it
+    def serial(self) -> str: ...  # noqa: D102  # the attribute's name says it
     @property
-    def simulated(self) -> bool: ...  # noqa: D102 - the attribute's name says it
+    def simulated(self) -> bool: ...  # noqa: D102  # the attribute's name says it
 
 
 class ControllerStatus(Protocol):
     """State of a robot controller."""
 
     @property
-    def servo_on(self) -> bool: ...  # noqa: D102 - the attribute's name says it
+    def servo_on(self) -> bool: ...  # noqa: D102  # the attribute's name says it
     @property
-    def running(self) -> bool: ...  # noqa: D102 - the attribute's name says it
+    def running(self) -> bool: ...  # noqa: D102  # the attribute's name says it
     @property
-    def emergency_stop(self) -> bool: ...  # noqa: D102 - the attribute's name says it
+    def emergency_stop(self) -> bool: ...  # noqa: D102  # the attribute's name says it
     @property
-    def teach_mode(self) -> bool: ...  # noqa: D102 - the attribute's name says it
+    def teach_mode(self) -> bool: ...  # noqa: D102  # the attribute's name says it
     @property
-    def override_percent(self) -> float: ...  # noqa: D102 - the attribute's name says it
+    def override_percent(self) -> float: ...  # noqa: D102  # the attribute's name says it
     @property
-    def alarm_number(self) -> int: ...  # noqa: D102 - the attribute's name says it
+    def alarm_number(self) -> int: ...  # noqa: D102  # the attribute's name says it
     @property
-    def alarm_text(self) -> str: ...  # noqa: D102 - the attribute's name says it
+    def alarm_text(self) -> str: ...  # noqa: D102  # the attribute's name says it
 
 
 class LengthReading(Protocol):
     """One reading of a length counter."""
 
     @property
-    def displacement_mm(self) -> float: ...  # noqa: D102 - the attribute's name says it
+    def displacement_mm(self) -> float: ...  # noqa: D102  # the attribute's name says it
     @property
-    def time_s(self) -> float: ...  # noqa: D102 - the attribute's name says it
+    def time_s(self) -> float: ...  # noqa: D102  # the attribute's name says it
 
 
 class BeamStatus(Protocol):
     """State of a length counter's beam."""
 
     @property
-    def beam_ok(self) -> bool: ...  # noqa: D102 - the attribute's name says it
+    def beam_ok(self) -> bool: ...  # noqa: D102  # the attribute's name says it
     @property
-    def beam_lost(self) -> bool: ...  # noqa: D102 - the attribute's name says it
+    def beam_lost(self) -> bool: ...  # noqa: D102  # the attribute's name says it
     @property
-    def overspeed(self) -> bool: ...  # noqa: D102 - the attribute's name says it
+    def overspeed(self) -> bool: ...  # noqa: D102  # the attribute's name says it
     @property
-    def laser_ready(self) -> bool: ...  # noqa: D102 - the attribute's name says it
+    def laser_ready(self) -> bool: ...  # noqa: D102  # the attribute's name says it
     @property
-    def signal(self) -> float: ...  # noqa: D102 - the attribute's name says it
+    def signal(self) -> float: ...  # noqa: D102  # the attribute's name says it
 
 
 class Air(Protocol):
     """State of the air."""
 
     @property
-    def temperature_c(self) -> float | None: ...  # noqa: D102 - the attribute's name says it
+    def temperature_c(self) -> float | None: ...  # noqa: D102  # the attribute's name says it
     @property
-    def pressure_hpa(self) -> float | None: ...  # noqa: D102 - the attribute's name says it
+    def pressure_hpa(self) -> float | None: ...  # noqa: D102  # the attribute's name says it
     @property
-    def humidity_percent(self) -> float | None: ...  # noqa: D102 - the attribute's name says it
+    def humidity_percent(self) -> float | None: ...  # noqa: D102  # the attribute's name says it
 
 
 @runtime_checkable
@@ -171,11 +171,11 @@ class Position(Protocol):
     """A position in the tracker's frame."""
 
     @property
-    def x_mm(self) -> float: ...  # noqa: D102 - the attribute's name says it
+    def x_mm(self) -> float: ...  # noqa: D102  # the attribute's name says it
     @property
-    def y_mm(self) -> float: ...  # noqa: D102 - the attribute's name says it
+    def y_mm(self) -> float: ...  # noqa: D102  # the attribute's name says it
     @property
-    def u_mm(self) -> float: ...  # noqa: D102 - the attribute's name says it
+    def u_mm(self) -> float: ...  # noqa: D102  # the attribute's name says it
 
 
 @runtime_checkable

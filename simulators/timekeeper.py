@@ -80,7 +80,7 @@ class TimeKeeper:
             await asyncio.wait([waiter], timeout=max(0.0, delay_s - _TIMER_STEP_S))
             # The bulk of the motion is calculated while there is still time.
             self.bench.advance_to(min(due_s, self._now_s()))
-            while loop.time() < end_s and not waiter.done():  # noqa: ASYNC110 - a timer is too coarse here
+            while loop.time() < end_s and not waiter.done():  # noqa: ASYNC110  # a timer is too coarse here
                 await asyncio.sleep(0)
         finally:
             self._waiters.discard(waiter)

@@ -48,9 +48,9 @@ class Procedure(Protocol):
     """
 
     @property
-    def name(self) -> str: ...  # noqa: D102 - said above
+    def name(self) -> str: ...  # noqa: D102  # said above
     @property
-    def title(self) -> str: ...  # noqa: D102 - said above
+    def title(self) -> str: ...  # noqa: D102  # said above
 
     # Each procedure has a plan type of its own, which only it and its planner know.
     async def run(self, ctx: Context, plan: Any) -> None:
@@ -199,7 +199,7 @@ class _Run:
             await self._control.checkpoint()
             ending = await self._teardown(context, COMPLETE)
             self._control.done()
-        except Exception as error:  # noqa: BLE001 - the last line of defence: whatever failed, the robot must stop
+        except Exception as error:  # noqa: BLE001  # the last line of defence: whatever failed, the robot must stop
             return await uncancelled(self._failed(error))
         return ending
 

@@ -178,7 +178,7 @@ def error_text(payload: str) -> bool | None:
     return (_ERROR.fullmatch(payload) is not None) if payload else None
 
 
-def free_text(payload: str) -> bool | None:  # noqa: ARG001 - a Layout by shape
+def free_text(payload: str) -> bool | None:  # noqa: ARG001  # a Layout by shape
     """Layout of answers that do not show their end."""
     return None
 

@@ -1,11 +1,15 @@
 """What the drivers that lead the arm along ways have in common: everything but motion goes over the R-protocol."""
 
+import math
+from abc import ABC, abstractmethod
+from collections.abc import Sequence
+
 from drivers.melfa.controller import MelfaController
 from drivers.melfa.robot import MelfaR3
-from drivers.readings import RobotStatus
+from drivers.readings import Joints, RobotStatus
 
 
-class LedArm:
+class LedArm(ABC):
     """Base of a driver that leaves session, drives, override and alarms to the R-protocol.
 
     Args:
@@ -19,6 +23,14 @@ class LedArm:
     def controller(self) -> MelfaController:
         """The controller beyond motion; see MelfaR3.controller."""
         return self._controller.controller
+
+    @abstractmethod
+    async def follow(self, way: Sequence[Joints]) -> None:
+        """Pass all targets and return when the robot stands at the last one."""
+
+    async def move_joints(self, target: Joints) -> None:
+        """Interpolate all joints to the target; see `follow`."""
+        await self.follow((target,))
 
     async def status(self) -> RobotStatus:
         """Return the controller's state; see MelfaR3.status."""
@@ -39,3 +51,13 @@ class LedArm:
     async def reset_alarm(self) -> None:
         """Reset the active alarm; see MelfaR3.reset_alarm."""
         await self._controller.reset_alarm()
+
+
+def require_way(way: Sequence[Joints]) -> None:
+    """Check that a way can be driven.
+
+    Raises:
+        ValueError: no target, or a joint is not a finite number.
+    """
+    if not way or not all(math.isfinite(value) for target in way for value in target):
+        raise ValueError(f"a way needs targets that are finite numbers, got {way}")

@@ -105,7 +105,7 @@ class BenchTracker:
     def at(
         cls,
         endpoint: str,
-        clock: Clock,  # noqa: ARG003 - shape of all drivers
+        clock: Clock,  # noqa: ARG003  # shape of all drivers
         sink: Sink | None = None,
         **settings: Any,
     ) -> Self:

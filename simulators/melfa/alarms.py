@@ -95,7 +95,7 @@ def text(number: int) -> str:
     return _TEXTS.get(number, "Emulated alarm")
 
 
-class Refusal(Exception):  # noqa: N818 - an answer of the controller, not a fault of the program
+class Refusal(Exception):  # noqa: N818  # an answer of the controller, not a fault of the program
     """The controller rejects a request.
 
     Args:

@@ -28,7 +28,7 @@ def test_recovery_from_noise_free_points() -> None:
         found = identify(paper_points(truth), "error-map", *NODES, 325.0, 225.0, NOMINAL_REFLECTORS)
         error = np.abs(found.parameters[:40] - truth.table_vector())
         worst_link, worst_map = max(worst_link, error[:2].max()), max(worst_map, error[2:].max() / MDEG)
-    print(f"\nnoise-free: map to {worst_map:.1e} mdeg, links to {worst_link:.1e} mm (limits 1e-8)")  # noqa: T201 - the figure
+    print(f"\nnoise-free: map to {worst_map:.1e} mdeg, links to {worst_link:.1e} mm (limits 1e-8)")  # noqa: T201  # the figure
     assert worst_map < 1e-8
     assert worst_link < 1e-8
 
@@ -42,7 +42,7 @@ def test_white_noise() -> None:
         errors.append((found.parameters[:40] - truth.table_vector()) / found.standard_uncertainty[:40])
         chi2.append(found.fit.chi2_reduced)
     rms, mean = float(np.sqrt(np.mean(np.square(errors)))), float(np.mean(np.array(chi2, dtype=np.float64)))
-    print(f"\nwhite noise, {SEEDS} seeds: normalised errors {rms:.3f} rms, χ²/dof {mean:.3f} (0.9…1.1)")  # noqa: T201 - the figure
+    print(f"\nwhite noise, {SEEDS} seeds: normalised errors {rms:.3f} rms, χ²/dof {mean:.3f} (0.9…1.1)")  # noqa: T201  # the figure
     assert 0.9 < rms < 1.1
     assert 0.9 < mean < 1.1
 
@@ -72,5 +72,5 @@ def test_radial_error_motions() -> None:
         assert found.fit.lack_of_fit.significant
     stated, white = (float(np.sqrt(np.mean(np.square(one)))) for one in (with_budget, without))
     figure = f"normalised errors {stated:.2f} rms with the stated budget, {white:.2f} as if white"
-    print(f"\nradial error motions, {SEEDS} seeds: {figure}; lack of fit F = {np.mean(ratios):.1f}")  # noqa: T201 - the figure
+    print(f"\nradial error motions, {SEEDS} seeds: {figure}; lack of fit F = {np.mean(ratios):.1f}")  # noqa: T201  # the figure
     assert 0.9 < stated < 1.1

@@ -47,5 +47,5 @@ def test_one_solve_costs_at_most_three_times_four_lapack_solves() -> None:
     pairs = [(timed_s(ours), timed_s(peer)) for _ in range(ROUNDS)]
     ratio = statistics.median(a / b for a, b in pairs)
     mine, other = (1e3 * statistics.median(column) for column in zip(*pairs, strict=True))
-    print(f"\nsolve: {mine:.1f} ms, four lstsq: {other:.1f} ms, ratio {ratio:.2f} (limit 3)")  # noqa: T201 - the figure
+    print(f"\nsolve: {mine:.1f} ms, four lstsq: {other:.1f} ms, ratio {ratio:.2f} (limit 3)")  # noqa: T201  # the figure
     assert ratio <= 3.0

@@ -38,13 +38,13 @@ async def write(run: str | None, root: Path) -> None:
         store = await RunStore.create(root, "kill", {}, clock, reserve_bytes=0)
     else:
         store = await RunStore.reopen(Path(run), clock, reserve_bytes=0)
-    print("ready", store.path, flush=True)  # noqa: T201 - the parent reads it
+    print("ready", store.path, flush=True)  # noqa: T201  # the parent reads it
     number = 0
     while True:
         if store.stored_result(f"s{number}") is None:
             await store.append_step(f"s{number}", 1, "title", {"number": number}, [ROW] * ROWS)
             await store.event("acknowledged", {"number": number})
-        print(number, flush=True)  # noqa: T201 - the parent reads it
+        print(number, flush=True)  # noqa: T201  # the parent reads it
         number += 1
 
 
@@ -56,15 +56,15 @@ async def fill(root: Path) -> None:
     try:
         while number < 10_000:
             await store.append_step(f"s{number}", 1, "title", {}, [ROW] * ROWS)
-            print(number, flush=True)  # noqa: T201 - the parent reads it
+            print(number, flush=True)  # noqa: T201  # the parent reads it
             number += 1
     except StorageError:
         with contextlib.suppress(StorageError):
             await store.event("after")
-            print("taken after the failure", flush=True)  # noqa: T201 - the parent reads it
+            print("taken after the failure", flush=True)  # noqa: T201  # the parent reads it
         with contextlib.suppress(StorageError):
             await store.finish("complete", 0)
-            print("closed after the failure", flush=True)  # noqa: T201 - the parent reads it
+            print("closed after the failure", flush=True)  # noqa: T201  # the parent reads it
 
 
 @contextlib.contextmanager

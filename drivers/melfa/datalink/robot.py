@@ -6,7 +6,6 @@ stands: it is started again before the next way, or an operator has to.
 """
 
 import asyncio
-import math
 from collections.abc import Sequence
 from typing import Any, ClassVar, Self
 
@@ -25,8 +24,8 @@ from drivers.errors import (
 from drivers.link import RequestLink, uninterrupted
 from drivers.melfa.datalink import codec
 from drivers.melfa.datalink.codec import Record, RecordDecoder
-from drivers.melfa.led import LedArm
-from drivers.melfa.motion import off_target
+from drivers.melfa.led import LedArm, require_way
+from drivers.melfa.motion import LOOK_WHY, off_target
 from drivers.melfa.robot import MelfaR3
 from drivers.melfa.settings import MelfaSettings
 from drivers.readings import Identity, Joints
@@ -149,10 +148,6 @@ class MelfaDatalink(LedArm):
             return await self._controller.joints()
         return codec.joints_of(await self._ask(codec.TELL, retry=True))
 
-    async def move_joints(self, target: Joints) -> None:
-        """Interpolate all joints to the target; see `follow`."""
-        await self.follow((target,))
-
     async def follow(self, way: Sequence[Joints]) -> None:
         """Pass all targets and return when the robot stands at the last one; it stands at every 60th, too.
 
@@ -170,8 +165,7 @@ class MelfaDatalink(LedArm):
             ProtocolError: garbage came.
             ValueError: no target, or a joint is not a finite number.
         """
-        if not way or not all(math.isfinite(value) for target in way for value in target):
-            raise ValueError(f"a way needs targets that are finite numbers, got {way}")
+        require_way(way)
         require_no_stop = self._controller.watch_stops()
         try:
             for first in range(0, len(way), codec.MAX_POINTS):
@@ -231,10 +225,7 @@ class MelfaDatalink(LedArm):
             self._driving = False
         reached = codec.joints_of(answer)
         if off := off_target(reached, target, self._settings):
-            raise NotArrivedError(
-                f"{self._link.where}: the motion is over, but {off}: look for a collision, a stop by another source "
-                "or an alarm before moving again"
-            )
+            raise NotArrivedError(f"{self._link.where}: the motion is over, but {off}: {LOOK_WHY}")
 
     async def _driven(self) -> Record:
         """Drive; return the answer. A program that stands after anybody's STOP or in alarm gives none: it is watched.

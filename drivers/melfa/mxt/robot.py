@@ -8,7 +8,6 @@ so that nothing streams while the arm is at rest.
 
 import asyncio
 import contextlib
-import math
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from typing import Any, ClassVar, Self
 
@@ -23,8 +22,8 @@ from drivers.errors import (
     RefusedError,
 )
 from drivers.link import uninterrupted
-from drivers.melfa.led import LedArm
-from drivers.melfa.motion import off_target
+from drivers.melfa.led import LedArm, require_way
+from drivers.melfa.motion import LOOK_WHY, off_target
 from drivers.melfa.mxt.profile import Bounds, WayProfile
 from drivers.melfa.mxt.settings import MxtSettings
 from drivers.melfa.mxt.stream import SetPointStream
@@ -35,7 +34,6 @@ from drivers.record import Sink
 
 _REST_CYCLES = 5
 _REST_DEG = 1e-3
-_LOOK_WHY = "look for a collision, a stop by another source or an alarm before moving again"
 
 
 class MelfaMxt(LedArm):
@@ -138,10 +136,6 @@ class MelfaMxt(LedArm):
             return reported
         return feedback
 
-    async def move_joints(self, target: Joints) -> None:
-        """Interpolate all joints to the target; see `follow`."""
-        await self.follow((target,))
-
     async def follow(self, way: Sequence[Joints]) -> None:
         """Lead the arm through all targets; return when it stands at the last one.
 
@@ -160,8 +154,7 @@ class MelfaMxt(LedArm):
             ProtocolError: garbage came.
             ValueError: no target, or a joint is not a finite number.
         """
-        if not way or not all(math.isfinite(value) for target in way for value in target):
-            raise ValueError(f"a way needs targets that are finite numbers, got {way}")
+        require_way(way)
         require_no_stop = self._controller.watch_stops()
         try:
             await self._ready()
@@ -219,7 +212,7 @@ class MelfaMxt(LedArm):
         if off := off_target(reached, way[-1], self._settings):
             # The program may be told to stop now.
             self._halted = True
-            away = NotArrivedError(f"{self._stream.where}: the motion is over, but {off}: {_LOOK_WHY}")
+            away = NotArrivedError(f"{self._stream.where}: the motion is over, but {off}: {LOOK_WHY}")
             await self._controller.account_for(way[-1], away)
             raise away
         self._feedback = reached

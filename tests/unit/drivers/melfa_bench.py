@@ -57,7 +57,7 @@ class Controller:
             case "OVRD", _, _:
                 return [f"QoK{self.override}"]
             case "EXECJCATSEYE", _, values:
-                self.target = tuple(float(v) for v in values.strip("()").split(","))  # type: ignore[assignment]
+                self.target = tuple(float(v) for v in values.strip("()").split(","))  # type: ignore[assignment]  # four numbers
             case "EXEC2", _, _:
                 self.arrive()
             case "EXECMOV JCATSEYE", _, _:

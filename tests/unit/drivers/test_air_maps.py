@@ -126,7 +126,7 @@ def test_values_that_no_air_has_name_register_and_remedy(name: str, value: float
     with pytest.raises(
         ProtocolError, match=rf"{name} \(float32 at register 0x000\d.*check word_order \(now 'little'\)"
     ):
-        check_plausible(name, value, resolved())  # type: ignore[arg-type]
+        check_plausible(name, value, resolved())  # type: ignore[arg-type]  # any name of the table
 
 
 @pytest.mark.parametrize("value", [500.0, 1200.0, None])

@@ -147,7 +147,7 @@ def test_scales(scale: Scale, number: float, length_mm: float) -> None:
 
 @pytest.mark.parametrize("word", ["mm", "MM", ""])
 def test_the_unit_that_is_shown_may_be_the_profiles(word: str) -> None:
-    assert codec.check_unit(word, Scale(unit="mm")) is None  # type: ignore[func-returns-value]
+    assert codec.check_unit(word, Scale(unit="mm")) is None  # type: ignore[func-returns-value]  # nothing is what it returns
 
 
 @pytest.mark.parametrize(("word", "unit"), [("in", "mm"), ("um", "mm"), ("µm", "nm"), ("deg", "mm")])

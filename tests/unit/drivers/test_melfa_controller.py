@@ -124,7 +124,7 @@ def replies(controller: Controller, answers: dict[str, str | list[str]]) -> None
             return usual(command)
         return [found.pop(0) if isinstance(found, list) else found]
 
-    controller.usual = answer  # type: ignore[method-assign]
+    controller.usual = answer  # type: ignore[method-assign]  # the script answers otherwise here
 
 
 @asynccontextmanager
@@ -273,7 +273,7 @@ def test_the_telegram_of_a_jog() -> None:
     assert telegram({"J2": -1, "J4": 1}) == "JOG00;00;02;08;00"
     for wrong in ({}, {"J5": 1}):
         with pytest.raises(ValueError, match="joints to jog"):
-            telegram(wrong)  # type: ignore[arg-type]
+            telegram(wrong)  # type: ignore[arg-type]  # the wrong value is the test
     # Half a period late, and a telegram still comes in time.
     assert 1.5 * PERIOD_S < DEAD_MAN_S
 
@@ -348,7 +348,7 @@ async def test_a_refused_telegram_ends_the_jog_with_its_reason() -> None:
         with pytest.raises(NotReadyError, match="servo is off"):
             await hold(b)
         assert b.said_aside.count("STOP") == 1
-        assert asyncio.current_task().cancelling() == 0  # type: ignore[union-attr]
+        assert asyncio.current_task().cancelling() == 0  # type: ignore[union-attr]  # a test runs in a task
 
 
 @pytest.mark.parametrize("how", ["error", "cancel"])

@@ -305,7 +305,7 @@ def test_settings_are_strict() -> None:
     with pytest.raises(ValidationError, match="move_timeout"):
         MelfaR3.at("tcp://127.0.0.1:1", StepClock(), move_timeout=5)
     with pytest.raises(ValidationError, match="exec2"):
-        MelfaSettings(motion="jog")  # type: ignore[arg-type]
+        MelfaSettings(motion="jog")  # type: ignore[arg-type]  # the wrong value is the test
 
 
 def test_endpoints_are_checked_before_anything_is_opened() -> None:

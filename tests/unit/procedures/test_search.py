@@ -154,7 +154,7 @@ def test_a_search_keeps_inside_narrow_j4_limits() -> None:
 def solution(context: IdealContext) -> dict[str, tuple[float, float]]:
     places = context.stored["solve"]["reflectors"]
     assert isinstance(places, list)
-    return {str(p["name"]): (p["x_mm"], p["y_mm"]) for p in places if isinstance(p, dict)}  # type: ignore[misc] # plain JSON
+    return {str(p["name"]): (p["x_mm"], p["y_mm"]) for p in places if isinstance(p, dict)}  # type: ignore[misc]  # plain JSON
 
 
 def number(value: object) -> float:

@@ -133,7 +133,7 @@ async def test_every_point_of_every_pass_is_recorded_with_its_own_measurement() 
     assert [row["y_mm"] for row in rows[:6]] == [-20.0, 0.0, 20.0, 20.0, 0.0, -20.0]
     for row in rows:
         assert row["x_meas_mm"] == pytest.approx(1200.0)
-        assert row["y_meas_mm"] == pytest.approx(row["y_mm"] - 500.0)  # type: ignore[operator] # a number
+        assert row["y_meas_mm"] == pytest.approx(row["y_mm"] - 500.0)  # type: ignore[operator]  # a number
         assert row["u_mm"] == 0.004
     assert context.told[-1][:2] == (12, 12)
     assert context.moves.count(plan.run_in) == 2
