@@ -2,10 +2,12 @@
 
 import math
 from abc import ABC, abstractmethod
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from typing import Any
 
 from drivers.melfa.controller import MelfaController
 from drivers.melfa.robot import MelfaR3
+from drivers.melfa.settings import MelfaSettings
 from drivers.readings import Joints, RobotStatus
 
 
@@ -61,3 +63,18 @@ def require_way(way: Sequence[Joints]) -> None:
     """
     if not way or not all(math.isfinite(value) for target in way for value in target):
         raise ValueError(f"a way needs targets that are finite numbers, got {way}")
+
+
+def parted(settings: Mapping[str, Any], model: type[MelfaSettings]) -> tuple[dict[str, Any], dict[str, Any]]:
+    """Return the settings that go to `MelfaR3.at`, and those that go to a driver's own model.
+
+    Args:
+        settings: of both.
+        model: of the driver.
+    """
+    own = model.model_fields.keys() - MelfaSettings.model_fields.keys()
+    stop = {"stop_endpoint", "stop_sink"}
+    return (
+        {key: value for key, value in settings.items() if key not in own},
+        {key: value for key, value in settings.items() if key not in stop},
+    )

@@ -24,7 +24,7 @@ from drivers.errors import (
 from drivers.link import RequestLink, uninterrupted
 from drivers.melfa.datalink import codec
 from drivers.melfa.datalink.codec import Record, RecordDecoder
-from drivers.melfa.led import LedArm, require_way
+from drivers.melfa.led import LedArm, parted, require_way
 from drivers.melfa.motion import LOOK_WHY, off_target
 from drivers.melfa.robot import MelfaR3
 from drivers.melfa.settings import MelfaSettings
@@ -100,12 +100,9 @@ class MelfaDatalink(LedArm):
                 "the data link needs datalink_endpoint in [robot], the port whose CPRCE is 2: "
                 'datalink_endpoint = "tcp://192.168.0.20:10003"'
             )
-        own = DatalinkSettings.model_fields.keys() - MelfaSettings.model_fields.keys()
-        shared = {key: value for key, value in settings.items() if key not in own}
-        controller = MelfaR3.at(endpoint, clock, sink, **shared)
-        checked = DatalinkSettings(
-            **{k: v for k, v in settings.items() if k not in {"stop_endpoint", "stop_sink"}}
-        )
+        for_controller, for_model = parted(settings, DatalinkSettings)
+        controller = MelfaR3.at(endpoint, clock, sink, **for_controller)
+        checked = DatalinkSettings(**for_model)
         transport = open_transport(datalink_endpoint, connect_timeout_s=checked.connect_timeout_s, sink=sink)
         return cls(controller, transport, checked)
 

@@ -22,13 +22,12 @@ from drivers.errors import (
     RefusedError,
 )
 from drivers.link import uninterrupted
-from drivers.melfa.led import LedArm, require_way
+from drivers.melfa.led import LedArm, parted, require_way
 from drivers.melfa.motion import LOOK_WHY, off_target
 from drivers.melfa.mxt.profile import Bounds, WayProfile
 from drivers.melfa.mxt.settings import MxtSettings
 from drivers.melfa.mxt.stream import SetPointStream
 from drivers.melfa.robot import MelfaR3
-from drivers.melfa.settings import MelfaSettings
 from drivers.readings import Identity, Joints
 from drivers.record import Sink
 
@@ -85,11 +84,9 @@ class MelfaMxt(LedArm):
                 "real-time control needs mxt_endpoint in [robot], the first element of the parameter NETPORT: "
                 'mxt_endpoint = "udp://192.168.0.20:10000"'
             )
-        own = MxtSettings.model_fields.keys() - MelfaSettings.model_fields.keys()
-        controller = MelfaR3.at(endpoint, clock, sink, **{k: v for k, v in settings.items() if k not in own})
-        checked = MxtSettings(
-            **{k: v for k, v in settings.items() if k not in {"stop_endpoint", "stop_sink"}}
-        )
+        for_controller, for_model = parted(settings, MxtSettings)
+        controller = MelfaR3.at(endpoint, clock, sink, **for_controller)
+        checked = MxtSettings(**for_model)
         stream = SetPointStream(
             open_transport(mxt_endpoint, sink=stream_sink or sink), clock, checked, name="robot (MXT)"
         )

@@ -2,6 +2,7 @@
 
 import asyncio
 import contextlib
+from abc import ABC, abstractmethod
 from collections.abc import AsyncIterator, Awaitable, Callable, Iterable
 from contextlib import asynccontextmanager
 from datetime import UTC, datetime
@@ -57,27 +58,15 @@ class StepClock:
         await asyncio.sleep(0)
 
 
-class Peer:
-    """Plays the device at the far end of a pipe: each chunk that comes is answered by chunks.
+class FarEnd(ABC):
+    """Serves the far end of a pipe as long as the context lasts.
 
     Args:
-        answer: from a request to the chunks of its answer; none keeps silent.
         endpoint: name of the pipe.
-        on_hang_up: is called when the client closes its end.
     """
 
-    def __init__(
-        self,
-        answer: Answer,
-        *,
-        endpoint: str = "memory://device",
-        on_hang_up: Callable[[], None] = lambda: None,
-    ) -> None:
+    def __init__(self, endpoint: str) -> None:
         self.near, self.far = pipe(endpoint)
-        self.requests: list[bytes] = []
-        self.hang_ups = 0
-        self._answer = answer
-        self._on_hang_up = on_hang_up
         self._task: asyncio.Task[None] | None = None
 
     async def __aenter__(self) -> Self:
@@ -93,6 +82,33 @@ class Peer:
             with contextlib.suppress(asyncio.CancelledError):
                 await self._task
         await self.near.close()
+
+    @abstractmethod
+    async def _serve(self) -> None:
+        """Answer what comes, until cancelled."""
+
+
+class Peer(FarEnd):
+    """Plays the device at the far end of a pipe: each chunk that comes is answered by chunks.
+
+    Args:
+        answer: from a request to the chunks of its answer; none keeps silent.
+        endpoint: name of the pipe.
+        on_hang_up: is called when the client closes its end.
+    """
+
+    def __init__(
+        self,
+        answer: Answer,
+        *,
+        endpoint: str = "memory://device",
+        on_hang_up: Callable[[], None] = lambda: None,
+    ) -> None:
+        super().__init__(endpoint)
+        self.requests: list[bytes] = []
+        self.hang_ups = 0
+        self._answer = answer
+        self._on_hang_up = on_hang_up
 
     @property
     def transport(self) -> MemoryTransport:

@@ -5,11 +5,10 @@ import contextlib
 from collections.abc import AsyncIterator, Callable, Mapping
 from contextlib import asynccontextmanager
 from dataclasses import dataclass
-from types import TracebackType
-from typing import Any, Self
+from typing import Any
 
 from drivers.errors import LinkError
-from drivers.memory import MemoryTransport, pipe
+from drivers.memory import MemoryTransport
 from simulators.air_probe import AirProbe
 from simulators.bench.bench import Bench
 from simulators.config import EmulatedDevice, Option
@@ -19,7 +18,7 @@ from simulators.protocols import session_maker
 from simulators.serving import Pending, Session
 from simulators.timekeeper import TimeKeeper
 from simulators.world import World
-from tests.unit.drivers.peers import StepClock
+from tests.unit.drivers.peers import FarEnd, StepClock
 from tests.unit.simulators.benches import QUIET, aimed, go, quiet_bench
 
 
@@ -55,7 +54,7 @@ class BenchClock(StepClock):
         await super().sleep(duration_s)
 
 
-class Far:
+class Far(FarEnd):
     """Plays the emulator at the far end of a pipe.
 
     Args:
@@ -64,25 +63,10 @@ class Far:
     """
 
     def __init__(self, world: World, session: Callable[[], Session]) -> None:
-        self.near, self.far = pipe("memory://instrument")
+        super().__init__("memory://instrument")
         self.world = world
         self.muted = False
         self.new_session = session
-        self._task: asyncio.Task[None] | None = None
-
-    async def __aenter__(self) -> Self:
-        await self.far.open()
-        self._task = asyncio.create_task(self._serve())
-        return self
-
-    async def __aexit__(
-        self, kind: type[BaseException] | None, exc: BaseException | None, trace: TracebackType | None
-    ) -> None:
-        if self._task:
-            self._task.cancel()
-            with contextlib.suppress(asyncio.CancelledError):
-                await self._task
-        await self.near.close()
 
     async def _serve(self) -> None:
         while True:
