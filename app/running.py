@@ -9,7 +9,7 @@ from typing import Any
 from pydantic import BaseModel
 
 from app.aim import find_aim
-from app.cell.bench import air_rule, bench_of
+from app.cell.bench import air_limits, air_rule, bench_of
 from app.cell.load import LoadedCell
 from app.engine.announcer import Publish
 from app.engine.arm_model import reflector_beam
@@ -99,6 +99,7 @@ async def carry_out(
         limits=joint_limits(planned.bench),
         override_cap_percent=cell.robot.override_cap_percent,
         air=air_rule(cell),
+        air_limits=air_limits(cell),
         meta=_meta(planned, speed),
         arm=arm,
         answers=_answers(answers),
@@ -125,9 +126,10 @@ async def rehearse(planned: PlannedRun) -> DryRunContext:
 
 
 def joint_limits(bench: Bench) -> JointLimits:
-    """Return the limits that the gate checks at each move; J3 stays where the cell file puts it."""
+    """Return the limits that the gate checks at each move; J3 stays where the cell file puts it, or in its range."""
     arm = bench.arm
-    return JointLimits(arm.j1_limits_deg, arm.j2_limits_deg, arm.j4_limits_deg, (arm.j3_mm, arm.j3_mm))
+    heights = arm.j3_range_mm or (arm.j3_mm, arm.j3_mm)
+    return JointLimits(arm.j1_limits_deg, arm.j2_limits_deg, arm.j4_limits_deg, heights)
 
 
 def _meta(planned: PlannedRun, speed: float) -> dict[str, Json]:

@@ -1,5 +1,6 @@
 """The bench as a procedure knows it: nominal arm, rough reflectors, limits. Made from the cell file by the app."""
 
+import math
 from dataclasses import dataclass, replace
 from typing import Literal
 
@@ -44,6 +45,7 @@ class Arm:
         j2_limits_deg: smallest and largest J2.
         j4_limits_deg: smallest and largest J4, cables included.
         j3_mm: height at which everything is measured.
+        j3_range_mm: heights that J3 may be driven to, for the levelling of the beam.
         speed_deg_s: fastest J1, J2, J4 at 100 % override, for the time estimate.
         acceleration_deg_s2: acceleration of J1, J2, J4, for the time estimate.
         override_percent: speed override of the run.
@@ -64,6 +66,7 @@ class Arm:
     following: Following = "stops"
     follow_speed_deg_s: float = 20.0
     follow_acceleration_deg_s2: float = 200.0
+    j3_range_mm: tuple[float, float] | None = None
 
 
 @dataclass(frozen=True)
@@ -79,6 +82,8 @@ class Optics:
         beam_min_mm: shortest beam.
         beam_max_mm: longest beam.
         theta40_deg: direction of the beam at J4 = 0 on the straight arm; rough, or found by a search.
+        signal_min: smallest level of the returning beam that is measured with, 0...1; 0 takes any.
+        one_reflector: one cat's eye is carried from nest to nest; it stands in one of them at a time.
     """
 
     acceptance_mm: float
@@ -89,6 +94,45 @@ class Optics:
     beam_min_mm: float
     beam_max_mm: float
     theta40_deg: float
+    signal_min: float = 0.0
+    one_reflector: bool = False
+
+
+@dataclass(frozen=True)
+class Alignment:
+    """Screws that align the beam, and what is good enough.
+
+    Attributes:
+        stage_mm_per_turn: travel of the lateral stage in one turn of its screw.
+        stage_clockwise: side to which the beam moves when the screw is turned clockwise; +y is to the left of the
+            beam, seen from above.
+        offset_tolerance_mm: largest accepted distance of the beam from the J4 axis.
+        level_mrad_per_turn: tilt of the beam in one turn of the vertical screw.
+        level_clockwise: where the beam tilts when that screw is turned clockwise.
+        level_tolerance_mrad: largest accepted angle between the beam and the XY plane.
+    """
+
+    stage_mm_per_turn: float = 0.5
+    stage_clockwise: Literal["+y", "-y"] = "+y"
+    offset_tolerance_mm: float = 0.1
+    level_mrad_per_turn: float = 2.0
+    level_clockwise: Literal["up", "down"] = "up"
+    level_tolerance_mrad: float = 0.2
+
+
+@dataclass(frozen=True)
+class Noise:
+    """What a distance is good for, for estimates while measuring; standard uncertainties, mm.
+
+    Attributes:
+        white_mm: differs from distance to distance.
+        radial_mm: radial error motions of J1, J2 and J4: they repeat with the angles.
+        radial_orders: harmonics of the axis angle that the radial error motions are taken to have.
+    """
+
+    white_mm: float = 0.010
+    radial_mm: tuple[float, float, float] = (0.005, 0.005, 0.010)
+    radial_orders: int = 5
 
 
 @dataclass(frozen=True)
@@ -99,11 +143,13 @@ class Timing:
         settle_time_s: wait after a motion.
         dwell_time_s: time over which the readings are spread.
         readings: readings of a point.
+        spread_limit_mm: largest standard deviation of the readings of a settled point.
     """
 
     settle_time_s: float
     dwell_time_s: float
     readings: int
+    spread_limit_mm: float = math.inf
 
 
 @dataclass(frozen=True)
@@ -119,6 +165,8 @@ class Bench:
         nodes1_deg: J1 nodes, strictly increasing.
         nodes2_deg: J2 nodes, strictly increasing.
         take_up_deg: overshoot that brings a joint to its target from the proper side.
+        alignment: screws and tolerances of the beam's alignment.
+        noise: what a distance is good for.
     """
 
     name: str
@@ -129,6 +177,8 @@ class Bench:
     nodes1_deg: tuple[float, ...]
     nodes2_deg: tuple[float, ...]
     take_up_deg: float
+    alignment: Alignment = Alignment()
+    noise: Noise = Noise()
 
     def aimed(self, places_mm: dict[str, tuple[float, float]], theta40_deg: float) -> "Bench":
         """Return the bench with places and zero direction found by a search."""

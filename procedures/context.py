@@ -78,6 +78,36 @@ class Location:
     u_mm: float
 
 
+Table = Literal["points", "search", "path", "records"]
+"""Where a row is kept: distances, sightings of reflectors, points of a path, and anything else that was observed."""
+
+
+@dataclass(frozen=True)
+class Live:
+    """A value that a technician watches while it changes.
+
+    Attributes:
+        name: of the quantity.
+        value: now.
+        unit: of the value and its band.
+        low: smallest accepted value; None for no lower limit.
+        high: largest accepted value; None for no upper limit.
+        text: what to do about it, one sentence; empty when there is nothing to do.
+    """
+
+    name: str
+    value: float
+    unit: str
+    low: float | None = None
+    high: float | None = None
+    text: str = ""
+
+    @property
+    def accepted(self) -> bool:
+        """The value lies inside its band."""
+        return (self.low is None or self.value >= self.low) and (self.high is None or self.value <= self.high)
+
+
 @dataclass(frozen=True)
 class Prompt:
     """A question to the operator, as data.
@@ -90,6 +120,10 @@ class Prompt:
         unit: for kind "number".
         timeout_s: how long the question stays open; None for ever.
         safe_answer: taken when the time is over; None leaves the prompt unanswered (an error).
+        task: what hands have to do on the bench before the answer, as data: `{"do": "turn-screw", "screw": "stage",
+            "turns": 0.86}` (clockwise is positive) or `{"do": "place-reflector", "reflector": "P2"}`; None for a mere
+            question. An emulated bench carries it out.
+        motion: the arm moves after "yes": front ends take that answer by a key of its own.
     """
 
     id: str
@@ -99,10 +133,17 @@ class Prompt:
     unit: str = ""
     timeout_s: float | None = None
     safe_answer: str | None = None
+    task: Mapping[str, Json] | None = None
+    motion: bool = False
 
 
 class Context(Protocol):
     """The engine as a procedure sees it. Every call is a checkpoint of the stop ladder."""
+
+    @property
+    def resumed(self) -> bool:
+        """The run goes on after an interruption: arm and beam are not where the last stored step left them."""
+        ...
 
     async def step(self, step_id: str, title: str, action: Callable[[], Awaitable[Row]]) -> Row:
         """Run a step once.
@@ -112,7 +153,7 @@ class Context(Protocol):
         """
         ...
 
-    def record(self, table: Literal["points", "search", "path"], row: Row) -> None:
+    def record(self, table: Table, row: Row) -> None:
         """Keep a row of data; it becomes durable with the step that is under way.
 
         Raises:
@@ -159,8 +200,26 @@ class Context(Protocol):
         """Return where an independent instrument (a laser tracker) sees the J4 axis after settling."""
         ...
 
-    async def ask(self, prompt: Prompt) -> str:
-        """Put a question to the operator and wait for the answer."""
+    async def ask(self, prompt: Prompt, watch: Callable[[], Awaitable[Live]] | None = None) -> str:
+        """Put a question to the operator and wait for the answer.
+
+        Args:
+            prompt: the question.
+            watch: reads a value that is shown again and again until the answer is there; it must not move the robot.
+        """
+        ...
+
+    def show(self, live: Live) -> None:
+        """Show a value with its acceptance band now."""
+        ...
+
+    async def wait_until(self, reason: str, back: Callable[[], Awaitable[bool]]) -> None:
+        """Suspend the run until a condition is back: nothing moves meanwhile.
+
+        Args:
+            reason: what is wrong and what to do about it.
+            back: looks whether the condition is back; it must not move the robot.
+        """
         ...
 
     async def event(self, kind: str, **data: Json) -> None:

@@ -4,9 +4,10 @@ import math
 
 from app.cell.model import Cell
 from app.engine.compensation import AirRule
+from app.engine.conditions import AirLimits
 from app.errors import ConfigError
 from drivers.registry import load_driver
-from procedures.bench import Arm, Bench, Following, Optics, Reflector, Timing
+from procedures.bench import Alignment, Arm, Bench, Following, Noise, Optics, Reflector, Timing
 
 
 def bench_of(cell: Cell) -> Bench:
@@ -16,7 +17,10 @@ def bench_of(cell: Cell) -> Bench:
         arm=_arm(cell),
         optics=Optics(**cell.optics.model_dump()),
         timing=Timing(
-            cell.measurement.settle_time_s, cell.measurement.dwell_time_s, cell.measurement.readings
+            cell.measurement.settle_time_s,
+            cell.measurement.dwell_time_s,
+            cell.measurement.readings,
+            cell.measurement.spread_limit_um * 1e-3,
         ),
         reflectors=tuple(
             Reflector(r.name, r.x_mm, r.y_mm, facing_deg(r.x_mm, r.y_mm, r.facing_deg))
@@ -25,6 +29,8 @@ def bench_of(cell: Cell) -> Bench:
         nodes1_deg=tuple(cell.measurement.theta1_deg),
         nodes2_deg=tuple(cell.measurement.theta2_deg),
         take_up_deg=cell.measurement.take_up_deg,
+        alignment=Alignment(**cell.alignment.model_dump()),
+        noise=_noise(cell),
     )
 
 
@@ -33,9 +39,22 @@ def air_rule(cell: Cell) -> AirRule:
     return AirRule(**cell.air.model_dump())
 
 
+def air_limits(cell: Cell) -> AirLimits:
+    """Return the air in which a measurement goes on."""
+    given = cell.conditions.model_dump(exclude_none=True)
+    return AirLimits({name: (low, high) for name, (low, high) in given.items()})
+
+
 def facing_deg(x_mm: float, y_mm: float, given_deg: float | None) -> float:
     """Return the direction of a reflector's axis, deg: as given, else towards the J1 axis."""
     return math.degrees(math.atan2(y_mm, x_mm)) + 180.0 if given_deg is None else given_deg
+
+
+def _noise(cell: Cell) -> Noise:
+    stated = cell.uncertainty
+    radial_um = (stated.radial_j1_um, stated.radial_j2_um, stated.radial_j4_um)
+    one, two, four = (value * 1e-3 for value in radial_um)
+    return Noise(stated.white_um * 1e-3, (one, two, four), stated.radial_orders)
 
 
 def _arm(cell: Cell) -> Arm:
@@ -47,6 +66,7 @@ def _arm(cell: Cell) -> Arm:
         j2_limits_deg=(limits.j2[0], limits.j2[1]),
         j4_limits_deg=(limits.j4[0], limits.j4[1]),
         j3_mm=robot.j3_mm,
+        j3_range_mm=None if robot.j3_range_mm is None else (robot.j3_range_mm[0], robot.j3_range_mm[1]),
         speed_deg_s=_triple(robot.speed_deg_s),
         acceleration_deg_s2=_triple(robot.acceleration_deg_s2),
         override_percent=robot.override_cap_percent,

@@ -67,6 +67,7 @@ class Robot(Section):
     link1_mm: Positive
     link2_mm: Positive
     j3_mm: Finite = 0.0
+    j3_range_mm: Range | None = None
     override_cap_percent: Annotated[float, Field(ge=1.0, le=100.0, allow_inf_nan=False)] = 20.0
     # The sheet gives the speeds of J1, J2, J4 from memory of a catalogue: they serve the time estimate only.
     speed_deg_s: Triple = [420.0, 720.0, 3000.0]
@@ -78,6 +79,13 @@ class Robot(Section):
 
     _endpoint = field_validator("endpoint")(_checked_endpoint)
     _further = field_validator("datalink_endpoint", "mxt_endpoint")(_checked_further)
+
+    @model_validator(mode="after")
+    def _height_in_range(self) -> Self:
+        if self.j3_range_mm is not None and not self.j3_range_mm[0] <= self.j3_mm <= self.j3_range_mm[1]:
+            low, high = self.j3_range_mm
+            raise ValueError(f"j3_mm = {self.j3_mm:g} is outside j3_range_mm = [{low:g}, {high:g}]")
+        return self
 
 
 class Interferometer(Section):
@@ -162,6 +170,9 @@ class Optics(Section):
     beam_min_mm: Positive = 50.0
     beam_max_mm: Positive = 5000.0
     theta40_deg: Finite = 0.0
+    # Not every counter tells a level; those that do not read 1 while the beam returns.
+    signal_min: Annotated[float, Field(ge=0.0, lt=1.0, allow_inf_nan=False)] = 0.0
+    one_reflector: bool = False
 
     @model_validator(mode="after")
     def _consistent(self) -> Self:
@@ -173,6 +184,38 @@ class Optics(Section):
         if self.beam_min_mm >= self.beam_max_mm:
             raise ValueError("beam_min_mm has to be below beam_max_mm")
         return self
+
+
+class Alignment(Section):
+    """[alignment]: the screws that move the beam, and how well it has to be aligned."""
+
+    stage_mm_per_turn: Positive = 0.5
+    stage_clockwise: Literal["+y", "-y"] = "+y"
+    offset_tolerance_mm: Positive = 0.1
+    level_mrad_per_turn: Positive = 2.0
+    level_clockwise: Literal["up", "down"] = "up"
+    level_tolerance_mrad: Positive = 0.2
+
+
+class Conditions(Section):
+    """[conditions]: the air in which a measurement goes on; outside of it the run is suspended."""
+
+    temperature_c: Range | None = None
+    pressure_hpa: Range | None = None
+    humidity_percent: Range | None = None
+
+    @field_validator("temperature_c", "pressure_hpa", "humidity_percent")
+    @classmethod
+    def _ordered(cls, value: list[float] | None) -> list[float] | None:
+        if value is not None and not value[0] < value[1]:
+            raise ValueError(f"the lower limit {value[0]:g} has to be below the upper limit {value[1]:g}")
+        return value
+
+
+class Engine(Section):
+    """[engine]: what becomes of a run whose front end dies."""
+
+    on_client_lost: Literal["continue", "hold", "stop"] = "hold"
 
 
 class Reflector(Section):
@@ -193,6 +236,7 @@ class Measurement(Section):
     dwell_time_s: NotNegative = 0.5
     readings: Annotated[int, Field(ge=1, le=10000)] = 10
     take_up_deg: Positive = 1.0
+    spread_limit_um: Positive = 5.0
 
     @field_validator("theta1_deg", "theta2_deg")
     @classmethod
@@ -239,6 +283,9 @@ class Cell(Section):
     tracker: Tracker | None = None
     device: list[FurtherDevice] = []
     optics: Optics = Optics()
+    alignment: Alignment = Alignment()
+    conditions: Conditions = Conditions()
+    engine: Engine = Engine()
     reflector: Annotated[list[Reflector], Field(min_length=1)]
     measurement: Measurement
     uncertainty: Uncertainty = Uncertainty()

@@ -16,7 +16,8 @@ endpoint = "tcp://127.0.0.1:10001"
 expected_model = "RH-3FRH5515"          # the controller has to call itself so, or the links below are wrong
 link1_mm = 325.0                        # nominal, from the catalogue
 link2_mm = 225.0
-j3_mm = 0.0                             # height at which everything is measured: the beam at the reflectors' height
+j3_mm = 50.0                            # height at which everything is measured: the beam at the reflectors' height
+j3_range_mm = [40.0, 60.0]              # heights that the levelling of the beam may drive J3 to
 override_cap_percent = 20               # the program never drives faster
 
 [robot.limits_deg]                      # make these narrower than the controller's own, cables included
@@ -57,6 +58,24 @@ field_half_angle_deg = 80.0
 column_radius_mm = 110.0                # the robot's base hides the reflector behind it
 column_margin_mm = 5.0
 theta40_deg = 0.0                       # beam direction at J4 = 0, roughly; the search finds it
+signal_min = 0.1                        # weaker returns are not measured with; 0 for counters that tell no level
+one_reflector = false                   # true: one cat's eye is carried from nest to nest; you are asked to
+
+[alignment]                             # the screws of the interferometer's mount, for beam-level and beam-to-j4
+stage_mm_per_turn = 0.5                 # lateral stage
+stage_clockwise = "+y"                  # +y: to the left of the beam, seen from above
+offset_tolerance_mm = 0.1
+level_mrad_per_turn = 2.0               # vertical tilt
+level_clockwise = "up"
+level_tolerance_mrad = 0.2
+
+[conditions]                            # outside of these the run is suspended until they are back
+temperature_c = [15.0, 25.0]
+pressure_hpa = [800.0, 1100.0]
+humidity_percent = [5.0, 90.0]
+
+[engine]
+on_client_lost = "hold"                 # or "continue", "stop": when the terminal that holds control dies
 
 [[reflector]]                           # rough places; the search finds them
 name = "P1"
@@ -80,6 +99,7 @@ settle_time_s = 0.5
 dwell_time_s = 0.5
 readings = 10                           # spread over the dwell time
 take_up_deg = 1.0                       # overshoot at every reversal; larger than any backlash
+spread_limit_um = 5.0                   # readings that scatter more have not settled and are taken again
 
 [uncertainty]
 # Standard uncertainties (k = 1) of a distance, Table 2 of the SCARA paper; the defaults are these very figures.

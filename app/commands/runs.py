@@ -72,7 +72,9 @@ def _facts(reader: RunReader, meta: dict[str, Any]) -> dict[str, object]:
         "status": reader.status,
         "exit_code": reader.exit_code,
         "meta": meta,
-        "counts": {name: reader.count(name) for name in ("steps", "points", "search", "path", "events")},
+        "counts": {
+            name: reader.count(name) for name in ("steps", "points", "search", "path", "records", "events")
+        },
         "results": {s.step_id: s.result for s in reader.steps() if s.row_count == 0 and s.result},
         "events": [{"t": e.time_utc, "kind": e.kind, "data": e.data} for e in reader.events()],
         "prompts": reader.prompts(),
@@ -90,7 +92,9 @@ def _story(reader: RunReader, meta: dict[str, Any]) -> list[str]:
         f"    {name}: {facts['model']} {facts['firmware']} {facts['serial']}".rstrip()
         for name, facts in devices.items()
     ]
-    counts = ", ".join(f"{reader.count(name)} {name}" for name in ("steps", "points", "search", "path"))
+    counts = ", ".join(
+        f"{reader.count(name)} {name}" for name in ("steps", "points", "search", "path", "records")
+    )
     lines.append(f"  stored     {counts}")
     lines += [
         f"  result     {s.title}: {json.dumps(s.result, ensure_ascii=False)}"

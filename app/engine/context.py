@@ -1,8 +1,9 @@
 """What a procedure is given on the bench: every call passes the stop ladder, every move the gate."""
 
+import asyncio
 from collections.abc import Awaitable, Callable, Sequence
 from dataclasses import dataclass, field, replace
-from typing import Literal
+from typing import TypeVar
 
 from app.engine.announcer import Announcer
 from app.engine.compensation import AirRule, Compensation, missing_quantities
@@ -10,17 +11,22 @@ from app.engine.control import RunControl
 from app.engine.devices import Devices
 from app.engine.gate import MotionGate
 from app.engine.measuring import AirCache, measure
-from app.engine.operator import Operator
+from app.engine.operator import Answer, Operator
 from app.engine.timekeeping import Progress, StepTime
-from app.engine.waiting import uncancelled
-from app.errors import ConfigError
-from app.store.rows import Table, encode
+from app.engine.waiting import cancel, uncancelled
+from app.errors import ConditionLostError, ConfigError
+from app.store.rows import encode
 from app.store.run_store import RunStore
 from drivers.clock import Clock
-from procedures.context import Json, Location, Measurement, Prompt, Row
+from procedures.context import Json, Live, Location, Measurement, Prompt, Row, Table
 from procedures.devices import Air, BeamStatus, Joints, Tracker, WayRobot
 
 _DEFAULT_AIR = AirRule()
+
+T = TypeVar("T")
+
+_WATCH_S = 0.2
+"""Real seconds between two looks at a value that is shown beside a question."""
 
 _MATERIAL_MAX_AGE_S = 30.0
 """Links warm up slowly."""
@@ -48,6 +54,7 @@ class RunContext:
         operator: answers prompts.
         announcer: tells front ends.
         air: how the program corrects for the air where the instrument does not.
+        poll_s: between two looks at a condition that is missing, s of the clock.
 
     Attributes:
         step_times: where the time of each step that ran went.
@@ -63,6 +70,7 @@ class RunContext:
         operator: Operator,
         announcer: Announcer,
         air: AirRule = _DEFAULT_AIR,
+        poll_s: float = 0.5,
     ) -> None:
         self.step_times: list[StepTime] = []
         self._devices = devices
@@ -77,9 +85,16 @@ class RunContext:
         self._compensation = Compensation(devices.interferometer.compensated, air)
         self._doubts_told: set[str] = set()
         self._progress = Progress(clock)
+        self._poll_s = poll_s
         self._step: _OpenStep | None = None
         self._prompt_open = False
         self._zeroed = False
+        self._looking = 0
+
+    @property
+    def resumed(self) -> bool:
+        """The run goes on after an interruption."""
+        return self._store.resumed
 
     @property
     def software_time_s(self) -> list[float]:
@@ -105,7 +120,7 @@ class RunContext:
         finally:
             self._step = None
 
-    def record(self, table: Literal["points", "search", "path"], row: Row) -> None:
+    def record(self, table: Table, row: Row) -> None:
         """Keep a row until the step under way is done.
 
         Raises:
@@ -120,8 +135,14 @@ class RunContext:
         self._step.rows.append((table, dict(row)))
 
     async def checkpoint(self) -> None:
-        """Let a hold or a stop take effect here."""
-        await self._control.checkpoint()
+        """Let a hold or a stop take effect here.
+
+        A look at the bench during a question or a suspension waits for neither.
+        """
+        if self._looking:
+            self._control.raise_ending()
+        else:
+            await self._control.checkpoint()
 
     async def move(self, target: Joints) -> None:
         """Move through the gate and wait for standstill.
@@ -130,9 +151,7 @@ class RunContext:
             LimitError: the target is outside the limits.
             SafetyError: the controller may not move.
         """
-        await self._control.motion(
-            lambda: self._gate.require(target), lambda: self._timed(self._devices.robot.move_joints(target))
-        )
+        await self._moved((target,), lambda: self._devices.robot.move_joints(target))
 
     async def follow(self, way: Sequence[Joints]) -> None:
         """Move through targets; a robot that cannot pass them stands still at each.
@@ -143,16 +162,14 @@ class RunContext:
         """
         robot = self._devices.robot
         if len(way) > 1 and isinstance(robot, WayRobot):
-            await self._control.motion(
-                lambda: self._gate.require(*way), lambda: self._timed(robot.follow(way))
-            )
+            await self._moved(way, lambda: robot.follow(way))
             return
         for target in way:
             await self.move(target)
 
     async def joints(self) -> Joints:
         """Return the reported joints."""
-        await self._control.checkpoint()
+        await self.checkpoint()
         return await self._control.command(self._devices.robot.joints())
 
     async def measure(self, settle_time_s: float, dwell_time_s: float, readings: int) -> Measurement:
@@ -160,12 +177,12 @@ class RunContext:
 
         Nobody watched the count before this process: until its first zero no reading is ok.
         """
-        await self._control.checkpoint()
+        await self.checkpoint()
         return await self._control.command(self._measure(settle_time_s, dwell_time_s, readings))
 
     async def beam(self) -> BeamStatus:
         """Return the state of the beam now."""
-        await self._control.checkpoint()
+        await self.checkpoint()
         return await self._control.command(self._devices.interferometer.status())
 
     async def zero(self, dead_path_mm: float) -> None:
@@ -192,8 +209,12 @@ class RunContext:
             raise ConfigError("this procedure needs a [tracker] and the cell file has none; add one")
         return await self._control.command(self._locate(self._devices.tracker, settle_time_s))
 
-    async def ask(self, prompt: Prompt) -> str:
+    async def ask(self, prompt: Prompt, watch: Callable[[], Awaitable[Live]] | None = None) -> str:
         """Put a question to the operator; question and answer are stored.
+
+        Args:
+            prompt: the question.
+            watch: reads a value that is shown until the answer is there.
 
         Raises:
             PromptUnansweredError: nobody answered and there is no safe answer.
@@ -203,9 +224,26 @@ class RunContext:
             raise RuntimeError(f"prompt {prompt.id} is asked while another one is open")
         self._prompt_open = True
         try:
-            return await self._ask(prompt)
+            return await self._ask(prompt, watch)
         finally:
             self._prompt_open = False
+
+    def show(self, live: Live) -> None:
+        """Publish a value with its acceptance band; it is not stored."""
+        data: dict[str, Json] = {
+            "name": live.name,
+            "value": live.value,
+            "unit": live.unit,
+            "low": live.low,
+            "high": live.high,
+            "accepted": live.accepted,
+            "text": live.text,
+        }
+        self._announcer.say("state", state=self._control.state, kind="live", data=data)
+
+    async def wait_until(self, reason: str, back: Callable[[], Awaitable[bool]]) -> None:
+        """Suspend the run until a condition is back."""
+        await self._control.suspended(reason, lambda: self._look(back), self._poll_s)
 
     async def event(self, kind: str, **data: Json) -> None:
         """Store and publish something that happened; possible in every state."""
@@ -257,6 +295,37 @@ class RunContext:
         step.time.points = sum(table == "points" for table, _ in step.rows)
         self.step_times.append(step.time)
 
+    async def _moved(self, targets: Sequence[Joints], action: Callable[[], Awaitable[None]]) -> None:
+        """Pass the gate and move; while a condition is missing the run is suspended and the gate asked again."""
+        while True:
+            try:
+                await self._control.motion(
+                    lambda: self._gate.require(*targets), lambda: self._timed(action())
+                )
+            except ConditionLostError as error:
+                await self.wait_until(str(error), self._gate.conditions_hold)
+            else:
+                return
+
+    async def _look(self, look: Callable[[], Awaitable[T]]) -> T:
+        """Look at the bench while the run waits."""
+        self._looking += 1
+        try:
+            return await look()
+        finally:
+            self._looking -= 1
+
+    async def _watched(self, prompt: Prompt, watch: Callable[[], Awaitable[Live]]) -> Answer:
+        """Show a value until the answer is there."""
+        answer = asyncio.create_task(self._operator.answer(prompt))
+        try:
+            while not answer.done():
+                self.show(await self._look(watch))
+                await asyncio.wait({answer}, timeout=_WATCH_S)
+            return answer.result()
+        finally:
+            await cancel(answer)
+
     async def _timed(self, motion: Awaitable[None]) -> None:
         start_s = self._clock.monotonic_s()
         await motion
@@ -305,7 +374,7 @@ class RunContext:
         if self._step is not None:
             self._step.time.idle_s += duration_s
 
-    async def _ask(self, prompt: Prompt) -> str:
+    async def _ask(self, prompt: Prompt, watch: Callable[[], Awaitable[Live]] | None) -> str:
         asked_utc = self._clock.now_utc().isoformat()
         self._announcer.say(
             "prompt",
@@ -315,9 +384,12 @@ class RunContext:
             choices=list(prompt.choices),
             unit=prompt.unit,
             timeout_s=prompt.timeout_s,
+            task=None if prompt.task is None else dict(prompt.task),
+            motion=prompt.motion,
         )
+        asking = self._operator.answer(prompt) if watch is None else self._watched(prompt, watch)
         try:
-            answer = await self._control.command(self._operator.answer(prompt))
+            answer = await self._control.command(asking)
         except BaseException:
             if self._store.failure is None:
                 await uncancelled(

@@ -2,7 +2,7 @@
 
 import asyncio
 import signal
-from collections.abc import Callable, Coroutine, Mapping
+from collections.abc import Awaitable, Callable, Coroutine, Mapping
 from typing import Any, Final, TypeVar
 
 from app.engine.halt import HaltLimits, HaltReport, halt
@@ -43,6 +43,7 @@ class RunControl:
         state: where the run stands.
         ending: why the run ends early, raised by every further checkpoint; None while it goes on.
         reports: how each halt ended.
+        moving: a motion is under way.
     """
 
     def __init__(
@@ -55,11 +56,12 @@ class RunControl:
         self._on_change = on_change
         self._limits = limits or HaltLimits()
         self._robot: Robot | None = None
-        self._command: asyncio.Task[Any] | None = None
+        self._commands: set[asyncio.Task[Any]] = set()
         self._halts: set[asyncio.Task[None]] = set()
         self._halting = 0
         self._changed = asyncio.Event()
         self._motion_permitted = False
+        self.moving = False
 
     def attach(self, robot: Robot) -> None:
         """From now on a stop reaches this robot."""
@@ -126,15 +128,41 @@ class RunControl:
         Raises:
             CatseyeError: the run ends: stopped, aborted or failed.
         """
-        self._raise_ending()
+        self.raise_ending()
         while self.state in _WAITING:
             if self.state == State.HOLDING:
                 self._apply(Event.HELD, "at a checkpoint")
             self._changed.clear()
             await self._changed.wait()
-            self._raise_ending()
+            self.raise_ending()
         if self.state == State.UNHOLDING:
             self._apply(Event.RESUMED, "the operator goes on")
+
+    async def suspended(self, reason: str, back: Callable[[], Awaitable[bool]], poll_s: float) -> None:
+        """Begin no motion until a condition is back; a hold meanwhile outlasts it.
+
+        Args:
+            reason: what is wrong and what to do about it.
+            back: looks at the condition; it must not wait at a checkpoint.
+            poll_s: between two looks, s of the clock.
+
+        Raises:
+            CatseyeError: the run ends.
+        """
+        await self.checkpoint()
+        self.suspend(reason)
+        while not await back():
+            self.raise_ending()
+            await self._clock.sleep(poll_s)
+            if self.state == State.HELD:
+                await self.checkpoint()
+            self.raise_ending()
+            if self.state == State.EXECUTE:
+                self.suspend(reason)
+        self.raise_ending()
+        if self.state == State.SUSPENDED:
+            self.condition_back(f"over: {reason}")
+        await self.checkpoint()
 
     async def command(self, action: Coroutine[Any, Any, T]) -> T:
         """Let devices do something that a stop drops, after it has stopped the robot.
@@ -143,7 +171,7 @@ class RunControl:
             CatseyeError: the run ends.
         """
         task = asyncio.create_task(action)
-        self._command = task
+        self._commands.add(task)
         try:
             await asyncio.wait({task})
         finally:
@@ -151,10 +179,10 @@ class RunControl:
                 self.abort(TerminatedRunError("the run was cancelled; the robot was stopped"))
                 await uncancelled(self.halted())
                 await cancel(task)
-            self._command = None
+            self._commands.discard(task)
         if self.ending is not None and not task.cancelled() and task.exception() is not None:
             raise self.ending from task.exception()
-        self._raise_ending()
+        self.raise_ending()
         return task.result()
 
     async def motion(
@@ -174,7 +202,8 @@ class RunControl:
             moved = await self.command(self._gated(gate, action))
             if moved:
                 return moved[0]
-            if self.state not in _WAITING:
+            # It may wait, or wait no longer; both times the gate is asked again.
+            if self.state not in _WAITING and not self._motion_permitted:
                 raise SafetyError(f"no motion may begin in state {self.state}: the procedure is over")
 
     async def _gated(
@@ -182,7 +211,13 @@ class RunControl:
     ) -> tuple[T] | tuple[()]:
         """Look, then move if motion is still permitted; nothing comes back when it is not."""
         await gate()
-        return (await action(),) if self._motion_permitted else ()
+        if not self._motion_permitted:
+            return ()
+        self.moving = True
+        try:
+            return (await action(),)
+        finally:
+            self.moving = False
 
     async def halted(self) -> None:
         """Wait until every halt under way has ended."""
@@ -242,9 +277,14 @@ class RunControl:
             self._apply(Event.ABORTED if self.state == State.ABORTING else Event.STOPPED, reason)
 
     def _drop_command(self) -> None:
-        if self._command is not None:
-            self._command.cancel()
+        for command in self._commands:
+            command.cancel()
 
-    def _raise_ending(self) -> None:
+    def raise_ending(self) -> None:
+        """Raise why the run ends, if it does.
+
+        Raises:
+            CatseyeError: the run ends: stopped, aborted or failed.
+        """
         if self.ending is not None:
             raise self.ending

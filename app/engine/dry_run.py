@@ -3,7 +3,6 @@
 from collections.abc import Awaitable, Callable, Sequence
 from dataclasses import dataclass, field
 from datetime import UTC, datetime, timedelta
-from typing import Literal
 
 import numpy as np
 
@@ -11,9 +10,10 @@ from app.engine.arm_model import Beam, poses_between
 from app.engine.gate import JointLimits
 from app.engine.measuring import dwell_interval_s
 from app.engine.operator import fault_of
-from app.store.rows import Table, encode
+from app.errors import MeasurementRejectedError
+from app.store.rows import encode
 from procedures.bench import Arm
-from procedures.context import Json, Location, Measurement, Prompt, Row
+from procedures.context import Json, Live, Location, Measurement, Prompt, Row, Table
 from procedures.devices import Joints
 from procedures.motion_time import way_time_s
 
@@ -97,6 +97,11 @@ class DryRunContext:
     _zero_mm: float = 0.0
 
     @property
+    def resumed(self) -> bool:
+        """A rehearsal begins at the beginning."""
+        return False
+
+    @property
     def total_s(self) -> float:
         """Expected time of everything so far, s."""
         return self._account.time_s
@@ -116,7 +121,7 @@ class DryRunContext:
         self.steps.append(DryStep(step_id, title, *counts, now.time_s - before.time_s, self.pose))
         return result
 
-    def record(self, table: Literal["points", "search", "path"], row: Row) -> None:
+    def record(self, table: Table, row: Row) -> None:
         """Check and keep a row."""
         if not self._in_step:
             raise RuntimeError(
@@ -192,11 +197,24 @@ class DryRunContext:
         self._account.measurements += 1
         return Location(0.0, 0.0, 0.0)
 
-    async def ask(self, prompt: Prompt) -> str:
+    async def ask(self, prompt: Prompt, watch: Callable[[], Awaitable[Live]] | None = None) -> str:
         """Keep the question and return its first possible answer."""
+        del watch
         self.prompts.append(prompt)
         possible = (prompt.safe_answer or "", "yes", *prompt.choices, "0")
         return next(text for text in possible if text and not fault_of(prompt, text))
+
+    def show(self, live: Live) -> None:
+        """Do nothing: nobody watches."""
+
+    async def wait_until(self, reason: str, back: Callable[[], Awaitable[bool]]) -> None:
+        """Keep what was missing: on an ideal bench it will not come back by waiting.
+
+        Raises:
+            MeasurementRejectedError: the condition does not hold.
+        """
+        if not await back():
+            raise MeasurementRejectedError(f"the rehearsal waits for ever: {reason}")
 
     async def event(self, kind: str, **data: Json) -> None:
         """Keep what happened."""

@@ -1,10 +1,11 @@
 """The one gate that every motion passes: limits, controller state, speed override."""
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 
-from app.engine.interlock import RemoteIo, require_closed
-from app.errors import LimitError, SafetyError
+from app.engine.conditions import Condition
+from app.errors import ConditionLostError, LimitError, SafetyError
 from procedures.devices import ControllerStatus, Joints, Robot
 
 # Rounding of a controller that keeps the override as a whole number or as text.
@@ -57,13 +58,17 @@ class MotionGate:
         robot: the controller.
         limits: ranges of the cell.
         override_cap_percent: highest speed override that the cell allows.
-        io: door interlock; None for a cell without one.
+        conditions: of the surroundings: door, air.
     """
 
     def __init__(
-        self, robot: Robot, limits: JointLimits, override_cap_percent: float, io: RemoteIo | None = None
+        self,
+        robot: Robot,
+        limits: JointLimits,
+        override_cap_percent: float,
+        conditions: Sequence[Condition] = (),
     ) -> None:
-        self._io = io
+        self._conditions = conditions
         self._robot = robot
         self._limits = limits
         self._cap_percent = override_cap_percent
@@ -85,23 +90,29 @@ class MotionGate:
 
         Raises:
             LimitError: a target is outside the limits.
-            SafetyError: door, controller's state or override forbid motion.
+            ConditionLostError: door or air forbid motion now.
+            SafetyError: the controller's state or override forbid motion.
         """
         for target in targets:
             self._limits.require(target)
-        await self.require_door()
+        await self.require_conditions()
         status = await self._robot.status()
         require_ready(status)
         self._require_override(status.override_percent)
 
-    async def require_door(self) -> None:
-        """Check that the door is closed, in a cell that has an interlock.
+    async def require_conditions(self) -> None:
+        """Check door and air afresh.
 
         Raises:
-            SafetyError: it is open, or the interlock does not answer.
+            ConditionLostError: one does not hold; the text says which and what to do.
         """
-        if self._io is not None:
-            await require_closed(self._io)
+        for condition in self._conditions:
+            if (trouble := await condition.trouble()) is not None:
+                raise ConditionLostError(trouble)
+
+    async def conditions_hold(self) -> bool:
+        """Return whether door and air permit motion."""
+        return all([await condition.trouble() is None for condition in self._conditions])
 
     def _require_override(self, percent: float) -> None:
         # Written so that an override that reads NaN is refused too.

@@ -9,6 +9,7 @@ from typing import Any, Protocol
 
 from app.engine.announcer import Announcer, Publish
 from app.engine.compensation import AirRule, Compensation
+from app.engine.conditions import AirInRange, AirLimits, ClosedDoor, Condition, Watchman
 from app.engine.context import RunContext
 from app.engine.control import RunControl
 from app.engine.devices import (
@@ -23,11 +24,12 @@ from app.engine.ending import COMPLETE, Ending, EndStatus, ending_of, react
 from app.engine.gate import JointLimits, MotionGate, require_ready
 from app.engine.halt import FAILURES, HaltLimits
 from app.engine.interlock import StackLight
+from app.engine.measuring import AirCache
 from app.engine.operator import Answerer, Operator
 from app.engine.signals import SignalInstaller, loop_signals
 from app.engine.states import State
 from app.engine.timekeeping import StepTime
-from app.engine.waiting import uncancelled, within
+from app.engine.waiting import cancel, uncancelled, within
 from app.errors import SafetyError, StorageError, TerminatedRunError, UsageError
 from app.exitcode import ExitCode
 from app.store.lines import LogHandler
@@ -37,6 +39,9 @@ from drivers.clock import Clock
 from procedures.context import Context, Json
 
 _log = logging.getLogger(__name__)
+
+_POLL_S = 0.5
+"""Real seconds between two looks at what is missing, or may be."""
 
 
 class Procedure(Protocol):
@@ -79,6 +84,7 @@ class RunRequest:
         answerer: a front end that answers prompts.
         resume: directory of a run to go on with, instead of a new one.
         air: how the program corrects for the air where the instrument does not.
+        air_limits: ranges of the air in which a measurement goes on.
         reserve_bytes: free disk space needed.
         halt_limits: how long a halt may take, real time.
         teardown_limit_s: how long the teardown, and the closing of the devices, may take, real s.
@@ -98,6 +104,7 @@ class RunRequest:
     answerer: Answerer | None = None
     resume: Path | None = None
     air: AirRule = field(default_factory=AirRule)
+    air_limits: AirLimits = field(default_factory=AirLimits)
     reserve_bytes: int = DEFAULT_RESERVE_BYTES
     halt_limits: HaltLimits = field(default_factory=HaltLimits)
     teardown_limit_s: float = 60.0
@@ -174,6 +181,7 @@ class _Run:
         self._announcer = Announcer(store.path.name, clock, self._tell, self._front_end_lost)
         self._context: RunContext | None = None
         self._torn_down = False
+        self._watch: asyncio.Task[None] | None = None
         self._bound_s = request.teardown_limit_s * request.clock_speed
         store.on_failure = self._control.fault
 
@@ -221,7 +229,8 @@ class _Run:
         self._control.attach(devices.robot)
         if devices.io is not None:
             self._light = StackLight(devices.io, self._warn)
-        gate = MotionGate(devices.robot, self._request.limits, self._request.override_cap_percent, devices.io)
+        conditions = self._conditions(devices)
+        gate = MotionGate(devices.robot, self._request.limits, self._request.override_cap_percent, conditions)
         await self._control.command(self._ready(devices, gate))
         await self._tell_notes(devices)
         operator = Operator(self._clock, self._request.answers, self._request.answerer, simulated=simulated)
@@ -234,9 +243,28 @@ class _Run:
             operator,
             self._announcer,
             self._request.air,
+            _POLL_S * self._request.clock_speed,
         )
         self._control.started()
+        watchman = Watchman(
+            self._control,
+            devices.robot,
+            conditions,
+            require_ready,
+            self._clock,
+            _POLL_S * self._request.clock_speed,
+        )
+        self._watch = asyncio.create_task(watchman.watch())
         return self._context
+
+    def _conditions(self, devices: Devices) -> list[Condition]:
+        conditions: list[Condition] = []
+        if devices.io is not None:
+            conditions.append(ClosedDoor(devices.io))
+        if self._request.air_limits.ranges:
+            air = AirCache(devices.environment, self._clock, self._request.air.max_age_s)
+            conditions.append(AirInRange(air, self._request.air_limits))
+        return conditions
 
     def _require_same_world(self, simulated: bool) -> None:
         aim = self._request.aim_simulated
@@ -281,7 +309,7 @@ class _Run:
             self._announcer.say("warning", text=text, data={"simulated": True})
 
     async def _ready(self, devices: Devices, gate: MotionGate) -> None:
-        await gate.require_door()
+        await gate.require_conditions()
         percent = await gate.lower_override()
         await devices.robot.servo(on=True)
         require_ready(await devices.robot.status())
@@ -317,6 +345,8 @@ class _Run:
         return ending
 
     async def _close(self, devices: Devices, ending: Ending) -> RunOutcome:
+        if self._watch is not None:
+            await cancel(self._watch)
         try:
             if self._light is not None:
                 await within(self._clock, self._bound_s, self._light.end())

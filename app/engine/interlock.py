@@ -6,7 +6,6 @@ from typing import Literal, Protocol, runtime_checkable
 
 from app.engine.states import State
 from app.engine.waiting import cancel
-from app.errors import SafetyError
 from drivers.errors import DeviceError
 from procedures.context import Json
 from procedures.devices import DeviceIdentity
@@ -49,22 +48,15 @@ class RemoteIo(Protocol):
         ...
 
 
-async def require_closed(io: RemoteIo) -> None:
-    """Check that the door is closed; a block that does not answer counts as an open door.
-
-    Raises:
-        SafetyError: open or unknown.
-    """
+async def door_trouble(io: RemoteIo) -> str | None:
+    """Return why the door forbids motion, None when it is closed; no answer counts as open."""
     try:
         closed = await io.door_closed()
     except DeviceError as error:
-        raise SafetyError(
-            f"the door interlock does not answer, which counts as open: no motion; see to the block in [io]: {error}"
-        ) from error
-    if not closed:
-        raise SafetyError(
-            "the door is open: no motion; close it when nobody is inside, then start or resume the run"
-        )
+        return f"the door interlock does not answer, which counts as open: no motion; see to [io]: {error}"
+    if closed:
+        return None
+    return "the door is open: no motion; close it when nobody is inside, the run goes on by itself then"
 
 
 class StackLight:

@@ -10,10 +10,9 @@ from typing import Literal
 
 from app.errors import StorageError
 from app.store.lock import is_being_written
-from app.store.rows import Table
 from app.store.schema import open_reader
 from app.store.seal import DATABASE
-from procedures.context import Json
+from procedures.context import Json, Table
 
 Status = Literal["complete", "stopped", "aborted", "failed", "running", "died"]
 _ENDINGS: tuple[Status, ...] = ("complete", "stopped", "aborted", "failed")
@@ -127,16 +126,26 @@ class RunReader:
         """Return the rows of validation paths in order."""
         return list(self._data("path"))
 
+    def records(self, kind: str | None = None) -> list[dict[str, Json]]:
+        """Return what else was observed, in order: all of it, or one kind."""
+        return [row for row in self._data("records") if kind is None or row["kind"] == kind]
+
     def count(self, table: Table | Literal["steps", "events"]) -> int:
         """Return how many rows a table has."""
-        return int(self._query(f"SELECT count(*) FROM {table}")[0][0])
+        return int(self._query(f"SELECT count(*) FROM {table}")[0][0]) if self._has(table) else 0
 
     def integrity(self) -> list[str]:
         """Return what SQLite finds wrong with the file; empty when it is sound."""
         found = [str(row[0]) for row in self._query("PRAGMA integrity_check")]
         return [] if found == ["ok"] else found
 
+    def _has(self, table: str) -> bool:
+        """Return whether the file has a table: one of an older program lacks the later ones."""
+        return bool(self._query(f"SELECT 1 FROM sqlite_master WHERE type = 'table' AND name = '{table}'"))
+
     def _data(self, table: Table) -> Iterator[dict[str, Json]]:
+        if not self._has(table):
+            return
         for row in self._query(f"SELECT * FROM {table} ORDER BY rowid"):
             values = dict(row)
             extra: dict[str, Json] = json.loads(values.pop("extra"))

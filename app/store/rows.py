@@ -4,11 +4,9 @@ import json
 import math
 import sqlite3
 from collections.abc import Mapping, Sequence
-from typing import Final, Literal
+from typing import Final
 
-from procedures.context import Json, Row
-
-Table = Literal["points", "search", "path"]
+from procedures.context import Json, Row, Table
 
 _POINTS_REQUIRED = {
     "reflector": str,
@@ -43,6 +41,7 @@ REQUIRED: Final[Mapping[Table, Mapping[str, type]]] = {
     "points": _POINTS_REQUIRED,
     "search": {"reflector": str, "theta1_deg": float, "theta2_deg": float},
     "path": _PATH_REQUIRED,
+    "records": {"kind": str},
 }
 """Columns that every row has."""
 
@@ -59,6 +58,7 @@ OPTIONAL: Final[Mapping[Table, Mapping[str, type]]] = {
     },
     "search": {"j4_deg": float, "lower_deg": float, "upper_deg": float, "signal": float},
     "path": {"x_meas_mm": float, "y_meas_mm": float, "u_mm": float},
+    "records": {},
 }
 """Columns that may be None or left out."""
 

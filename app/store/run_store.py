@@ -20,10 +20,10 @@ from app.store.directory import make_directory, require_space
 from app.store.lines import DEFAULT_MAX_BYTES, JsonLines, WireLog
 from app.store.lock import RunLock
 from app.store.reader import RunReader
-from app.store.rows import Table, encode, insert, insert_data, to_json
+from app.store.rows import encode, insert, insert_data, to_json
 from app.store.writer import Writer
 from drivers.clock import Clock
-from procedures.context import Json, Row
+from procedures.context import Json, Row, Table
 
 DEFAULT_RESERVE_BYTES = 200 * 1024 * 1024
 
@@ -39,10 +39,12 @@ class RunStore:
         wire: transcript of the links; give `wire.record` to recording transports.
         log: the application's log.
         on_failure: called in the event loop when storage has failed outside of an awaited call.
+        resumed: the run was begun by another process, or ended before, and goes on.
     """
 
     def __init__(self, path: Path, clock: Clock, reserve_bytes: int, max_log_bytes: int) -> None:
         self.path = path
+        self.resumed = False
         self.on_failure: Callable[[StorageError], None] = lambda _error: None
         self._loop = asyncio.get_running_loop()
         self._clock = clock
@@ -127,6 +129,7 @@ class RunStore:
     ) -> "RunStore":
         store = cls(path, clock, reserve_bytes, max_log_bytes)
         if before is not None:
+            store.resumed = True
             store._restore(before)
         try:
             await store._writer.open()

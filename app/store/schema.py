@@ -54,15 +54,21 @@ CREATE TABLE prompts (
 ) STRICT;
 """
 
-RAW_TABLES = ("meta", "steps", "points", "search", "path", "events", "prompts")
-"""All tables: the whole record is append-only."""
+_FIRST_TABLES = ("meta", "steps", "points", "search", "path", "events", "prompts")
 
-_GUARDS = "".join(
-    f"CREATE TRIGGER {table}_no_{verb.lower()} BEFORE {verb} ON {table} "
-    f"BEGIN SELECT RAISE(ABORT, '{table} is append-only'); END;\n"
-    for table in RAW_TABLES
-    for verb in ("UPDATE", "DELETE")
-)
+
+def _guards(*tables: str) -> str:
+    """Return triggers that keep tables append-only."""
+    return "".join(
+        f"CREATE TRIGGER {table}_no_{verb.lower()} BEFORE {verb} ON {table} "
+        f"BEGIN SELECT RAISE(ABORT, '{table} is append-only'); END;\n"
+        for table in tables
+        for verb in ("UPDATE", "DELETE")
+    )
+
+
+RAW_TABLES = (*_FIRST_TABLES, "records")
+"""All tables: the whole record is append-only."""
 
 _COMPENSATION = """
 ALTER TABLE points ADD COLUMN raw_displacement_mm REAL;
@@ -72,7 +78,20 @@ ALTER TABLE points ADD COLUMN dead_path_mm REAL;
 ALTER TABLE points ADD COLUMN formula TEXT;
 """
 
-UPGRADES: tuple[str, ...] = (_FIRST + _GUARDS, _COMPENSATION)
+_RECORDS = """
+CREATE TABLE records (
+    step_id TEXT NOT NULL, attempt INTEGER NOT NULL, seq INTEGER NOT NULL,
+    kind TEXT NOT NULL,
+    extra TEXT NOT NULL CHECK (json_valid(extra)),
+    PRIMARY KEY (step_id, attempt, seq)
+) STRICT;
+"""
+
+UPGRADES: tuple[str, ...] = (
+    _FIRST + _guards(*_FIRST_TABLES),
+    _COMPENSATION,
+    _RECORDS + _guards("records"),
+)
 """UPGRADES[n] takes a file of version n to version n + 1; an empty file has version 0."""
 
 VERSION = len(UPGRADES)

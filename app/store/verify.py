@@ -74,6 +74,7 @@ def _check_rows(reader: RunReader) -> list[str]:
         ("points", reader.points()),
         ("search", reader.search()),
         ("path", reader.path_rows()),
+        ("records", reader.records()),
     ):
         found: Counter[tuple[Json, Json]] = Counter()
         for row in rows:

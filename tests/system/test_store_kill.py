@@ -18,11 +18,10 @@ import pytest
 from app.errors import StorageError
 from app.store.catalog import list_runs
 from app.store.reader import RunReader
-from app.store.rows import Table
 from app.store.run_store import RunStore
 from app.store.verify import verify
 from drivers.clock import SystemClock
-from procedures.context import Row
+from procedures.context import Row, Table
 
 KILLS = 40
 SEED = 20260102

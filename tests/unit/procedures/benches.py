@@ -3,13 +3,13 @@
 import math
 from collections.abc import Awaitable, Callable, Sequence
 from dataclasses import dataclass, field, replace
-from typing import Literal
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from procedures.bench import Arm, Bench, Optics, Reflector, Timing
-from procedures.context import Json, Location, Measurement, Prompt, Row
+from procedures.context import Json, Live, Location, Measurement, Prompt, Row, Table
 from procedures.devices import Joints
 
 LINK1_MM, LINK2_MM = 325.0, 225.0
@@ -62,7 +62,7 @@ def bench(
     )
 
 
-def with_optics(base: Bench, **values: float) -> Bench:
+def with_optics(base: Bench, **values: Any) -> Bench:
     """Return a bench with other optics."""
     return replace(base, optics=replace(base.optics, **values))
 
@@ -131,6 +131,8 @@ class IdealContext:
         breaks_at: numbers of measurements, from 1, before which the count is lost for a moment.
         dark_at: numbers of measurements that see no beam, whatever else holds.
         stored: results of steps that are done.
+        answers: answers to prompts by id; a function may act on the bench first.
+        resumed: the run goes on after an interruption.
     """
 
     places: dict[str, tuple[float, float]] = field(default_factory=lambda: dict(PLACES))
@@ -148,6 +150,11 @@ class IdealContext:
     events: list[tuple[str, dict[str, Json]]] = field(default_factory=list)
     warnings: list[str] = field(default_factory=list)
     told: list[tuple[float, float, str]] = field(default_factory=list)
+    prompts: list[Prompt] = field(default_factory=list)
+    answers: dict[str, str | Callable[[Prompt], str]] = field(default_factory=dict)
+    shown: list[Live] = field(default_factory=list)
+    suspensions: list[str] = field(default_factory=list)
+    resumed: bool = False
     ran: list[str] = field(default_factory=list)
     waits: list[tuple[float, float, int]] = field(default_factory=list)
     zeros: int = 0
@@ -179,7 +186,7 @@ class IdealContext:
         self.stored[step_id] = result
         return result
 
-    def record(self, table: Literal["points", "search", "path"], row: Row) -> None:
+    def record(self, table: Table, row: Row) -> None:
         """Keep a row."""
         self.rows.append((table, row))
 
@@ -243,9 +250,26 @@ class IdealContext:
         x, y = arm_xy(self.pose[0], self.pose[1])
         return Location(x + 1000.0, y - 500.0, 0.004)
 
-    async def ask(self, prompt: Prompt) -> str:
-        """Nobody is there."""
-        raise AssertionError(f"nobody answers {prompt.id}")
+    async def ask(self, prompt: Prompt, watch: Callable[[], Awaitable[Live]] | None = None) -> str:
+        """Give the next scripted answer, after one look at what is watched."""
+        self.prompts.append(prompt)
+        if watch is not None:
+            self.show(await watch())
+        answer = self.answers.get(prompt.id)
+        assert answer is not None, f"nobody answers {prompt.id}"
+        return answer(prompt) if callable(answer) else answer
+
+    def show(self, live: Live) -> None:
+        """Keep what was shown."""
+        self.shown.append(live)
+
+    async def wait_until(self, reason: str, back: Callable[[], Awaitable[bool]]) -> None:
+        """Keep the reason and look until the condition is back."""
+        self.suspensions.append(reason)
+        for _ in range(100):
+            if await back():
+                return
+        raise AssertionError(f"it never comes back: {reason}")
 
     async def event(self, kind: str, **data: Json) -> None:
         """Keep an event."""

@@ -5,6 +5,7 @@ from pathlib import Path
 
 import pytest
 
+from app.engine.conditions import ClosedDoor
 from app.engine.devices import Devices, WireRecorder
 from app.engine.gate import MotionGate
 from app.engine.host import run_procedure
@@ -66,7 +67,7 @@ def bench(tmp_path: Path) -> GuardedBench:
 async def test_an_open_or_unknown_door_forbids_motion(bench: GuardedBench) -> None:
     await bench.robot.servo(on=True)
     await bench.robot.set_override(20.0)
-    gate = MotionGate(bench.robot, LIMITS, 20.0, bench.block)
+    gate = MotionGate(bench.robot, LIMITS, 20.0, [ClosedDoor(bench.block)])
     await gate.require(HOME)
     bench.block.closed = False
     with pytest.raises(SafetyError, match="door is open: no motion; close it"):
@@ -76,18 +77,44 @@ async def test_an_open_or_unknown_door_forbids_motion(bench: GuardedBench) -> No
         await gate.require(HOME)
 
 
-async def test_a_door_that_opens_on_the_way_ends_the_run(bench: GuardedBench) -> None:
+async def test_a_door_that_opens_on_the_way_suspends_the_run_until_it_is_closed(bench: GuardedBench) -> None:
+    moves_when_open = []
+
+    async def close_later() -> None:
+        # The bench tells its states by a list.
+        while "SUSPENDED" not in bench.states():  # noqa: ASYNC110  # see above
+            await asyncio.sleep(0)
+        moves_when_open.append(bench.robot.calls.count("move"))
+        bench.block.closed = True
+
     async def body(ctx: Context) -> None:
         await ctx.move(AWAY)
         bench.block.closed = False
+        closing = asyncio.create_task(close_later())
         await ctx.move(HOME)
+        await closing
 
+    outcome = await run_procedure(
+        bench.request(Script(body)), bench.build, bench.clock, bench.publish, bench.install
+    )
+    assert (outcome.status, outcome.exit_code) == ("complete", ExitCode.DONE)
+    assert moves_when_open == [1]
+    assert bench.robot.calls.count("move") == 2
+    assert bench.states() == ["STARTING", "EXECUTE", "SUSPENDED", "EXECUTE", "COMPLETE"]
+    assert "amber" in bench.block.shown
+
+
+async def test_a_door_that_is_open_at_the_start_refuses_the_run(bench: GuardedBench) -> None:
+    async def body(ctx: Context) -> None:
+        await ctx.move(AWAY)
+
+    bench.block.closed = False
     outcome = await run_procedure(
         bench.request(Script(body)), bench.build, bench.clock, bench.publish, bench.install
     )
     assert (outcome.status, outcome.exit_code) == ("aborted", ExitCode.SAFETY)
     assert "door is open" in outcome.text
-    assert bench.robot.calls.count("move") == 1
+    assert "move" not in bench.robot.calls
     assert bench.block.shown[-2:] == ["red", "off"]
 
 

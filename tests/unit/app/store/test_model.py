@@ -11,10 +11,9 @@ from hypothesis import strategies as st
 from hypothesis.stateful import RuleBasedStateMachine, invariant, precondition, rule
 
 from app.store.reader import RunReader
-from app.store.rows import Table
 from app.store.run_store import RunStore
 from app.store.verify import verify
-from procedures.context import Row
+from procedures.context import Row, Table
 from tests.unit.app.store.fakes import SEARCH_ROW, TickingClock
 
 STEP_IDS = st.sampled_from([f"s{number}" for number in range(8)])

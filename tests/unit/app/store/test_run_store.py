@@ -132,7 +132,7 @@ class Usage:
 @pytest.mark.parametrize("verb", ["UPDATE {} SET rowid = 99", "DELETE FROM {}"])
 async def test_p5_nothing_is_overwritten(store: RunStore, table: str, verb: str) -> None:
     await store.append_step("s1", 1, "first", {}, [("search", SEARCH_ROW), ("path", PATH_ROW)])
-    await store.append_step("s2", 1, "second", {}, [("points", POINT)])
+    await store.append_step("s2", 1, "second", {}, [("points", POINT), ("records", {"kind": "drift"})])
     await store.prompt("clear", "confirm", "Clear?", "2026-01-02T00:00:00+00:00", "yes", "Ada")
     with writer_of(store) as connection, pytest.raises(sqlite3.IntegrityError, match="append-only"):
         connection.execute(verb.format(table))
@@ -245,7 +245,9 @@ async def test_a_run_of_the_first_version_is_read_and_goes_on(store: RunStore) -
         )
         for name in names:
             connection.execute(f"ALTER TABLE points DROP COLUMN {name}")
+        connection.execute("DROP TABLE records")
         connection.execute("PRAGMA user_version=1")
+    assert (RunReader(store.path).count("records"), RunReader(store.path).records()) == (0, [])
     (old,) = RunReader(store.path).points()
     assert (old["displacement_mm"], "raw_displacement_mm" in old) == (0.1, False)
     again = await RunStore.reopen(store.path, TickingClock(), reserve_bytes=0)

@@ -1,0 +1,148 @@
+"""What has to hold around the robot before it moves: door and air. And who looks at it while nothing moves."""
+
+import logging
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Protocol
+
+from app.engine.control import RunControl
+from app.engine.interlock import RemoteIo, door_trouble
+from app.engine.measuring import AirCache
+from app.engine.states import State
+from app.errors import SafetyError
+from drivers.clock import Clock
+from drivers.errors import DeviceError
+from procedures.devices import ControllerStatus, Robot
+
+_log = logging.getLogger(__name__)
+
+_UNITS = {"temperature_c": "°C", "pressure_hpa": "hPa", "humidity_percent": "%RH"}
+
+
+class Condition(Protocol):
+    """Something that has to hold while the robot moves."""
+
+    async def trouble(self) -> str | None:
+        """Return what is wrong and what to do about it; None when the condition holds."""
+        ...
+
+
+class ClosedDoor:
+    """The door of the cell is closed.
+
+    Args:
+        io: block with the interlock.
+    """
+
+    def __init__(self, io: RemoteIo) -> None:
+        self._io = io
+
+    async def trouble(self) -> str | None:
+        """Return why the door forbids motion."""
+        return await door_trouble(self._io)
+
+
+@dataclass(frozen=True)
+class AirLimits:
+    """Ranges of the air in which a measurement goes on.
+
+    Attributes:
+        ranges: smallest and largest value by the name of the quantity in an air sample.
+    """
+
+    ranges: Mapping[str, tuple[float, float]] = field(default_factory=dict)
+
+
+class AirInRange:
+    """The air is as the cell demands; a quantity that the sensor does not give is not judged here.
+
+    Args:
+        air: samples of the air.
+        limits: ranges of the cell.
+    """
+
+    def __init__(self, air: AirCache, limits: AirLimits) -> None:
+        self._air = air
+        self._limits = limits
+
+    async def trouble(self) -> str | None:
+        """Return which quantity is out of its range."""
+        sample = await self._air.get()
+        for name, (low, high) in self._limits.ranges.items():
+            value: float | None = getattr(sample, name)
+            if value is not None and not low <= value <= high:
+                quantity, unit = name.rpartition("_")[0], _UNITS[name]
+                return (
+                    f"the air's {quantity} is {value:.2f} {unit}, outside {low:g} … {high:g} {unit} of [conditions]: "
+                    "see to the air conditioning or the sensor; the run goes on by itself when it is back"
+                )
+        return None
+
+
+class Watchman:
+    """Looks at conditions and controller while nothing moves, also during questions and holds.
+
+    Motions are watched by the gate before, and by the robot's driver during them.
+
+    Args:
+        control: of the run.
+        robot: the controller.
+        conditions: of the surroundings.
+        ready: raises when a controller in this state may not move.
+        clock: of the run.
+        poll_s: between two looks, s of the clock.
+    """
+
+    def __init__(
+        self,
+        control: RunControl,
+        robot: Robot,
+        conditions: Sequence[Condition],
+        ready: Callable[[ControllerStatus], None],
+        clock: Clock,
+        poll_s: float,
+    ) -> None:
+        self._control = control
+        self._robot = robot
+        self._conditions = conditions
+        self._ready = ready
+        self._clock = clock
+        self._poll_s = poll_s
+        self._suspended_for: str | None = None
+        self._silent = False
+
+    async def watch(self) -> None:
+        """Look until cancelled."""
+        while True:
+            await self._clock.sleep(self._poll_s)
+            if self._control.moving or self._control.ending is not None:
+                continue
+            try:
+                await self._look()
+                self._silent = False
+            except DeviceError as error:
+                # The next command to that device finds out what it means; here it only could not be looked at.
+                if not self._silent:
+                    self._silent = True
+                    _log.warning("the surroundings cannot be watched: %s", error)
+
+    async def _look(self) -> None:
+        status = await self._robot.status()
+        if self._control.moving:
+            return
+        try:
+            self._ready(status)
+        except SafetyError as error:
+            self._control.abort(error)
+            return
+        await self._look_around()
+
+    async def _look_around(self) -> None:
+        troubles = [text for condition in self._conditions if (text := await condition.trouble())]
+        if troubles and self._control.state == State.EXECUTE:
+            self._suspended_for = troubles[0]
+            self._control.suspend(troubles[0])
+        elif not troubles and self._suspended_for is not None:
+            reason, self._suspended_for = self._suspended_for, None
+            if self._control.state == State.SUSPENDED:
+                self._control.condition_back(f"over: {reason}")
