@@ -41,13 +41,15 @@ class Measurement:
         spread_mm: standard deviation of the readings, 0 for a single one.
         readings: how many.
         signal: level of the returning beam, 0...1.
-        beam_ok: the beam returns and was not lost since the last zero.
+        beam_ok: the beam returns, and nothing was lost or miscounted since the last zero.
         reported: joints reported by the controller.
         air: state of the air.
         time_utc: ISO 8601 UTC time of the first reading.
         duration_s: from the first to the last reading, s.
         material_c: temperature of the links, °C; None without a sensor.
         correction: raw reading and what was used to correct it; None for an ideal distance.
+        overspeed: the length changed faster than the counter counts.
+        laser_ready: the laser is locked.
     """
 
     displacement_mm: float
@@ -61,6 +63,8 @@ class Measurement:
     duration_s: float
     material_c: float | None = None
     correction: AirCorrection | None = None
+    overspeed: bool = False
+    laser_ready: bool = True
 
 
 @dataclass(frozen=True)
