@@ -8,7 +8,7 @@ from typing import ClassVar
 
 from app.exitcode import ExitCode
 from calibration.errors import CalibrationError, MapRangeError, OutOfReachError
-from drivers.errors import AlarmError, DeviceError, NotReadyError, ProfileError
+from drivers.errors import AlarmError, DeviceError, NotArrivedError, NotReadyError, ProfileError
 from procedures.errors import PlanError, PlanLimitError, ProcedureError
 from simulators.errors import EmulatorError
 
@@ -95,6 +95,7 @@ _FOREIGN: tuple[tuple[type[BaseException], ExitCode], ...] = (
     (ProcedureError, ExitCode.REJECTED),
     (AlarmError, ExitCode.SAFETY),
     (NotReadyError, ExitCode.SAFETY),
+    (NotArrivedError, ExitCode.SAFETY),
     (EmulatorError, ExitCode.USAGE),
     (ProfileError, ExitCode.USAGE),
     (DeviceError, ExitCode.DEVICE),

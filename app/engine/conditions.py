@@ -8,7 +8,7 @@ from typing import Protocol
 from app.engine.control import RunControl
 from app.engine.interlock import RemoteIo, door_trouble
 from app.engine.measuring import AirCache
-from app.engine.states import State
+from app.engine.states import RUNNING, State
 from app.errors import SafetyError
 from drivers.clock import Clock
 from drivers.errors import DeviceError
@@ -115,7 +115,7 @@ class Watchman:
         """Look until cancelled."""
         while True:
             await self._clock.sleep(self._poll_s)
-            if self._control.moving or self._control.ending is not None:
+            if self._control.moving or self._control.state not in RUNNING:
                 continue
             try:
                 await self._look()

@@ -7,7 +7,7 @@ from app.engine.control import RunControl
 from app.engine.states import State
 from app.errors import CatseyeError, LimitError, SafetyError, exit_code_of
 from app.exitcode import ExitCode
-from drivers.errors import AlarmError, NotReadyError
+from drivers.errors import AlarmError, NotArrivedError, NotReadyError
 
 EndStatus = Literal["complete", "stopped", "aborted", "failed"]
 
@@ -45,7 +45,7 @@ COMPLETE = Ending("complete", ExitCode.DONE)
 def react(control: RunControl, error: Exception) -> None:
     """Bring the robot to rest after an error: what makes motion unsafe aborts, everything else stops."""
     fault = error if isinstance(error, CatseyeError) else DeviceFaultError(error)
-    if isinstance(error, (AlarmError, NotReadyError)) or (
+    if isinstance(error, (AlarmError, NotReadyError, NotArrivedError)) or (
         isinstance(error, SafetyError) and not isinstance(error, LimitError)
     ):
         control.abort(fault)

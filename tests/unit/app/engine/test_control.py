@@ -172,6 +172,82 @@ async def test_a_suspension_waits_for_the_condition(bench: Bench) -> None:
     assert bench.robot.calls == ["move"]
 
 
+async def suspended(bench: Bench, back: list[bool]) -> None:
+    """Be suspended until the list of looks says that the condition is back."""
+
+    async def look() -> bool:
+        await asyncio.sleep(0)
+        return back[0] if len(back) == 1 else back.pop(0)
+
+    await bench.control.suspended("the air is too warm", look, 0.5)
+
+
+async def test_a_suspension_ends_when_a_look_finds_the_condition_back(bench: Bench) -> None:
+    await suspended(bench, [False, False, True])
+    assert [state for state, _ in bench.told[2:]] == [State.SUSPENDED, State.EXECUTE]
+    assert bench.told[-1][1] == "over: the air is too warm"
+    assert bench.clock.time_s == 1.0
+    await bench.move()
+    assert bench.robot.pose == AWAY
+
+
+async def test_a_hold_outlasts_a_suspension_that_is_over_and_one_that_is_not(bench: Bench) -> None:
+    back = [False]
+    waiting = asyncio.create_task(suspended(bench, back))
+    await until(bench, State.SUSPENDED)
+    bench.control.hold("operator")
+    await until(bench, State.HELD)
+    bench.control.unhold("operator")
+    # The condition is not back: after the hold the run is suspended again, not moving.
+    await until(bench, State.SUSPENDED)
+    bench.control.hold("operator")
+    back[0] = True
+    await until(bench, State.HELD)
+    assert not waiting.done()
+    bench.control.unhold("operator")
+    await waiting
+    assert bench.control.state == State.EXECUTE
+
+
+async def test_a_stop_ends_a_suspension(bench: Bench) -> None:
+    waiting = asyncio.create_task(suspended(bench, [False]))
+    await until(bench, State.SUSPENDED)
+    bench.control.stop("F12")
+    with pytest.raises(InterruptedRunError, match="F12"):
+        await waiting
+    await bench.control.halted()
+    assert bench.control.state == State.STOPPED
+
+
+async def test_a_motion_that_met_a_short_suspension_at_its_gate_looks_again(bench: Bench) -> None:
+    looks = []
+
+    async def gate() -> None:
+        looks.append(bench.control.state)
+        if len(looks) == 1:
+            bench.control.suspend("the door is open")
+            asyncio.get_running_loop().call_soon(bench.control.condition_back, "the door is closed")
+            await turns(3)
+
+    await bench.control.motion(gate, lambda: bench.robot.move_joints(AWAY))
+    assert len(looks) >= 1
+    assert bench.robot.pose == AWAY
+
+
+async def test_a_stop_drops_every_command_under_way(bench: Bench) -> None:
+    bench.robot.blocks = True
+    commands = [
+        asyncio.create_task(bench.control.command(asyncio.Event().wait())),
+        asyncio.create_task(bench.move()),
+    ]
+    await bench.robot.moving.wait()
+    bench.control.stop("F12")
+    for ended in await asyncio.gather(*commands, return_exceptions=True):
+        assert isinstance(ended, InterruptedRunError)
+    assert bench.robot.calls.index("stop") < bench.robot.calls.index("move cancelled")
+    await bench.control.halted()
+
+
 async def test_the_drives_are_switched_off_when_standstill_is_not_confirmed(bench: Bench) -> None:
     bench.robot.blocks = bench.robot.ignores_stop = True
     move = asyncio.create_task(bench.move())

@@ -1,0 +1,161 @@
+"""Door and air before a motion, and the watchman while nothing moves."""
+
+import asyncio
+import logging
+from collections.abc import AsyncIterator
+from dataclasses import replace
+from typing import Any
+
+import pytest
+
+from app.engine.conditions import AirInRange, AirLimits, ClosedDoor, Watchman
+from app.engine.control import RunControl
+from app.engine.gate import require_ready
+from app.engine.halt import HaltLimits
+from app.engine.measuring import AirCache
+from app.engine.states import State
+from app.engine.waiting import cancel
+from app.errors import SafetyError
+from drivers.errors import LinkError
+from drivers.readings import AirSample, RobotStatus
+from tests.unit.app.engine.fakes import FakeAir, FakeRobot, ManualClock
+from tests.unit.app.engine.test_interlock import Block
+
+LIMITS = AirLimits({"temperature_c": (15.0, 25.0), "pressure_hpa": (800.0, 1100.0)})
+
+
+class Sensor(FakeAir):
+    """Gives what it is told."""
+
+    temperature_c: float = 20.0
+
+    async def sample(self) -> AirSample:
+        self.samples += 1
+        return AirSample(self.temperature_c, self.pressure_hpa, 50.0, self.clock.monotonic_s())
+
+
+class Surroundings:
+    """A run with a door and air, and the watchman over it."""
+
+    def __init__(self) -> None:
+        self.clock = ManualClock()
+        self.robot = FakeRobot(self.clock)
+        self.robot.state = replace(self.robot.state, servo_on=True, override_percent=20.0)
+        self.door = Block()
+        self.air = Sensor(self.clock)
+        self.told: list[str] = []
+        self.control = RunControl(
+            self.clock, lambda state, _reason: self.told.append(state), HaltLimits(standstill_s=0.5)
+        )
+        self.control.attach(self.robot)
+        self.control.starting()
+        self.control.started()
+        conditions = [ClosedDoor(self.door), AirInRange(AirCache(self.air, self.clock, 2.0), LIMITS)]
+        # Longer than what the clock lets pass at once: the test decides when the watchman looks.
+        self.watchman = Watchman(self.control, self.robot, conditions, require_ready, self.clock, 5.0)
+
+    async def look(self) -> State:
+        """Let the watchman look once."""
+        await turns()
+        self.clock.advance(5.0)
+        await turns()
+        return self.control.state
+
+
+@pytest.fixture
+async def around() -> AsyncIterator[Surroundings]:
+    made = Surroundings()
+    task = asyncio.create_task(made.watchman.watch())
+    yield made
+    await cancel(task)
+    await made.control.halted()
+
+
+async def turns() -> None:
+    for _ in range(20):
+        await asyncio.sleep(0)
+
+
+@pytest.mark.parametrize(
+    ("temperature_c", "pressure_hpa", "words"),
+    [
+        (15.0, 1100.0, None),
+        (25.01, 1000.0, "temperature is 25.01 °C, outside 15 … 25 °C"),
+        (20.0, 799.9, "pressure is 799.90 hPa, outside 800 … 1100 hPa"),
+        (20.0, None, None),
+    ],
+)
+async def test_air_outside_its_range_is_named_with_value_and_unit(
+    temperature_c: float, pressure_hpa: float | None, words: str | None
+) -> None:
+    sensor = Sensor(ManualClock())
+    sensor.temperature_c, sensor.pressure_hpa = temperature_c, pressure_hpa
+    trouble = await AirInRange(AirCache(sensor, sensor.clock, 2.0), LIMITS).trouble()
+    assert (trouble is None) == (words is None)
+    assert (words or "") in (trouble or "")
+
+
+async def test_a_door_suspends_a_run_that_stands_and_lets_it_go_on(around: Surroundings) -> None:
+    assert await around.look() == State.EXECUTE
+    around.door.closed = False
+    assert await around.look() == State.SUSPENDED
+    assert await around.look() == State.SUSPENDED
+    around.door.closed = True
+    assert await around.look() == State.EXECUTE
+    assert around.told[2:] == ["SUSPENDED", "EXECUTE"]
+
+
+async def test_air_that_comes_back_does_not_end_the_operators_hold(around: Surroundings) -> None:
+    around.air.temperature_c = 30.0
+    assert await around.look() == State.SUSPENDED
+    around.control.hold("operator")
+    around.air.temperature_c = 20.0
+    assert await around.look() == State.HELD
+
+
+async def test_the_watchman_ends_only_what_he_began(around: Surroundings) -> None:
+    around.control.suspend("the laser is not ready")
+    assert await around.look() == State.SUSPENDED
+    around.control.condition_back("the laser is ready")
+    assert await around.look() == State.EXECUTE
+
+
+@pytest.mark.parametrize(
+    ("change", "words"),
+    [
+        ({"emergency_stop": True}, "emergency stop is open"),
+        ({"alarm_number": 1020, "alarm_text": "servo error"}, "alarm 1020: servo error"),
+        ({"servo_on": False}, "drives are off"),
+        ({"teach_mode": True}, "TEACH"),
+    ],
+)
+async def test_a_controller_that_may_not_move_any_more_aborts_at_rest_too(
+    around: Surroundings, change: dict[str, Any], words: str
+) -> None:
+    around.robot.state = replace(around.robot.state, **change)
+    await around.look()
+    assert isinstance(around.control.ending, SafetyError)
+    assert words in str(around.control.ending)
+    await around.control.halted()
+    assert around.control.state == State.ABORTED
+
+
+async def test_a_link_that_does_not_answer_is_told_once_and_left_to_the_next_command(
+    around: Surroundings, caplog: pytest.LogCaptureFixture, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    async def silent() -> RobotStatus:
+        raise LinkError("robot at tcp://x: no answer")
+
+    caplog.set_level(logging.WARNING)
+    monkeypatch.setattr(around.robot, "status", silent)
+    assert await around.look() == State.EXECUTE
+    assert await around.look() == State.EXECUTE
+    assert [record.message for record in caplog.records] == [
+        "the surroundings cannot be watched: robot at tcp://x: no answer"
+    ]
+
+
+async def test_nobody_looks_during_a_motion(around: Surroundings) -> None:
+    around.control.moving = True
+    around.door.closed = False
+    assert await around.look() == State.EXECUTE
