@@ -8,7 +8,7 @@ from typing import Any
 
 import pytest
 
-from app.engine.conditions import AirInRange, AirLimits, ClosedDoor, Watchman
+from app.engine.conditions import AirInRange, AirLimits, ClosedDoor, Condition, Watchman
 from app.engine.control import RunControl
 from app.engine.gate import require_ready
 from app.engine.halt import HaltLimits
@@ -50,7 +50,10 @@ class Surroundings:
         self.control.attach(self.robot)
         self.control.starting()
         self.control.started()
-        conditions = [ClosedDoor(self.door), AirInRange(AirCache(self.air, self.clock, 2.0), LIMITS)]
+        conditions: list[Condition] = [
+            ClosedDoor(self.door),
+            AirInRange(AirCache(self.air, self.clock, 2.0), LIMITS),
+        ]
         # Longer than what the clock lets pass at once: the test decides when the watchman looks.
         self.watchman = Watchman(self.control, self.robot, conditions, require_ready, self.clock, 5.0)
 
