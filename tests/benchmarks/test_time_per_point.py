@@ -20,14 +20,19 @@ FEW_NODES = {
 }
 
 
-async def measured_slice(bench: Emulated, root: Path) -> RunOutcome:
-    """Run a slice of the paper's measurement at real speed, aimed by a search."""
-    loaded = load_cell(bench.cell)
-    search, measure = load_procedure("reflector-search"), load_procedure("open-loop")
+async def searched(bench: Emulated, root: Path) -> float:
+    """Search quickly, then let the bench run at real speed; return its time."""
+    search = load_procedure("reflector-search")
     bench.ask(op="speed", value=400.0)
-    planned = plan_run(loaded, search, parse_params(search.params_type, []), root, "none")
+    planned = plan_run(load_cell(bench.cell), search, parse_params(search.params_type, []), root, "none")
     assert (await carry_out(planned, root, lambda _event: None, speed=400.0)).exit_code == 0
     bench.ask(op="speed", value=1.0)
+    return float(bench.ask(op="state")["time_s"])
+
+
+async def measured_slice(bench: Emulated, root: Path) -> RunOutcome:
+    """Run a slice of the paper's measurement at real speed, aimed by the search before it."""
+    loaded, measure = load_cell(bench.cell), load_procedure("open-loop")
     params = parse_params(measure.params_type, ['reflectors=["P2"]'])
     planned = plan_run(loaded, measure, params, root, "auto")
     return await carry_out(planned, root, lambda _event: None)
@@ -65,6 +70,7 @@ def software_ms(outcome: RunOutcome) -> list[float]:
 
 async def test_software_time_of_a_point(tmp_path: Path) -> None:
     with emulated(tmp_path, edit=FEW_NODES) as bench:
+        await searched(bench, tmp_path / "runs")
         outcome = await measured_slice(bench, tmp_path / "runs")
     assert outcome.exit_code == 0
     # The engine's own account: everything outside of the robot's moves, settling and dwell.
