@@ -19,6 +19,7 @@ from app.engine.host import RunOutcome, RunRequest, run_procedure
 from app.engine.signals import SignalInstaller, loop_signals
 from app.errors import ConfigError
 from app.instruments import device_builder
+from app.plan_digest import plan_digest
 from app.procedure_list import Runnable
 from drivers.clock import SystemClock
 from procedures.bench import Bench
@@ -37,6 +38,9 @@ class PlannedRun:
         plan: the procedure's own plan.
         aim: where the aim comes from.
         aim_simulated: whether that was a search on emulated devices; None without a search.
+        resume: directory of the interrupted run that goes on; None for a new one.
+        clock_speed: of the interrupted run, bench seconds in one real second.
+        relinked: the interrupted run goes on with other endpoints or time-outs than before.
     """
 
     loaded: LoadedCell
@@ -46,6 +50,9 @@ class PlannedRun:
     plan: Any
     aim: str
     aim_simulated: bool | None
+    resume: Path | None = None
+    clock_speed: float = 1.0
+    relinked: bool = False
 
 
 def plan_run(
@@ -100,11 +107,12 @@ async def carry_out(
         override_cap_percent=cell.robot.override_cap_percent,
         air=air_rule(cell),
         air_limits=air_limits(cell),
-        meta=_meta(planned, speed),
+        meta=_meta(planned, speed) if planned.resume is None else _meta_of_resumption(planned, speed),
         arm=arm,
         answers=_answers(answers),
         clock_speed=speed,
         aim_simulated=planned.aim_simulated,
+        resume=planned.resume,
     )
     return await run_procedure(request, device_builder(cell, clock), clock, publish, install_signals)
 
@@ -141,9 +149,31 @@ def _meta(planned: PlannedRun, speed: float) -> dict[str, Json]:
         "configuration_sha256": loaded.sha256,
         "params": planned.params.model_dump(mode="json"),
         "aim": planned.aim,
+        "aimed": _aimed(planned),
+        "plan_sha256": plan_digest(planned.plan),
         "operator": getpass.getuser(),
         "clock_speed": speed,
     }
+
+
+def _aimed(planned: PlannedRun) -> dict[str, Json]:
+    """Return what the plan was aimed with: the search that found it may be gone when the run goes on."""
+    bench = planned.bench
+    places: dict[str, Json] = {r.name: [r.x_mm, r.y_mm] for r in bench.reflectors}
+    return {
+        "reflectors": places,
+        "theta40_deg": bench.optics.theta40_deg,
+        "simulated": planned.aim_simulated,
+    }
+
+
+def _meta_of_resumption(planned: PlannedRun, speed: float) -> dict[str, Json]:
+    """Return what is stored with the reopening of a run."""
+    meta: dict[str, Json] = {"operator": getpass.getuser(), "clock_speed": speed}
+    if planned.relinked:
+        meta["configuration"] = planned.loaded.cell.model_dump(mode="json")
+        meta["configuration_file"] = str(planned.loaded.path)
+    return meta
 
 
 def _answers(path: Path | None) -> dict[str, str]:

@@ -156,7 +156,9 @@ async def run_procedure(
         name, meta = request.procedure.name, {"cell": request.cell, **request.meta}
         store = await RunStore.create(request.root, name, meta, clock, reserve_bytes=request.reserve_bytes)
     else:
-        store = await RunStore.reopen(request.resume, clock, reserve_bytes=request.reserve_bytes)
+        store = await RunStore.reopen(
+            request.resume, clock, request.meta, reserve_bytes=request.reserve_bytes
+        )
     handler = LogHandler(store.log)
     logging.getLogger().addHandler(handler)
     try:
@@ -356,7 +358,7 @@ class _Run:
         try:
             if troubles:
                 await self._store.event("close-failed", dict(troubles))
-            await self._store.finish(ending.status, ending.exit_code)
+            await self._store.finish(ending.status, ending.exit_code, ending.text)
         except StorageError as error:
             ending = Ending("failed", error.exit_code, str(error))
             self._report(ending, error)

@@ -100,11 +100,19 @@ class RunStore:
         cls,
         path: Path,
         clock: Clock,
+        about: Mapping[str, Json] | None = None,
         *,
         reserve_bytes: int = DEFAULT_RESERVE_BYTES,
         max_log_bytes: int = DEFAULT_MAX_BYTES,
     ) -> "RunStore":
         """Go on with a run that died or ended early; its done steps keep their results.
+
+        Args:
+            path: the run's directory.
+            clock: stamps every record.
+            about: what is to be stored with the reopening, beside versions and clock anchor.
+            reserve_bytes: free space that must be there.
+            max_log_bytes: where each log file is cut.
 
         Raises:
             UsageError: the run is complete.
@@ -119,8 +127,12 @@ class RunStore:
         require_space(path, reserve_bytes)
         seal.unseal(path)
         store = await cls._open(path, clock, reserve_bytes, max_log_bytes, reader)
-        anchor = clock_anchor(clock)
-        await store.event("run-reopened", {"before": before, "software": software(), "clock_anchor": anchor})
+        facts: dict[str, Json] = {
+            "before": before,
+            "software": software(),
+            "clock_anchor": clock_anchor(clock),
+        }
+        await store.event("run-reopened", {**facts, **(about or {})})
         return store
 
     @classmethod
@@ -231,14 +243,19 @@ class RunStore:
         values = (None, prompt_id, kind, text, asked_utc, answered_utc, answer, who)
         await self._writer.transact(lambda db: insert(db, "prompts", values))
 
-    async def finish(self, status: str, exit_code: int) -> None:
+    async def finish(self, status: str, exit_code: int, text: str = "") -> None:
         """Write the closing record, seal the directory and release it.
+
+        Args:
+            status: how the run ended.
+            exit_code: of the process.
+            text: why it did not complete; empty otherwise.
 
         Raises:
             StorageError: storage has failed, now or before; the run keeps no closing record.
         """
         try:
-            await self.event("run-ended", self._closing(status, exit_code))
+            await self.event("run-ended", {**self._closing(status, exit_code), "text": text})
             await self._writer.close(_leave_wal)
             self.wire.close()
             self.log.close()

@@ -1,0 +1,175 @@
+"""Going on with a run that stopped, failed, was aborted or died: planned from what it has stored."""
+
+import json
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+from pydantic import ValidationError
+
+from app.cell.bench import bench_of
+from app.cell.load import LoadedCell
+from app.cell.model import Cell
+from app.errors import UsageError
+from app.plan_digest import plan_digest
+from app.procedure_list import Runnable, load_procedure
+from app.running import PlannedRun
+from app.store.catalog import resolve_run
+from app.store.reader import RunReader
+from procedures.bench import Bench
+from procedures.context import Json
+
+MOVED = "reflectors-moved"
+"""Kind of the event that says that the bench is no longer the one of the points."""
+
+_NEEDED = ("configuration", "configuration_file", "params", "aimed", "clock_speed", "plan_sha256")
+
+
+def plan_resume(root: Path, run: str, changed: LoadedCell | None = None) -> PlannedRun:
+    """Plan the rest of an interrupted run exactly as the whole was planned.
+
+    Everything comes from the run: neither its cell file nor the search that it was aimed with has to be there any
+    more. `carry_out` and `rehearse` take what is returned as they take a new run's plan; steps that are done return
+    their stored results. Nothing is written and no device is touched here.
+
+    Args:
+        root: folder of all runs.
+        run: path, name, beginning of a name, or id.
+        changed: a cell file with other endpoints, or time-outs, than those of last time.
+
+    Raises:
+        UsageError: the run is complete or under way, its reflectors were moved, an older program wrote it without
+            what is needed, this program plans it differently, or the cell file differs in more than endpoints and
+            time-outs; the text names the keys.
+        ProcedureError: the plan cannot be made.
+        StorageError: the run cannot be read.
+    """
+    path = resolve_run(root, run)
+    reader = RunReader(path)
+    _require_resumable(reader)
+    meta: dict[str, Any] = dict(reader.meta)
+    loaded = _configured(reader, meta)
+    if changed is not None:
+        _require_same_but_links(path.name, loaded.cell, changed.cell)
+        loaded = changed
+    procedure = load_procedure(str(meta["procedure"]))
+    params = _params(path.name, procedure, meta["params"])
+    bench = _aimed(bench_of(loaded.cell), meta["aimed"])
+    plan = procedure.plan(bench, params)
+    if plan_digest(plan) != meta["plan_sha256"]:
+        raise UsageError(
+            f"{path.name} was planned by catseye {_version(meta)} and this program plans it differently: its steps "
+            "would not fit together; go on with that version, or start a new run; the points so far stay usable"
+        )
+    return PlannedRun(
+        loaded,
+        procedure,
+        params,
+        bench,
+        plan,
+        str(meta["aim"]),
+        meta["aimed"]["simulated"],
+        resume=path,
+        clock_speed=float(meta["clock_speed"]),
+        relinked=changed is not None,
+    )
+
+
+def why_not_resumable(reader: RunReader) -> str:
+    """Return why a run cannot go on, as far as its record tells without planning; empty when it can."""
+    name = reader.path.name
+    match reader.status:
+        case "complete":
+            return f"{name} is complete: there is nothing to go on with; start a new run"
+        case "running":
+            return f"{name} is under way: join it with: catseye attach {name}"
+    moved = [event for event in reader.events() if event.kind == MOVED]
+    if moved:
+        return (
+            f"the reflectors of {name} were moved ({moved[-1].time_utc[:19]}): its points and new ones would not "
+            "belong together; search again and start a new run; the points so far stay usable"
+        )
+    missing = [key for key in _NEEDED if key not in reader.meta]
+    if not missing:
+        return ""
+    if "configuration" in missing:
+        return f"{name} died before it had stored its configuration, and has no points: start a new run"
+    return (
+        f"{name} was written by catseye {_version(reader.meta)}, which did not store what going on needs "
+        f"({', '.join(missing)}): start a new run; the points so far stay usable"
+    )
+
+
+def _require_resumable(reader: RunReader) -> None:
+    if text := why_not_resumable(reader):
+        raise UsageError(text)
+
+
+def _version(meta: Mapping[str, Any]) -> str:
+    software: Any = meta.get("software") or {}
+    return str(software.get("catseye", "of an unknown version"))
+
+
+def _configured(reader: RunReader, meta: Mapping[str, Any]) -> LoadedCell:
+    """Return the cell as it was resolved last: a run that went on with other endpoints keeps them."""
+    reopened = [e.data["configuration"] for e in reader.events() if e.data.get("configuration")]
+    values = reopened[-1] if reopened else meta["configuration"]
+    try:
+        cell = Cell.model_validate_json(json.dumps(values))
+    except ValidationError as error:
+        first = error.errors()[0]
+        key = ".".join(str(part) for part in first["loc"])
+        raise UsageError(
+            f"{reader.path.name}: its configuration, of catseye {_version(meta)}, does not fit this program "
+            f"({key}: {first['msg']}): go on with that version, or start a new run"
+        ) from error
+    origins = dict(meta.get("configuration_origins") or {})
+    return LoadedCell(
+        cell, Path(str(meta["configuration_file"])), str(meta.get("configuration_sha256", "")), origins
+    )
+
+
+def _params(name: str, procedure: Runnable, values: Any) -> Any:
+    try:
+        return procedure.params_type.model_validate_json(json.dumps(values))
+    except ValidationError as error:
+        raise UsageError(
+            f"{name}: its parameters do not fit this program's {procedure.name} ({error.errors()[0]['msg']}): go on "
+            "with the version that wrote it, or start a new run"
+        ) from error
+
+
+def _aimed(bench: Bench, aimed: Any) -> Bench:
+    places = {name: (float(x_mm), float(y_mm)) for name, (x_mm, y_mm) in aimed["reflectors"].items()}
+    return bench.aimed(places, float(aimed["theta40_deg"]))
+
+
+def _require_same_but_links(name: str, stored: Cell, given: Cell) -> None:
+    """Check that only the ways to the devices differ.
+
+    Raises:
+        UsageError: other keys differ.
+    """
+    before, after = (_flat(cell.model_dump(mode="json")) for cell in (stored, given))
+    keys = [key for key in {**before, **after} if before.get(key) != after.get(key) and not _is_link(key)]
+    if keys:
+        raise UsageError(
+            f"{name} cannot go on with this cell file: only endpoints and time-outs may change, and these differ: "
+            f"{', '.join(sorted(keys))}; set them as they were, or start a new run"
+        )
+
+
+def _is_link(key: str) -> bool:
+    last = key.rpartition(".")[2]
+    return last.endswith(("endpoint", "timeout_s"))
+
+
+def _flat(value: Json, key: str = "") -> dict[str, Json]:
+    """Return the leaves of a configuration by dotted key; [[tables]] are counted from 1, as people count."""
+    if isinstance(value, dict) and value:
+        parts = [(f"{key}.{name}".lstrip("."), item) for name, item in value.items()]
+    elif isinstance(value, list) and value and isinstance(value[0], dict):
+        parts = [(f"{key}[{number}]", item) for number, item in enumerate(value, 1)]
+    else:
+        return {key: value}
+    return {leaf: found for part, item in parts for leaf, found in _flat(item, part).items()}
