@@ -16,6 +16,9 @@ from procedures.devices import ControllerStatus, Robot
 
 _log = logging.getLogger(__name__)
 
+_IDLE_SHARE = 20.0
+"""Looks take at most a twentieth of the time."""
+
 _UNITS = {"temperature_c": "°C", "pressure_hpa": "hPa", "humidity_percent": "%RH"}
 
 
@@ -113,10 +116,12 @@ class Watchman:
 
     async def watch(self) -> None:
         """Look until cancelled."""
+        pause_s = self._poll_s
         while True:
-            await self._clock.sleep(self._poll_s)
+            await self._clock.sleep(pause_s)
             if self._control.moving or self._control.state not in RUNNING:
                 continue
+            start_s = self._clock.monotonic_s()
             try:
                 await self._look()
                 self._silent = False
@@ -125,6 +130,8 @@ class Watchman:
                 if not self._silent:
                     self._silent = True
                     _log.warning("the surroundings cannot be watched: %s", error)
+            # On a slow serial line a look takes a tenth of a second, which the measurement waits for.
+            pause_s = max(self._poll_s, _IDLE_SHARE * (self._clock.monotonic_s() - start_s))
 
     async def _look(self) -> None:
         status = await self._robot.status()
