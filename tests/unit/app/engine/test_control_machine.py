@@ -82,7 +82,9 @@ class EngineMachine(RuleBasedStateMachine):
         self.robot.blocks = blocks
 
         async def gate() -> None:
-            await asyncio.sleep(0)
+            # Long enough for something to happen while the gate looks.
+            for _ in range(6):
+                await asyncio.sleep(0)
 
         self.ask(self.control.motion(gate, lambda: self.robot.move_joints(AWAY)))
 
