@@ -15,7 +15,9 @@ from app.engine.announcer import Publish
 from app.engine.arm_model import reflector_beam
 from app.engine.dry_run import DryRunContext
 from app.engine.gate import JointLimits
+from app.engine.handle import OnOpen
 from app.engine.host import RunOutcome, RunRequest, run_procedure
+from app.engine.operator import Answerer
 from app.engine.signals import SignalInstaller, loop_signals
 from app.errors import ConfigError
 from app.instruments import device_builder
@@ -85,6 +87,8 @@ async def carry_out(
     arm: str | None = None,
     answers: Path | None = None,
     install_signals: SignalInstaller = loop_signals,
+    answerer: Answerer | None = None,
+    on_open: OnOpen | None = None,
 ) -> RunOutcome:
     """Run a planned procedure on the cell's devices.
 
@@ -96,6 +100,8 @@ async def carry_out(
         arm: the cell's name as typed to allow real hardware to move.
         answers: TOML file of prompt id to answer.
         install_signals: delivers signals to the stop ladder.
+        answerer: a front end that answers questions.
+        on_open: lets a service reach the run while its record is open.
     """
     cell, clock = planned.loaded.cell, SystemClock(speed)
     request = RunRequest(
@@ -113,6 +119,8 @@ async def carry_out(
         clock_speed=speed,
         aim_simulated=planned.aim_simulated,
         resume=planned.resume,
+        answerer=answerer,
+        on_open=on_open,
     )
     return await run_procedure(request, device_builder(cell, clock), clock, publish, install_signals)
 

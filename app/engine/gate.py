@@ -1,7 +1,7 @@
 """The one gate that every motion passes: limits, controller state, speed override."""
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 from app.engine.conditions import Condition
@@ -59,6 +59,9 @@ class MotionGate:
         limits: ranges of the cell.
         override_cap_percent: highest speed override that the cell allows.
         conditions: of the surroundings: door, air.
+
+    Attributes:
+        on_override: is told each override that was lowered on request and read back, percent.
     """
 
     def __init__(
@@ -72,6 +75,24 @@ class MotionGate:
         self._robot = robot
         self._limits = limits
         self._cap_percent = override_cap_percent
+        self._wanted_percent = override_cap_percent
+        self._read_percent = override_cap_percent
+        self.on_override: Callable[[float], None] = lambda _percent: None
+
+    def want_override(self, percent: float) -> float:
+        """Lower the override before the next motion, and keep it there; return what it reads until then.
+
+        Raises:
+            LimitError: it would not be lowered; nothing changes.
+        """
+        now = min(self._wanted_percent, self._read_percent)
+        if not 0.0 < percent < now:
+            raise LimitError(
+                f"the override is {now:g} % (the cell allows {self._cap_percent:g} %) and is only ever lowered from "
+                f"here, so {percent:g} % is refused; raise it at the controller, as far as the cell allows"
+            )
+        self._wanted_percent = percent
+        return self._read_percent
 
     async def lower_override(self) -> float:
         """Bring the override down to the cap, never up; return what the controller reads back.
@@ -83,6 +104,7 @@ class MotionGate:
         if percent > self._cap_percent:
             percent = await self._robot.set_override(self._cap_percent)
         self._require_override(percent)
+        self._read_percent = percent
         return percent
 
     async def require(self, *targets: Joints) -> None:
@@ -99,6 +121,9 @@ class MotionGate:
         status = await self._robot.status()
         require_ready(status)
         self._require_override(status.override_percent)
+        self._read_percent = status.override_percent
+        if self._read_percent > self._wanted_percent:
+            await self._lower_to(self._wanted_percent)
 
     async def require_conditions(self) -> None:
         """Check door and air afresh.
@@ -113,6 +138,17 @@ class MotionGate:
     async def conditions_hold(self) -> bool:
         """Return whether door and air permit motion."""
         return all([await condition.trouble() is None for condition in self._conditions])
+
+    async def _lower_to(self, wanted: float) -> None:
+        percent = await self._robot.set_override(wanted)
+        if not percent <= wanted + _OVERRIDE_TOLERANCE_PERCENT:
+            raise SafetyError(
+                f"the controller was asked for an override of {wanted:g} % and reads {percent:g} %: no motion; "
+                "lower it at the controller"
+            )
+        # A controller that rounds up a little is not asked again and again.
+        self._wanted_percent = self._read_percent = percent
+        self.on_override(percent)
 
     def _require_override(self, percent: float) -> None:
         # Written so that an override that reads NaN is refused too.

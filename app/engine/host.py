@@ -3,6 +3,7 @@
 import asyncio
 import logging
 from collections.abc import Mapping
+from contextlib import nullcontext
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, Protocol
@@ -23,6 +24,7 @@ from app.engine.devices import (
 from app.engine.ending import COMPLETE, Ending, EndStatus, ending_of, react
 from app.engine.gate import JointLimits, MotionGate, require_ready
 from app.engine.halt import FAILURES, HaltLimits
+from app.engine.handle import OnOpen, RunHandle
 from app.engine.interlock import StackLight
 from app.engine.measuring import AirCache
 from app.engine.operator import Answerer, Operator
@@ -90,6 +92,7 @@ class RunRequest:
         teardown_limit_s: how long the teardown, and the closing of the devices, may take, real s.
         aim_simulated: whether the search that the plan aims with was made on emulated devices; None without one.
         clock_speed: bench seconds in one real second; anything but 1 is for emulated devices only.
+        on_open: lets a service reach the run while its record is open.
     """
 
     procedure: Procedure
@@ -110,6 +113,7 @@ class RunRequest:
     teardown_limit_s: float = 60.0
     clock_speed: float = 1.0
     aim_simulated: bool | None = None
+    on_open: OnOpen | None = None
 
 
 @dataclass(frozen=True)
@@ -186,9 +190,19 @@ class _Run:
         self._watch: asyncio.Task[None] | None = None
         self._bound_s = request.teardown_limit_s * request.clock_speed
         store.on_failure = self._control.fault
+        self._sealed = False
+        procedure = request.procedure
+        self._handle = RunHandle(
+            store.path, procedure.name, procedure.title, self._control, self._note, self._warn
+        )
 
     async def conduct(self, build_devices: DeviceBuilder, install_signals: SignalInstaller) -> RunOutcome:
         """Run to the end, whatever the end is."""
+        on_open = self._request.on_open
+        async with nullcontext() if on_open is None else on_open(self._handle):
+            return await self._conduct(build_devices, install_signals)
+
+    async def _conduct(self, build_devices: DeviceBuilder, install_signals: SignalInstaller) -> RunOutcome:
         procedure = self._request.procedure
         self._announcer.say("run-started", procedure=procedure.name, title=procedure.title)
         with install_signals(self._control.on_signal):
@@ -228,12 +242,15 @@ class _Run:
             "compensation": compensation,
         }
         await self._describe(facts, simulated)
+        self._handle.simulated = simulated
         self._control.attach(devices.robot)
         if devices.io is not None:
             self._light = StackLight(devices.io, self._warn)
         conditions = self._conditions(devices)
         gate = MotionGate(devices.robot, self._request.limits, self._request.override_cap_percent, conditions)
+        gate.on_override = self._override_lowered
         await self._control.command(self._ready(devices, gate))
+        self._handle.gate = gate
         await self._tell_notes(devices)
         operator = Operator(self._clock, self._request.answers, self._request.answerer, simulated=simulated)
         self._context = RunContext(
@@ -358,6 +375,7 @@ class _Run:
         try:
             if troubles:
                 await self._store.event("close-failed", dict(troubles))
+            self._sealed = True
             await self._store.finish(ending.status, ending.exit_code, ending.text)
         except StorageError as error:
             ending = Ending("failed", error.exit_code, str(error))
@@ -377,8 +395,17 @@ class _Run:
             self._light.take(event)
         self._publish(event)
 
+    def _note(self, kind: str, data: Mapping[str, Json]) -> None:
+        # A client may do something while the record is being sealed; nothing can be added to it then.
+        if not self._sealed:
+            self._store.post(kind, data)
+
+    def _override_lowered(self, percent: float) -> None:
+        self._note("override", {"percent": percent})
+        self._announcer.say("state", state=self._control.state, kind="override", data={"percent": percent})
+
     def _warn(self, text: str) -> None:
-        self._store.post("warning", {"text": text})
+        self._note("warning", {"text": text})
         self._announcer.say("warning", text=text, data={})
 
     def _report(self, ending: Ending, error: BaseException) -> None:

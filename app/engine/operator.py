@@ -76,7 +76,7 @@ class Operator:
             if prompt.safe_answer is None:
                 raise PromptUnansweredError(f"no answer to {prompt.id!r} in {prompt.timeout_s} s") from error
             return Answer(prompt.safe_answer, "safe answer after the time was over")
-        found = found or self._by_itself(prompt)
+        found = found or self._by_itself(prompt) or self._safe(prompt)
         if found is None:
             raise PromptUnansweredError(
                 f"nobody is there to answer {prompt.id!r}: {prompt.text} {self._remedy(prompt)}"
@@ -107,6 +107,11 @@ class Operator:
             return None
         text = "yes" if prompt.kind == "confirm" else prompt.safe_answer
         return None if text is None else Answer(text, "emulated operator")
+
+    def _safe(self, prompt: Prompt) -> Answer | None:
+        if prompt.safe_answer is None:
+            return None
+        return Answer(prompt.safe_answer, "safe answer, nobody was there")
 
     def _remedy(self, prompt: Prompt) -> str:
         if prompt.kind == "confirm" and not self._simulated:
