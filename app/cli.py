@@ -130,6 +130,12 @@ def emulate(
     suffix: Annotated[
         str, typer.Option(help="end of the controller's answers on TCP: none, cr, crlf")
     ] = "none",
+    unaligned: Annotated[
+        bool, typer.Option("--unaligned", help="the beam lies as it was mounted: beside the J4 axis, tilted")
+    ] = False,
+    screw_sense: Annotated[
+        str, typer.Option(help="screws act as the cell file says (normal), or the other way (reversed)")
+    ] = "normal",
     end_with_stdin: Annotated[
         bool, typer.Option(help="end when stdin closes, for programs that start it")
     ] = False,
@@ -142,7 +148,17 @@ def emulate(
     """
     from app.commands.emulate import emulate_command
 
-    emulate_command(file, speed, seed, truth, axes=axes, suffix=suffix, end_with_stdin=end_with_stdin)
+    emulate_command(
+        file,
+        speed,
+        seed,
+        truth,
+        axes=axes,
+        suffix=suffix,
+        unaligned=unaligned,
+        screw_sense=screw_sense,
+        end_with_stdin=end_with_stdin,
+    )
 
 
 @cli.command()
@@ -215,6 +231,35 @@ def run(
     from app.commands.run import run_command
 
     run_command(procedure, cell, param or [], search, answers, arm, speed, dry_run, runs, as_json)
+
+
+@cli.command()
+def resume(
+    run: Annotated[str, typer.Argument(metavar="RUN", help="path, name, beginning of a name, or id")],
+    cell: Annotated[
+        Path | None, typer.Option(metavar="FILE", help="cell file with other endpoints or time-outs")
+    ] = None,
+    answers: Annotated[Path | None, typer.Option(help="TOML file: prompt id = answer")] = None,
+    arm: Annotated[
+        str | None, typer.Option(metavar="CELL", help="cell name, typed to let real hardware move")
+    ] = None,
+    speed: Annotated[
+        float | None,
+        typer.Option(min=0.001, max=1e6, help="bench seconds in one real second; emulators only [as before]"),
+    ] = None,
+    dry_run: Annotated[bool, typer.Option("--dry-run", help="plan and rehearse, touch no device")] = False,
+    runs: Runs = None,
+    as_json: AsJson = False,
+) -> None:
+    """Go on with a run that stopped, failed, was aborted or died; steps that are done are not repeated.
+
+    Everything is taken from the run itself; the operator is asked what may have changed meanwhile.
+
+    Example: catseye resume 1a2b3c
+    """
+    from app.commands.resume import resume_command
+
+    resume_command(run, cell, answers, arm, speed, dry_run, runs, as_json)
 
 
 @cli.command("runs")

@@ -10,11 +10,11 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, BinaryIO
 
-from app.cell.model import Cell, Interferometer
+from app.cell.model import Alignment, Cell, Interferometer
 from app.errors import ConfigError, LinkFailedError
 from drivers.counter.profile import load_profile
 from drivers.errors import ProfileError
-from simulators.config import EmulatedDevice, EmulationConfig, Option, ReflectorPlace
+from simulators.config import EmulatedDevice, EmulationConfig, Option, ReflectorPlace, Screws
 from simulators.protocols import PROTOCOLS
 
 _READY_TIMEOUT_S = 20.0
@@ -46,11 +46,21 @@ def emulation_config(cell: Cell, speed: float, seed: int, truth: Path | None) ->
         acceptance_mm=cell.optics.acceptance_mm,
         field_half_angle_deg=cell.optics.field_half_angle_deg,
         column_radius_mm=cell.optics.column_radius_mm,
+        screws=_screws(cell.alignment),
+        one_reflector=cell.optics.one_reflector,
         devices=emulated_devices(cell),
         control="tcp://127.0.0.1:0" if cell.tracker is None else cell.tracker.endpoint,
         speed=speed,
         seed=seed,
         truth=truth,
+    )
+
+
+def _screws(alignment: Alignment) -> Screws:
+    return Screws(
+        stage_mm_per_turn=alignment.stage_mm_per_turn * (1.0 if alignment.stage_clockwise == "+y" else -1.0),
+        level_mrad_per_turn=alignment.level_mrad_per_turn
+        * (1.0 if alignment.level_clockwise == "up" else -1.0),
     )
 
 

@@ -1,7 +1,7 @@
 """Everything that describes one emulated bench. Plain data; the cell file is read elsewhere."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
@@ -37,7 +37,7 @@ class ErrorBudget:
     motions, wavelength, correction, environment); the others are assumptions of this emulation.
 
     Attributes:
-        repeatability_um: robot repeatability, standard deviation of x and of y at each arrival.
+        repeatability_um: robot repeatability, standard deviation of x and of y at each arrival of J1 or J2.
         radial_j1_um: radial error motion of J1, rms of x and of y.
         radial_j2_um: the same for J2, in the frame of link 1.
         radial_j4_um: the same for J4, in the frame of link 2.
@@ -94,6 +94,33 @@ class ArmDynamics:
     reversal_travel_deg: float = 0.05
     j4_backlash_mdeg: float = 3.0
     servo_delay_s: float = 1.0
+
+
+@dataclass(frozen=True)
+class Screws:
+    """What the screws of the interferometer's mount do; clockwise is positive.
+
+    Attributes:
+        stage_mm_per_turn: how far a turn moves the beam to its left; negative: to its right.
+        level_mrad_per_turn: how far a turn tilts the beam upwards; negative: downwards.
+        level_lever_mm: distance of the tilt's pivot behind the J4 axis: a tilted beam is a little higher there.
+        setting_turns: standard deviation with which a hand sets a turn.
+        play_turns: what is lost when the sense of turning changes.
+    """
+
+    stage_mm_per_turn: float = 0.5
+    level_mrad_per_turn: float = 2.0
+    level_lever_mm: float = 40.0
+    setting_turns: float = 0.02
+    play_turns: float = 0.02
+
+    def reversed(self) -> "Screws":
+        """Return screws that act the other way round, as on a mount turned by half a turn."""
+        return replace(
+            self,
+            stage_mm_per_turn=-self.stage_mm_per_turn,
+            level_mrad_per_turn=-self.level_mrad_per_turn,
+        )
 
 
 @dataclass(frozen=True)
@@ -162,11 +189,17 @@ class EmulationConfig:
         j3_mm: limits of J3.
         j4_deg: limits of J4.
         start_joints: joints at bench time 0.
-        beam_height_j3_mm: J3 at which the beam lies in the plane of the reflectors; None: that of start_joints.
+        beam_height_j3_mm: J3 at which the beam, beside the J4 axis, lies in the plane of the reflectors; None: that
+            of start_joints.
         acceptance_mm: largest beam miss from which a reflector returns the beam.
         field_half_angle_deg: half angle of the cat's eye's field.
         column_radius_mm: radius of the base column around the J1 axis.
         beam_offset_mm: lateral offset of the beam from the J4 axis, positive to the left of the beam; None: drawn.
+        beam_pitch_mrad: angle of the beam above the XY plane; None: drawn.
+        unaligned: offset, pitch and height are drawn as of a beam that nobody has aligned yet.
+        screws: what moves the beam on its mount.
+        one_reflector: one cat's eye is carried from nest to nest; at the start it stands in the first one.
+        nest_um: standard deviation of x and of y with which a cat's eye is put into its nest.
         speed_limit_mm_s: largest displacement rate that the counter follows.
         devices: endpoints of all devices.
         control: endpoint of the control port, `tcp://host:port`.
@@ -193,6 +226,11 @@ class EmulationConfig:
     field_half_angle_deg: float = 80.0
     column_radius_mm: float = 110.0
     beam_offset_mm: float | None = None
+    beam_pitch_mrad: float | None = None
+    unaligned: bool = False
+    screws: Screws = field(default_factory=Screws)
+    one_reflector: bool = False
+    nest_um: float = 2.0
     speed_limit_mm_s: float = 2000.0
     devices: tuple[EmulatedDevice, ...] = CLASSIC_DEVICES
     control: str = _ANY_FREE

@@ -3,17 +3,21 @@
 Requests have `op` and its arguments; answers are `{"ok": true, …}` or `{"ok": false, "error": "…"}`.
 
 `identify` · `truth` (the true arm in the result format) · `state` · `tracker` (the J4 axis as a laser tracker sees
-it) · `log` {device} · `speed` {value} · `fault` {name, …}, with the names
+it) · `log` {device} · `speed` {value} · what hands do: `turn_screw` {screw: "stage" or "level", turns: clockwise
+positive} · `place_reflector` {reflector: its nest, the others are empty then; "all" fills them all} · `clear_beam` ·
+`fault` {name, …}, with the names
 
 `block_beam` {duration_s, null for ever} · `clear_faults` · `alarm` {number} · `emergency_stop` {on} ·
 `teach_mode` {on} · `servo_off` · `move_reflector` {reflector, dx_mm, dy_mm} · `air` {nan, temperature_k,
-pressure_hpa, humidity_percent} · `door` {open} · `stall` {device, duration_s} · `drop` {device} · `mute` {device}.
-Durations are bench time.
+pressure_hpa, humidity_percent} · `door` {open} · `stall` {device, duration_s} · `drop` {device} · `mute` {device} ·
+`overspeed` · `vibration` {amplitude_um, duration_s} · `laser` {ready} · `weaken` {factor} · `slip` {joint, deg}.
+Durations are bench time. `clear_faults` ends what goes on: screws, reflectors and a lost count stay as they are.
 """
 
 import json
 from dataclasses import asdict, dataclass
 from itertools import chain
+from typing import Literal
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
@@ -103,6 +107,14 @@ class _State(_Request):
             "alarm": desk.world.controller.alarm,
             "beam": beam,
             "coils": {name: block.coils for name, block in desk.world.blocks.items()},
+            "mount": {
+                "offset_mm": bench.mount.offset_mm,
+                "pitch_mrad": 1e3 * bench.mount.pitch_rad,
+                "height_j3_mm": bench.mount.height_j3_mm,
+                "turns": {name: screw.turns for name, screw in bench.mount.screws.items()},
+            },
+            "in_place": bench.in_place,
+            "laser_ready": bench.laser_ready,
         }
 
 
@@ -128,6 +140,70 @@ class _Speed(_Request):
         return {}
 
 
+class _TurnScrew(_Request):
+    screw: Literal["stage", "level"]
+    # A screw has an end, and so has a hand's patience.
+    turns: float = Field(ge=-20.0, le=20.0)
+
+    def carry_out(self, desk: Desk) -> Said:
+        desk.world.bench.turn_screw(self.screw, self.turns)
+        return {}
+
+
+class _PlaceReflector(_Request):
+    reflector: str
+
+    def carry_out(self, desk: Desk) -> Said:
+        desk.world.bench.place_reflector(self.reflector)
+        return {"in_place": desk.world.bench.in_place}
+
+
+class _ClearBeam(_Request):
+    def carry_out(self, desk: Desk) -> Said:
+        desk.world.bench.unblock_beam()
+        return {}
+
+
+class _Overspeed(_Request):
+    def carry_out(self, desk: Desk) -> Said:
+        desk.world.bench.outrun_counters()
+        return {}
+
+
+class _Vibration(_Request):
+    amplitude_um: float = Field(gt=0.0, le=5000.0)
+    duration_s: float = Field(gt=0.0, le=3600.0)
+
+    def carry_out(self, desk: Desk) -> Said:
+        desk.world.bench.shake(1e-3 * self.amplitude_um, self.duration_s)
+        return {}
+
+
+class _Laser(_Request):
+    ready: bool = False
+
+    def carry_out(self, desk: Desk) -> Said:
+        desk.world.bench.set_laser(ready=self.ready)
+        return {}
+
+
+class _Weaken(_Request):
+    factor: float = Field(gt=0.0, le=1.0)
+
+    def carry_out(self, desk: Desk) -> Said:
+        desk.world.bench.weaken(self.factor)
+        return {}
+
+
+class _Slip(_Request):
+    joint: Literal[1, 2, 4]
+    deg: float = Field(ge=-30.0, le=30.0)
+
+    def carry_out(self, desk: Desk) -> Said:
+        desk.world.bench.slip(self.joint, self.deg)
+        return {}
+
+
 class _BlockBeam(_Request):
     duration_s: float | None = Field(default=None, gt=0.0)
 
@@ -138,7 +214,7 @@ class _BlockBeam(_Request):
 
 class _ClearFaults(_Request):
     def carry_out(self, desk: Desk) -> Said:
-        desk.world.bench.unblock_beam()
+        desk.world.bench.clear_faults()
         desk.world.controller.emergency_stop = False
         desk.world.controller.teach_mode = False
         desk.world.controller.reset_alarm()
@@ -246,6 +322,9 @@ _OPERATIONS: dict[str, type[_Request]] = {
     "tracker": _Tracker,
     "log": _Log,
     "speed": _Speed,
+    "turn_screw": _TurnScrew,
+    "place_reflector": _PlaceReflector,
+    "clear_beam": _ClearBeam,
 }
 _FAULTS: dict[str, type[_Request]] = {
     "block_beam": _BlockBeam,
@@ -260,6 +339,11 @@ _FAULTS: dict[str, type[_Request]] = {
     "stall": _Stall,
     "drop": _Drop,
     "mute": _Mute,
+    "overspeed": _Overspeed,
+    "vibration": _Vibration,
+    "laser": _Laser,
+    "weaken": _Weaken,
+    "slip": _Slip,
 }
 
 

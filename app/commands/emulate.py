@@ -17,6 +17,9 @@ from simulators.launch import EmulatedBench
 SUFFIXES = {"none": "", "cr": "\r", "crlf": "\r\n"}
 """What the emulated controller may end its answers with on TCP."""
 
+SCREW_SENSES = ("normal", "reversed")
+"""How the mount's screws act: as the cell file says, or the other way round."""
+
 
 def emulate_command(
     file: Path,
@@ -26,17 +29,24 @@ def emulate_command(
     *,
     axes: int,
     suffix: str,
+    unaligned: bool,
+    screw_sense: str,
     end_with_stdin: bool,
 ) -> None:
     """Serve until SIGINT or SIGTERM, or until stdin closes.
 
     Raises:
-        ConfigError: there is no such suffix, or an endpoint cannot be emulated.
+        ConfigError: there is no such suffix or sense, or an endpoint cannot be emulated.
     """
     if suffix not in SUFFIXES:
         raise ConfigError(f"--suffix {suffix}: answers end with {', '.join(SUFFIXES)}")
+    if screw_sense not in SCREW_SENSES:
+        raise ConfigError(f"--screw-sense {screw_sense}: screws turn {' or '.join(SCREW_SENSES)}")
     config = emulation_config(load_cell(file).cell, speed, seed, truth)
-    config = replace(config, axis_pattern=axes, answer_suffix=SUFFIXES[suffix])
+    screws = config.screws.reversed() if screw_sense == "reversed" else config.screws
+    config = replace(
+        config, axis_pattern=axes, answer_suffix=SUFFIXES[suffix], unaligned=unaligned, screws=screws
+    )
     asyncio.run(_serve(config, f"{file} at {speed:g} times real speed, seed {seed}", end_with_stdin))
 
 

@@ -237,7 +237,7 @@ class Ids:
 
     def _reset_axis(self, axis: int) -> list[object]:
         self._require_running()
-        if _axis(axis) != self._options.axis or not self._read().returns:
+        if _axis(axis) != self._options.axis or not self._read().counts:
             raise IdsError(_NO_SIGNAL)
         self._reset_count()
         return [0]
@@ -246,7 +246,7 @@ class Ids:
         return self._instrument.read()
 
     def _fault(self, reading: Reading) -> int:
-        lost = not reading.returns or self._instrument.break_count > self._breaks_cleared
+        lost = not reading.counts or self._instrument.break_count > self._breaks_cleared
         return _INTERRUPTED if lost else 0
 
     def _require_running(self) -> None:
@@ -290,7 +290,7 @@ class Ids:
         if _axis(axis) != self._options.axis:
             return _NO_SIGNAL, 0
         reading = self._read()
-        return (0 if reading.returns else _NO_SIGNAL), round(1000.0 * reading.level)
+        return (0 if reading.counts else _NO_SIGNAL), round(1000.0 * reading.level)
 
     def _contrast(self, axis: int) -> list[object]:
         error, contrast = self._permille(axis)

@@ -4,6 +4,10 @@ Every quantity is a closed function of bench time within one motion (and the res
 not depend on the steps in which bench time advances. Play is closed too: each joint moves in one direction only
 within a leg of a motion, and clipping a monotone function once is the same as integrating the play operator.
 
+The scatter of an arrival (robot repeatability) is drawn when J1 or J2 travels, however little: it is where those two
+end up and how their links lie. A turn of J4 alone leaves the J4 axis where it stands (J4 has its play), and so does a
+lift of J3: its spline is taken to be straight and upright. The white noise of the length is drawn at every arrival.
+
 Glides that follow each other without a standstill are one stream with one draw of the scatter and one
 ringing at its end.
 """
@@ -145,9 +149,12 @@ class Arm:
         self.motion = Motion.straight(config.start_joints, config.start_joints, 0.0, STANDSTILL)
         self.gliding = False
         self._stream_mm = 0.0
+        self._scattered = False
+        self._vibration = (0.0, -np.inf, -np.inf)
         self._play = np.full((3, 1), -1.0)
         self._play_steps = np.zeros((3, 1))
-        self._scatter_from = self._scatter_to = self._draw_scatter()
+        self._scatter_from = self._scatter_to = (0j, 0.0)
+        self._scatter_from = self._scatter_to = self._draw_scatter(turned=True)
         self._ringing = np.zeros(2, dtype=np.complex128)
         self._kick_mm = 0j
         self._rest_shape: _Shape | None = None
@@ -185,6 +192,16 @@ class Arm:
         """Decelerate from a bench time on; the path is not left."""
         self._begin(plan_stop(self.motion, time_s, self._dynamics))
 
+    def shake(self, size_mm: float, from_s: float, until_s: float) -> None:
+        """Let something beside the arm keep it ringing between two bench times.
+
+        Args:
+            size_mm: amplitude of the J4 axis, mm.
+            from_s: start; the amplitude grows and decays with the ringing's own time constant.
+            until_s: end.
+        """
+        self._vibration = (size_mm, from_s, until_s)
+
     def play_at(self, time_s: float) -> Floats:
         """Return the states of the play of J1, J2 and J4 (-1...1), shape (3,)."""
         play: Floats = self._play_on(*self.motion.legs(self.motion.done(np.array([time_s]))))[:, 0]
@@ -208,7 +225,12 @@ class Arm:
         step_s = min(_STEP_S, _STEP_DEG / fastest_deg_s) if fastest_deg_s else _STEP_S
         moving = np.linspace(0.0, profile.duration_s, int(np.ceil(profile.duration_s / step_s)) + 1)
         calm = np.arange(1, self._calm_steps() + 1) * _STEP_S + profile.duration_s
-        return self.motion.start_s + np.concatenate([moving, calm])
+        times_s = self.motion.start_s + np.concatenate([moving, calm])
+        _, from_s, until_s = self._vibration
+        if until_s + self._calm_s <= times_s[-1]:
+            return times_s
+        shaken = np.arange(max(from_s, times_s[-1]) + _STEP_S, until_s + self._calm_s, _STEP_S)
+        return np.concatenate([times_s, shaken])
 
     def poses(self, time_s: Floats) -> Poses:
         """Return what the arm does at bench times not before the start of the present motion.
@@ -252,9 +274,13 @@ class Arm:
         self._ringing = np.where(np.abs(left) > _CALM_MM, left, 0.0)
         (xy0, w0), (xy1, w1) = self._scatter_from, self._scatter_to
         self._scatter_from = (xy0 + done * (xy1 - xy0), w0 + done * (w1 - w0))
+        turned = bool(np.any(np.abs(motion.steps[:, :2]) > SHORTEST))
         if not goes_on:
-            self._scatter_to = self._draw_scatter() if motion.profile.duration_s else self._scatter_from
             self._stream_mm = 0.0
+            self._scatter_to = self._scatter_from
+        if motion.profile.duration_s and (not goes_on or (turned and not self._scattered)):
+            self._scatter_to = self._draw_scatter(turned=turned)
+            self._scattered = turned
         self.motion = motion
         self.gliding = False
         self._plan_play(play)
@@ -277,9 +303,11 @@ class Arm:
         play: Floats = self._play[:, leg] + part * self._play_steps[:, leg]
         return np.minimum(np.maximum(play, -1.0, out=play), 1.0, out=play)
 
-    def _draw_scatter(self) -> tuple[complex, float]:
+    def _draw_scatter(self, *, turned: bool) -> tuple[complex, float]:
+        """Return the scatter of an arrival, mm in the plane and along the beam; J1 and J2 turned or stood."""
         x, y, white = (float(value) for value in self._arrivals.standard_normal(3))
-        return complex(x, y) * self._budget.repeatability_um * 1e-3, white * self._budget.white_um * 1e-3
+        new_mm = complex(x, y) * self._budget.repeatability_um * 1e-3
+        return new_mm if turned else self._scatter_from[0], white * self._budget.white_um * 1e-3
 
     def _growth(self, time_s: Floats) -> Floats:
         final = STEEL_PER_K * self._budget.thermal_k
@@ -313,15 +341,33 @@ class Arm:
         )
 
     def _ringing_at(self, time_s: Floats) -> Plane | float:
+        shaken = self._shaken_at(time_s)
         if not (self._ringing.any() or self._kick_mm):
-            return 0.0
+            return shaken
         x, y = self._phasors_at(time_s).imag
-        ringing: Plane = x + 1j * y
+        ringing: Plane = x + 1j * y + shaken
         return ringing
+
+    def _shaken_at(self, time_s: Floats) -> Plane | float:
+        """Return the ringing that something beside the arm excites, mm: the axis runs around a circle."""
+        size_mm, from_s, until_s = self._vibration
+        if time_s[-1] <= from_s or time_s[0] >= until_s + 2.0 * self._calm_s:
+            return 0.0
+        decay_s = self._budget.vibration_decay_s
+        grown = -np.expm1(-np.maximum(np.minimum(time_s, until_s) - from_s, 0.0) / decay_s)
+        left = np.exp(-np.maximum(time_s - until_s, 0.0) / decay_s)
+        turn = np.exp(2j * np.pi * self._budget.vibration_hz * (time_s - from_s))
+        shaken: Plane = size_mm * grown * left * turn
+        return shaken
 
     def _calm_steps(self) -> int:
         ringing = bool(self._kick_mm) or bool(self._ringing.any())
-        return int(np.ceil(5.0 * self._budget.vibration_decay_s / _STEP_S)) if ringing else 0
+        return int(np.ceil(self._calm_s / _STEP_S)) if ringing else 0
+
+    @property
+    def _calm_s(self) -> float:
+        """Time in which ringing dies away."""
+        return 5.0 * self._budget.vibration_decay_s
 
 
 def _played(play: float, change: float) -> float:

@@ -1,14 +1,15 @@
 """The bench as one thing: arm, beam, counter and air on one bench time."""
 
 from collections.abc import Callable
-from dataclasses import dataclass
 
 import numpy as np
 
 from simulators.bench.air import Air, AirSample
 from simulators.bench.arm import Arm
 from simulators.bench.counter import Counter, Reading
+from simulators.bench.insight import Insight
 from simulators.bench.motion import SHORTEST
+from simulators.bench.mount import Mount
 from simulators.bench.optics import NOBODY, Optics, Sight
 from simulators.bench.types import Floats
 from simulators.config import EmulationConfig, Joints
@@ -23,31 +24,6 @@ _MOMENT_S = 1e-3
 
 Witness = Callable[[str], None]
 """Is told what happens on the bench, at the moment it happens."""
-
-
-@dataclass(frozen=True)
-class Insight:
-    """What nobody on a real bench could know.
-
-    Attributes:
-        axis_mm: true position of the J4 axis (x, y), mm.
-        joints: what the joints really are, J1 deg, J2 deg, J3 mm, J4 deg.
-        beam_deg: true world direction of the beam, deg.
-        play: states of the play of J1, J2 and J4, -1...1.
-        reflector: name of the reflector that returns the beam, None without a return.
-        nearest: name of the reflector that is missed least.
-        miss_mm: distance of its centre from the beam's line, mm.
-        length_mm: true length of the beam to it, mm.
-    """
-
-    axis_mm: tuple[float, float]
-    joints: Joints
-    beam_deg: float
-    play: tuple[float, float, float]
-    reflector: str | None
-    nearest: str
-    miss_mm: float
-    length_mm: float
 
 
 class Bench:
@@ -79,6 +55,7 @@ class Bench:
         self._taken = self._times.size
         self._arrived = True
         self._appointments: list[tuple[float, Callable[[], None]]] = []
+        self._slip_deg = [0.0, 0.0, 0.0, 0.0]
 
     @property
     def joints(self) -> Joints:
@@ -159,6 +136,7 @@ class Bench:
         """
         self._require_rest()
         self._observe()
+        target = self._slipped(np.array(target))
         self._arm.move_to(target, self.time_s, override_percent / 100.0, accel_percent / 100.0)
         self._witness(f"motion to {_listed(target)} at {override_percent:g} %")
         self._restart_looks()
@@ -181,6 +159,7 @@ class Bench:
         ):
             raise BenchError("a way needs knots of four joints, and times above 0 that increase")
         self._observe()
+        joints = np.concatenate([joints[:-1], [self._slipped(joints[-1])]])
         self._arm.follow(times_s, joints, self.time_s)
         self._witness(f"way through {times_s.size} knots to {_listed(self.destination)}")
         self._restart_looks()
@@ -221,6 +200,7 @@ class Bench:
         counter = Counter(
             self._config, self._observe().last(), self._air.index_at, number=len(self._instruments)
         )
+        counter.set_laser(ready=self._counter.laser_ready)
         self._instruments.append(counter)
         return Instrument(self, counter)
 
@@ -318,14 +298,125 @@ class Bench:
         Raises:
             BenchError: there is no such reflector.
         """
+        self._require_nest(name)
         self._observe()
-        try:
-            self._optics.move_reflector(name, complex(dx_mm, dy_mm))
-        except KeyError:
+        self._optics.move_reflector(name, complex(dx_mm, dy_mm))
+        self._shift_target()
+
+    def place_reflector(self, name: str) -> None:
+        """Put the reflector into a nest and leave all others empty, or fill them all.
+
+        Args:
+            name: of the nest, or "all".
+
+        Raises:
+            BenchError: there is no such nest.
+        """
+        names = self._optics.names if name == "all" else [name]
+        if name != "all":
+            self._require_nest(name)
+        self._observe()
+        self._optics.remove_all_but(names)
+        self._observe()
+        self._optics.put(names)
+        self._observe()
+
+    @property
+    def in_place(self) -> list[str]:
+        """Names of the nests with a reflector in them."""
+        return self._optics.in_place
+
+    @property
+    def mount(self) -> Mount:
+        """How the beam lies on the arm."""
+        return self._optics.mount
+
+    def turn_screw(self, screw: str, turns: float) -> None:
+        """Turn a screw of the mount; the counter counts what the beam's length changes by.
+
+        Args:
+            screw: "stage" or "level".
+            turns: clockwise positive.
+
+        Raises:
+            BenchError: there is no such screw.
+        """
+        if screw not in self.mount.screws:
+            raise BenchError(f"there is no screw {screw!r}; there are {', '.join(self.mount.screws)}")
+        self._observe()
+        self.mount.turn(screw, turns)
+        self._shift_target()
+
+    def weaken(self, factor: float) -> None:
+        """Let dirt leave a part of the signal, 0...1 of the clean one."""
+        self._observe()
+        self._optics.clearness = factor
+        self._observe()
+
+    def shake(self, amplitude_mm: float, duration_s: float) -> None:
+        """Keep the arm ringing from now on for a time, s."""
+        self._observe()
+        self._arm.shake(amplitude_mm, self.time_s, self.time_s + duration_s)
+        self._plan_looks()
+
+    def outrun_counters(self) -> None:
+        """Let all counters lose count as after too fast a motion.
+
+        Raises:
+            BenchError: no beam returns, so nothing is counted.
+        """
+        if self._observe().index[0] == NOBODY:
+            raise BenchError("no beam returns: there is no count to lose; aim at a reflector first")
+        for counter in self._counters():
+            counter.outrun()
+
+    def set_laser(self, *, ready: bool) -> None:
+        """Let the laser of all counters hold its frequency, or lose it."""
+        self._observe()
+        for counter in self._counters():
+            counter.set_laser(ready=ready)
+
+    @property
+    def laser_ready(self) -> bool:
+        """The laser holds its frequency."""
+        return self._counter.laser_ready
+
+    def slip(self, joint: int, by_deg: float) -> None:
+        """Let the next motion end beside its target, as after a collision; the encoders tell where.
+
+        Real-time streams are left alone.
+
+        Args:
+            joint: 1, 2 or 4.
+            by_deg: how far.
+        """
+        self._slip_deg[joint - 1] = by_deg
+
+    def clear_faults(self) -> None:
+        """Take away what stands in the beam, shakes, dims, unlocks the laser or waits to let a joint slip."""
+        self.unblock_beam()
+        self.weaken(1.0)
+        self.shake(0.0, 0.0)
+        self.set_laser(ready=True)
+        self._slip_deg = [0.0, 0.0, 0.0, 0.0]
+
+    def _slipped(self, target: Floats) -> Joints:
+        j1, j2, j3, j4 = (target + self._slip_deg).tolist()
+        self._slip_deg = [0.0, 0.0, 0.0, 0.0]
+        return (j1, j2, j3, j4)
+
+    def _require_nest(self, name: str) -> None:
+        if name not in self._optics.names:
             known = ", ".join(self._optics.names)
-            raise BenchError(f"there is no reflector {name!r}; there are {known}") from None
+            raise BenchError(f"there is no reflector {name!r}; there are {known}")
+
+    def _counters(self) -> tuple[Counter, ...]:
+        return (self._counter, *self._instruments)
+
+    def _shift_target(self) -> None:
+        """Go on counting after a hand changed the beam or its target."""
         sight = self._look(np.array([self.time_s]))
-        for counter in (self._counter, *self._instruments):
+        for counter in self._counters():
             counter.shift_target(sight)
 
     def _look(self, time_s: Floats) -> Sight:
@@ -346,9 +437,12 @@ class Bench:
         return self._optics.names[int(sight.nearest[0])]
 
     def _restart_looks(self) -> None:
+        self._plan_looks()
+        self._arrived = not self.moving
+
+    def _plan_looks(self) -> None:
         self._times = self._arm.sample_times()
         self._taken = int(np.searchsorted(self._times, self.time_s, side="right"))
-        self._arrived = not self.moving
 
     def _due_times(self, until_s: float) -> Floats:
         """Return the times of looks after the present and up to a moment, in order."""

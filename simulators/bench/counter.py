@@ -26,6 +26,7 @@ class Reading:
         overspeed: latched since the last zero.
         level: signal level, 0...1.
         zero_id: number of zeros so far.
+        laser_ready: the laser holds its frequency now.
     """
 
     displacement_mm: float
@@ -35,6 +36,12 @@ class Reading:
     overspeed: bool
     level: float
     zero_id: int
+    laser_ready: bool = True
+
+    @property
+    def counts(self) -> bool:
+        """The beam returns and its fringes mean something: all that an instrument without a laser bit can tell."""
+        return self.returns and self.laser_ready
 
 
 class SlowDrift:
@@ -70,6 +77,7 @@ class Counter:
         zero_id: number of zeros so far.
         break_count: breaks of the beam so far, for instruments that clear their flags in a way of their own.
         overspeed_count: how often the length changed too fast so far.
+        laser_ready: the laser holds its frequency now; without it nothing can be zeroed.
     """
 
     def __init__(
@@ -95,6 +103,7 @@ class Counter:
         self.zero_id = 0
         self.break_count = int(self.beam_lost)
         self.overspeed_count = 0
+        self.laser_ready = True
 
     def follow(self, sight: Sight) -> None:
         """Count along consecutive looks at the beam, in the order of bench time."""
@@ -120,13 +129,27 @@ class Counter:
             self.follow(sight)
         self._last = sight
 
+    def outrun(self) -> None:
+        """Lose fringes, as after too fast a change of the length."""
+        self.overspeed = True
+        self.overspeed_count += 1
+        self._slip()
+
+    def set_laser(self, *, ready: bool) -> None:
+        """Let the laser hold its frequency or lose it; what was counted until it holds again is no length."""
+        if self.laser_ready != ready:
+            self.beam_lost = True
+            self.break_count += 1
+            self._slip()
+        self.laser_ready = ready
+
     def zero(self, time_s: float) -> bool:
-        """Start again from 0 and clear the latches; refused without a beam.
+        """Start again from 0 and clear the latches; refused without a beam and without a laser that is ready.
 
         Args:
             time_s: bench time of the last look, s.
         """
-        if int(self._last.index[0]) == NOBODY:
+        if int(self._last.index[0]) == NOBODY or not self.laser_ready:
             self.beam_lost = True
             return False
         self._origin_mm = float(self._last.length_mm[0])
@@ -156,7 +179,13 @@ class Counter:
             overspeed=self.overspeed,
             level=shown,
             zero_id=self.zero_id,
+            laser_ready=self.laser_ready,
         )
+
+    def _slip(self) -> None:
+        slip_mm = self._slip_mm()
+        self._origin_mm -= slip_mm
+        self._optical_origin_mm -= slip_mm
 
     def _slip_mm(self) -> float:
         """Return what fading fringes do to a count: the way out and back does not restore it by symmetry."""

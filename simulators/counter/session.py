@@ -11,7 +11,8 @@ request   answer                                   meaning
 ``R``     ``<sign><6 digits>.<6 digits> mm``       displacement since the last zero, e.g. ``+000012.345678 mm``; fits
                                                    ``^(?P<ch>[A-Z0-9]*)\s*(?P<val>[+-]?\s*\d+(?:[.,]\d+)?``
                                                    ``(?:[Ee][+-]?\d+)?)\s*(?P<unit>\S*)``
-``Z``     ``OK`` or ``E03``                        zero, clears the latches; refused when no beam returns
+``Z``     ``OK`` or ``E03``                        zero, clears the latches; refused when no beam returns or the
+                                                   laser is not ready
 ``S``     ``<2 hex digits>``                       status, see below
 ``L``     ``<3 digits>``                           signal level in per cent, ``000`` to ``100``
 ``I``     ``CATSEYE LINE COUNTER EMULATOR <rev>``  identification
@@ -146,7 +147,8 @@ class CounterSession(Session):
 
     def _status(self) -> str:
         reading = self._instrument.read()
-        bits = _LASER_READY | _BEAM_LOST * reading.beam_lost | _OVERSPEED * reading.overspeed
+        bits = _LASER_READY * reading.laser_ready
+        bits |= _BEAM_LOST * reading.beam_lost | _OVERSPEED * reading.overspeed
         bits |= _NO_BEAM * (not reading.returns) | _STREAMING * (self._period_s is not None)
         return f"{bits:02X}"
 

@@ -79,7 +79,7 @@ class Display:
         return max(-_LARGEST, min(_LARGEST, round(value_mm * 10.0**self._decimals)))
 
     def _fault(self) -> bool:
-        lost = not self._instrument.read().returns
+        lost = not self._instrument.read().counts
         return lost or self._instrument.break_count > self._breaks_cleared
 
     def _error(self) -> bytes:

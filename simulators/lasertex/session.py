@@ -80,8 +80,8 @@ class Hpi:
     def _flags(self, reading: Reading) -> frames.Flags:
         return {
             "overspeed": self.instrument.overspeed_count > self._overspeeds_cleared,
-            "laser_ready": True,
-            "signal_ok": reading.returns and self.instrument.break_count == self._breaks_cleared,
+            "laser_ready": reading.laser_ready,
+            "signal_ok": reading.counts and self.instrument.break_count == self._breaks_cleared,
             "level": round(reading.level * self._full_scale),
         }
 

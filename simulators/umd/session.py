@@ -109,9 +109,9 @@ class Umd:
     def _line(self) -> bytes:
         reading = self._instrument.read()
         counts = self._lengths.shown_mm(reading) * self._counts_per_mm
-        velocity = round(counts - self._last_counts) if reading.returns else 0
+        velocity = round(counts - self._last_counts) if reading.counts else 0
         self._last_counts = counts
-        measured = max(1, _REFERENCE + velocity) if reading.returns else 0
+        measured = max(1, _REFERENCE + velocity) if reading.counts else 0
         whole = floor(counts)
         phase = floor((counts - whole) * 256.0)
         code, data = self._low()

@@ -22,6 +22,7 @@ async def serve(cell: Path) -> None:
         config,
         budget=ErrorBudget.none(),
         beam_offset_mm=0.0,
+        beam_pitch_mrad=0.0,
         truth=cell.with_name("truth.json"),
         dynamics=replace(config.dynamics, j4_backlash_mdeg=0.0),
     )

@@ -14,7 +14,9 @@ P1 = ReflectorPlace("P1", 650.0, -400.0)
 P2 = ReflectorPlace("P2", 680.0, 0.0)
 P3 = ReflectorPlace("P3", 640.0, 380.0)
 
-QUIET = EmulationConfig(reflectors=(P1, P2, P3), budget=ErrorBudget.none(), beam_offset_mm=0.0)
+QUIET = EmulationConfig(
+    reflectors=(P1, P2, P3), budget=ErrorBudget.none(), beam_offset_mm=0.0, beam_pitch_mrad=0.0
+)
 """The paper's layout without any error."""
 
 
