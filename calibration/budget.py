@@ -53,8 +53,11 @@ def radial_effects(points: Points, unit: Floats, budget: RadialBudget) -> Floats
 def _joint(unit: Floats, rms_mm: float, angle: Floats, frame: Floats, orders: int) -> Floats:
     """Return the effects of one joint; its axis displaces in a frame that is turned against the world."""
     cosine, sine = np.cos(frame), np.sin(frame)
-    axes = (unit[:, 0] * cosine + unit[:, 1] * sine, unit[:, 1] * cosine - unit[:, 0] * sine)
-    waves = [wave(k * angle) for k in range(1, orders + 1) for wave in (np.cos, np.sin)]
+    axes = np.stack(
+        [unit[:, 0] * cosine + unit[:, 1] * sine, unit[:, 1] * cosine - unit[:, 0] * sine], axis=1
+    )
+    turns = angle[:, None] * np.arange(1, orders + 1)
+    waves = np.stack([np.cos(turns), np.sin(turns)], axis=2).reshape(angle.size, 2 * orders)
     amplitude = rms_mm / np.sqrt(orders)
-    effects = np.stack([axis * wave for axis in axes for wave in waves], axis=1)
+    effects = (axes[:, :, None] * waves[:, None, :]).reshape(angle.size, 4 * orders)
     return np.asarray(amplitude * effects, dtype=np.float64)
