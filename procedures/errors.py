@@ -17,5 +17,21 @@ class BeamLostError(ProcedureError):
     """The beam is lost and could not be found again."""
 
 
+class MeasuredFileError(ProcedureError):
+    """A file of measured positions cannot be used; the text names file, line and remedy."""
+
+
+class NoBeamError(ProcedureError):
+    """The instrument refused since no beam returned at that moment."""
+
+
+class WayBlockedError(ProcedureError):
+    """There is no free way from where the arm stands to where it has to go."""
+
+
 class ReflectorNotFoundError(ProcedureError):
     """A search did not find a reflector, or not well enough to aim at it."""
+
+
+class AlignmentError(ProcedureError):
+    """The beam could not be aligned within the tolerance."""

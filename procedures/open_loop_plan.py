@@ -12,40 +12,14 @@ from procedures.approach import (
     with_take_up,
 )
 from procedures.bench import Bench, Reflector
-from procedures.devices import Joints
+from procedures.closures import Closure, plan_closures
 from procedures.errors import PlanError
 from procedures.free_way import require_free_way
-from procedures.motion_time import way_time_s
-from procedures.tracking import Track, aimed_along, plan_track
+from procedures.tracking import Track, plan_track
+from procedures.visits import Visit, driving_time_s, leg_targets, measuring_time_s
 
 _FEWEST_SEEN = 0.5
 """A reflector that fewer than this share of the commands see stands in the wrong place."""
-
-
-@dataclass(frozen=True)
-class Visit:
-    """The way to one point and its measurement.
-
-    Attributes:
-        command: the node that is measured.
-        legs: the way in straight legs, each a sequence of joint targets; the very last one is the node itself.
-        tracked: the beam is kept over all these moves; otherwise the count is zeroed at the node.
-        duration_s: expected time of motion, settling and dwell.
-        miss_mm: largest miss on the way, NaN where the beam is not kept.
-        beam_mm: length of the beam at the node.
-    """
-
-    command: Command
-    legs: tuple[tuple[Joints, ...], ...]
-    tracked: bool
-    duration_s: float
-    miss_mm: float
-    beam_mm: float
-
-    @property
-    def moves(self) -> tuple[Joints, ...]:
-        """All joint targets in order."""
-        return tuple(target for leg in self.legs for target in leg)
 
 
 @dataclass(frozen=True)
@@ -57,12 +31,22 @@ class ReflectorPlan:
         visits: points in measuring order.
         blind: commands from which the reflector cannot be seen; they are left out.
         planned_breaks: segments beyond the first.
+        closures: trips back to a pose that was measured before, in the order in which they are driven.
+        closure_warnings: why there are fewer of them than were wanted.
     """
 
     reflector: Reflector
     visits: tuple[Visit, ...]
     blind: tuple[Command, ...]
     planned_breaks: int
+    closures: tuple[Closure, ...] = ()
+    closure_warnings: tuple[str, ...] = ()
+
+    @property
+    def duration_s(self) -> float:
+        """Expected time of all visits and trips, s."""
+        parts: tuple[Visit | Closure, ...] = (*self.visits, *self.closures)
+        return sum(part.duration_s for part in parts)
 
 
 @dataclass(frozen=True)
@@ -81,8 +65,8 @@ class OpenLoopPlan:
 
     @property
     def duration_s(self) -> float:
-        """Expected time of all visits, s."""
-        return sum(visit.duration_s for plan in self.reflectors for visit in plan.visits)
+        """Expected time of all visits and trips, s."""
+        return sum(plan.duration_s for plan in self.reflectors)
 
     @property
     def n_points(self) -> int:
@@ -91,12 +75,17 @@ class OpenLoopPlan:
 
     @property
     def n_moves(self) -> int:
-        """Number of joint targets."""
+        """Number of joint targets of the visits."""
         return sum(len(visit.moves) for plan in self.reflectors for visit in plan.visits)
 
 
 def plan_open_loop(
-    bench: Bench, *, subdivide: bool = True, take_up: bool = True, reflectors: tuple[str, ...] = ()
+    bench: Bench,
+    *,
+    subdivide: bool = True,
+    take_up: bool = True,
+    reflectors: tuple[str, ...] = (),
+    closures: int = 0,
 ) -> OpenLoopPlan:
     """Plan the paper's measurement for every reflector.
 
@@ -105,6 +94,8 @@ def plan_open_loop(
         subdivide: split moves so that the beam is kept; False drives point to point, to show what breaks.
         take_up: bring each joint to its node from its proper side; False shows what that shifts.
         reflectors: names of the reflectors to measure; all of the cell when empty.
+        closures: trips to a reference pose for each reflector; none without subdivision and take-up, which they
+            would undo.
 
     Raises:
         PlanLimitError: a joint, take-up included, or J4 leaves its limits.
@@ -118,7 +109,8 @@ def plan_open_loop(
     )
     require_joint_limits(stops, bench)
     plans = tuple(
-        _reflector_plan(stops, bench, reflector, subdivide) for reflector in _chosen(bench, reflectors)
+        _reflector_plan(stops, bench, reflector, subdivide, closures if subdivide and take_up else 0)
+        for reflector in _chosen(bench, reflectors)
     )
     require_free_way(np.array([[stop.theta1_deg, stop.theta2_deg] for stop in stops]), bench)
     return OpenLoopPlan(bench, plans, tuple(text for plan in plans for text in _warnings(plan)))
@@ -133,13 +125,14 @@ def _chosen(bench: Bench, names: tuple[str, ...]) -> tuple[Reflector, ...]:
 
 
 def _reflector_plan(
-    stops: tuple[Waypoint, ...], bench: Bench, reflector: Reflector, subdivide: bool
+    stops: tuple[Waypoint, ...], bench: Bench, reflector: Reflector, subdivide: bool, closures: int
 ) -> ReflectorPlan:
     track = plan_track(stops, bench, reflector, subdivide)
     visits, blind = _visits(stops, track, bench, reflector)
     _require_sight(visits, reflector, len(visits) + len(blind), bench)
     breaks = sum(not visit.tracked for visit in visits) - 1
-    return ReflectorPlan(reflector, visits, blind, breaks)
+    trips, warnings = plan_closures(visits, closures, bench, reflector) if closures else ((), ())
+    return ReflectorPlan(reflector, visits, blind, breaks, trips, warnings)
 
 
 def _visits(
@@ -156,37 +149,15 @@ def _visits(
             continue
         tracked = bool(visits) and bool(track.leg_seen[first : i + 1].all())
         legs = tuple(
-            _targets(stops, track, k, int(track.sub_steps[k]) if tracked else 1, bench, reflector)
+            leg_targets(stops, track, k, int(track.sub_steps[k]) if tracked else 1, bench, reflector)
             for k in range(first, i + 1)
         )
         start = visits[-1].moves[-1] if visits else legs[0][0]
         miss = float(np.max(track.miss_mm[first : i + 1])) if tracked else float("nan")
-        duration = _duration_s(start, legs, bench)
+        duration = driving_time_s(start, legs, bench) + measuring_time_s(bench)
         visits.append(Visit(stop.command, legs, tracked, duration, miss, float(track.beam_mm[i])))
         first = i + 1
     return tuple(visits), tuple(blind)
-
-
-def _targets(
-    stops: tuple[Waypoint, ...], track: Track, i: int, parts: int, bench: Bench, reflector: Reflector
-) -> tuple[Joints, ...]:
-    """Return the joint targets of the leg that ends at stop i, driven in equal parts."""
-    end = np.array([stops[i].theta1_deg, stops[i].theta2_deg])
-    start = np.array([stops[i - 1].theta1_deg, stops[i - 1].theta2_deg]) if parts > 1 else end
-    theta = end - np.arange(parts - 1, -1, -1)[:, None] / parts * (end - start)
-    j4 = np.rad2deg(aimed_along(np.deg2rad(theta), float(track.j4_rad[i]), bench, reflector))
-    return tuple(
-        (float(one), float(two), bench.arm.j3_mm, float(four))
-        for (one, two), four in zip(theta, j4, strict=True)
-    )
-
-
-def _duration_s(start: Joints, legs: tuple[tuple[Joints, ...], ...], bench: Bench) -> float:
-    motion_s = 0.0
-    for leg in legs:
-        motion_s += way_time_s(bench.arm, np.array([start, *leg])[:, [0, 1, 3]])
-        start = leg[-1]
-    return motion_s + bench.timing.settle_time_s + bench.timing.dwell_time_s
 
 
 def _require_sight(visits: tuple[Visit, ...], reflector: Reflector, n_commands: int, bench: Bench) -> None:
@@ -215,4 +186,4 @@ def _warnings(plan: ReflectorPlan) -> list[str]:
             f"reflector {plan.reflector.name}: the beam cannot be kept {plan.planned_breaks} time(s); each begins "
             "a new segment with a dead path of its own"
         )
-    return texts
+    return [*texts, *plan.closure_warnings]
