@@ -11,11 +11,13 @@ from pydantic import BaseModel
 from app.aim import find_aim
 from app.cell.bench import air_limits, air_rule, bench_of
 from app.cell.load import LoadedCell
+from app.cell.model import Cell
 from app.engine.announcer import Publish
 from app.engine.arm_model import reflector_beam
 from app.engine.dry_run import DryRunContext
 from app.engine.gate import JointLimits
 from app.engine.handle import OnOpen
+from app.engine.hands import Hands
 from app.engine.host import RunOutcome, RunRequest, run_procedure
 from app.engine.operator import Answerer
 from app.engine.signals import SignalInstaller, loop_signals
@@ -120,6 +122,7 @@ async def carry_out(
         aim_simulated=planned.aim_simulated,
         resume=planned.resume,
         answerer=answerer,
+        hands=_hands(cell),
         on_open=on_open,
     )
     return await run_procedure(request, device_builder(cell, clock), clock, publish, install_signals)
@@ -182,6 +185,12 @@ def _meta_of_resumption(planned: PlannedRun, speed: float) -> dict[str, Json]:
         meta["configuration"] = planned.loaded.cell.model_dump(mode="json")
         meta["configuration_file"] = str(planned.loaded.path)
     return meta
+
+
+def _hands(cell: Cell) -> Hands | None:
+    """Return the hands of the emulated operator; the tracker of an emulated bench is its control port."""
+    tracker = cell.tracker
+    return Hands(tracker.endpoint) if tracker is not None and tracker.driver == "bench-tracker" else None
 
 
 def _answers(path: Path | None) -> dict[str, str]:

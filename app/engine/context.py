@@ -3,23 +3,27 @@
 import asyncio
 from collections.abc import Awaitable, Callable, Sequence
 from dataclasses import dataclass, field, replace
+from pathlib import Path
 from typing import TypeVar
 
 from app.engine.announcer import Announcer
 from app.engine.compensation import AirRule, Compensation, missing_quantities
 from app.engine.control import RunControl
+from app.engine.crash_points import crash_point
 from app.engine.devices import Devices
 from app.engine.gate import MotionGate
 from app.engine.measuring import AirCache, measure
 from app.engine.operator import Answer, Operator
 from app.engine.timekeeping import Progress, StepTime
 from app.engine.waiting import cancel, uncancelled
-from app.errors import ConditionLostError, ConfigError
+from app.errors import ConditionLostError, ConfigError, UsageError
+from app.files.measured_csv import read_measured_csv
 from app.store.rows import encode
 from app.store.run_store import RunStore
 from drivers.clock import Clock
-from procedures.context import Json, Live, Location, Measurement, Prompt, Row, Table
+from procedures.context import Json, Live, Location, MeasuredPoint, Measurement, Prompt, Row, Table
 from procedures.devices import Air, BeamStatus, Joints, Tracker, WayRobot
+from procedures.errors import MeasuredFileError
 
 _DEFAULT_AIR = AirRule()
 
@@ -196,6 +200,7 @@ class RunContext:
         self._zeroed = False
         number = await self._control.command(self._zero(dead_path_mm))
         self._zeroed = True
+        crash_point("zeroed")
         await self.event("zero", number=number, dead_path_mm=dead_path_mm)
 
     async def locate(self, settle_time_s: float) -> Location:
@@ -208,6 +213,24 @@ class RunContext:
         if self._devices.tracker is None:
             raise ConfigError("this procedure needs a [tracker] and the cell file has none; add one")
         return await self._control.command(self._locate(self._devices.tracker, settle_time_s))
+
+    async def pause(self, duration_s: float) -> None:
+        """Let the arm stand still for a time, s."""
+        await self.checkpoint()
+        await self._control.command(self._sleep(duration_s))
+
+    async def load_path(self, file: str) -> Sequence[MeasuredPoint]:
+        """Return what an independent instrument measured along a path.
+
+        Raises:
+            MeasuredFileError: the file cannot be read or used.
+        """
+        await self._control.checkpoint()
+        try:
+            # A file may lie on a disk that takes its time.
+            return await asyncio.to_thread(_measured_points, file)
+        except UsageError as error:
+            raise MeasuredFileError(str(error)) from error
 
     async def ask(self, prompt: Prompt, watch: Callable[[], Awaitable[Live]] | None = None) -> str:
         """Put a question to the operator; question and answer are stored.
@@ -274,9 +297,11 @@ class RunContext:
         except BaseException as error:
             await uncancelled(self._drop(step, error))
             raise
+        crash_point("before-commit")
         await self._store.append_step(
             step.step_id, step.attempt, step.title, result, step.rows, started_utc=step.started_utc
         )
+        crash_point("after-commit")
         self._account(step)
         for table, row in step.rows:
             if table == "points":
@@ -305,6 +330,7 @@ class RunContext:
             except ConditionLostError as error:
                 await self.wait_until(str(error), self._gate.conditions_hold)
             else:
+                crash_point("after-motion")
                 return
 
     async def _look(self, look: Callable[[], Awaitable[T]]) -> T:
@@ -328,6 +354,7 @@ class RunContext:
 
     async def _timed(self, motion: Awaitable[None]) -> None:
         start_s = self._clock.monotonic_s()
+        crash_point("before-motion")
         await motion
         if self._step is not None:
             self._step.time.motion_s += self._clock.monotonic_s() - start_s
@@ -387,6 +414,7 @@ class RunContext:
             task=None if prompt.task is None else dict(prompt.task),
             motion=prompt.motion,
         )
+        crash_point("prompt-open")
         asking = self._operator.answer(prompt) if watch is None else self._watched(prompt, watch)
         try:
             answer = await self._control.command(asking)
@@ -397,5 +425,11 @@ class RunContext:
                 )
             raise
         await self._store.prompt(prompt.id, prompt.kind, prompt.text, asked_utc, answer.text, answer.who)
+        if answer.done is not None:
+            await self.event("hands", prompt=prompt.id, **answer.done)
         self._announcer.say("answer", id=prompt.id, answer=answer.text, who=answer.who)
         return answer.text
+
+
+def _measured_points(file: str) -> Sequence[MeasuredPoint]:
+    return read_measured_csv(Path(file.strip()).expanduser())

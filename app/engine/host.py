@@ -2,6 +2,7 @@
 
 import asyncio
 import logging
+import os
 from collections.abc import Mapping
 from contextlib import nullcontext
 from dataclasses import dataclass, field
@@ -13,6 +14,7 @@ from app.engine.compensation import AirRule, Compensation
 from app.engine.conditions import AirInRange, AirLimits, ClosedDoor, Condition, Watchman
 from app.engine.context import RunContext
 from app.engine.control import RunControl
+from app.engine.crash_points import arm, crash_point
 from app.engine.devices import (
     DeviceBuilder,
     Devices,
@@ -25,9 +27,11 @@ from app.engine.ending import COMPLETE, Ending, EndStatus, ending_of, react
 from app.engine.gate import JointLimits, MotionGate, require_ready
 from app.engine.halt import FAILURES, HaltLimits
 from app.engine.handle import OnOpen, RunHandle
+from app.engine.hands import Hands
 from app.engine.interlock import StackLight
 from app.engine.measuring import AirCache
 from app.engine.operator import Answerer, Operator
+from app.engine.reentry import Reentry
 from app.engine.signals import SignalInstaller, loop_signals
 from app.engine.states import State
 from app.engine.timekeeping import StepTime
@@ -84,6 +88,7 @@ class RunRequest:
         arm: the cell's name as typed by the operator; None when nothing was typed.
         answers: answers file, by prompt id.
         answerer: a front end that answers prompts.
+        hands: do on an emulated bench what prompts ask for.
         resume: directory of a run to go on with, instead of a new one.
         air: how the program corrects for the air where the instrument does not.
         air_limits: ranges of the air in which a measurement goes on.
@@ -105,6 +110,7 @@ class RunRequest:
     arm: str | None = None
     answers: Mapping[str, str] = field(default_factory=dict)
     answerer: Answerer | None = None
+    hands: Hands | None = None
     resume: Path | None = None
     air: AirRule = field(default_factory=AirRule)
     air_limits: AirLimits = field(default_factory=AirLimits)
@@ -153,9 +159,10 @@ async def run_procedure(
 
     Raises:
         StorageError: the run's directory cannot be created or opened; nothing was connected.
-        UsageError: the run to go on with is complete.
+        UsageError: the run to go on with is complete, or a crash point is asked for that does not exist.
         asyncio.CancelledError: the caller was cancelled; the robot was stopped and the record closed.
     """
+    arm(os.environ)
     if request.resume is None:
         name, meta = request.procedure.name, {"cell": request.cell, **request.meta}
         store = await RunStore.create(request.root, name, meta, clock, reserve_bytes=request.reserve_bytes)
@@ -228,8 +235,11 @@ class _Run:
         return ending
 
     async def _prepare(self, devices: Devices) -> RunContext:
-        self._control.starting()
+        reentry = Reentry(RunReader(self._store.path)) if self._store.resumed else None
+        if reentry is None or reentry.abort_cause is None:
+            self._control.starting()
         identities = await self._control.command(connect_all(devices))
+        crash_point("devices-connected")
         simulated = require_permission(identities, self._request.cell, self._request.arm)
         if not simulated and self._request.clock_speed != 1.0:
             raise UsageError("the devices are real: leave --speed out, real time cannot run faster")
@@ -252,8 +262,11 @@ class _Run:
         await self._control.command(self._ready(devices, gate))
         self._handle.gate = gate
         await self._tell_notes(devices)
-        operator = Operator(self._clock, self._request.answers, self._request.answerer, simulated=simulated)
-        self._context = RunContext(
+        request = self._request
+        operator = Operator(
+            self._clock, request.answers, request.answerer, simulated=simulated, hands=request.hands
+        )
+        context = RunContext(
             devices,
             self._store,
             self._control,
@@ -264,6 +277,12 @@ class _Run:
             self._request.air,
             _POLL_S * self._request.clock_speed,
         )
+        if reentry is not None:
+            await self._reenter(reentry, context, facts)
+        await self._control.command(self._ready(devices, gate))
+        self._handle.gate = gate
+        await self._tell_notes(devices)
+        self._context = context
         self._control.started()
         watchman = Watchman(
             self._control,
@@ -275,6 +294,15 @@ class _Run:
         )
         self._watch = asyncio.create_task(watchman.watch())
         return self._context
+
+    async def _reenter(self, reentry: Reentry, context: RunContext, facts: Mapping[str, Json]) -> None:
+        """Look and ask whether the bench is still the one of the points; an abort is cleared first."""
+        for text in reentry.require_same_devices(facts["devices"]):
+            await context.warn(text)
+        if reentry.abort_cause is not None:
+            await reentry.clear(context.ask, self._state_changed)
+            self._control.starting()
+        await reentry.ask_for_reflectors(context.ask, self._store.event)
 
     def _conditions(self, devices: Devices) -> list[Condition]:
         conditions: list[Condition] = []
@@ -376,6 +404,7 @@ class _Run:
             if troubles:
                 await self._store.event("close-failed", dict(troubles))
             self._sealed = True
+            crash_point("before-closing")
             await self._store.finish(ending.status, ending.exit_code, ending.text)
         except StorageError as error:
             ending = Ending("failed", error.exit_code, str(error))

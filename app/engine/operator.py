@@ -2,12 +2,13 @@
 
 import math
 from collections.abc import Awaitable, Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
+from app.engine.hands import Hands
 from app.engine.waiting import within
 from app.errors import ConfigError, PromptUnansweredError
 from drivers.clock import Clock
-from procedures.context import Prompt
+from procedures.context import Json, Prompt
 
 
 @dataclass(frozen=True)
@@ -17,10 +18,12 @@ class Answer:
     Attributes:
         text: the answer; "yes" or "no" to a confirmation.
         who: the operator's name, or which part of the program.
+        done: what the emulated operator's hands did for it on the bench.
     """
 
     text: str
     who: str
+    done: Mapping[str, Json] | None = None
 
 
 Answerer = Callable[[Prompt], Awaitable[Answer | None]]
@@ -40,8 +43,21 @@ def fault_of(prompt: Prompt, text: str) -> str:
             return ""
 
 
+def says_done(prompt: Prompt, text: str) -> bool:
+    """Return whether an answer says that the prompt's task is done: "yes", the first choice, any number or text."""
+    match prompt.kind:
+        case "confirm":
+            return text == "yes"
+        case "choice":
+            return text == prompt.choices[0]
+        case "number" | "text":
+            return True
+
+
 class Operator:
     """Finds an answer: from the answers file, a front end, or, with emulated devices only, by itself.
+
+    On emulated devices an answer that says that the prompt's task is done has it done, whoever gives the answer.
 
     On real hardware a confirmation is given by a person at a front end and by nothing else: the answers file
     was written before anybody saw the robot.
@@ -51,23 +67,43 @@ class Operator:
         answers: answers file, by prompt id.
         answerer: a front end, if there is one.
         simulated: all devices are emulated.
+        hands: of the emulated operator; None where the cell has no [tracker] to reach the emulated bench by.
     """
 
     def __init__(
-        self, clock: Clock, answers: Mapping[str, str], answerer: Answerer | None, *, simulated: bool
+        self,
+        clock: Clock,
+        answers: Mapping[str, str],
+        answerer: Answerer | None,
+        *,
+        simulated: bool,
+        hands: Hands | None = None,
     ) -> None:
+        self._hands = hands
         self._clock = clock
         self._answers = answers
         self._answerer = answerer
         self._simulated = simulated
 
     async def answer(self, prompt: Prompt) -> Answer:
-        """Return an answer.
+        """Return an answer, its task done on an emulated bench.
 
         Raises:
-            ConfigError: the answers file gives something that is no answer.
+            ConfigError: the answers file gives something that is no answer, or no hands can reach the bench.
+            LinkFailedError: the emulated bench does not do the task.
             PromptUnansweredError: nobody answered, or not in time, and there is no safe answer.
         """
+        found = await self._find(prompt)
+        if prompt.task is None or not self._simulated or not says_done(prompt, found.text):
+            return found
+        if self._hands is None:
+            raise ConfigError(
+                f"nobody can do on the emulated bench what {prompt.id!r} asks for: {prompt.text} Add a [tracker] "
+                "with the endpoint of the bench's control port to the cell file"
+            )
+        return replace(found, done=await self._hands.do(prompt.task))
+
+    async def _find(self, prompt: Prompt) -> Answer:
         if prompt.id in self._answers and (self._simulated or prompt.kind != "confirm"):
             return self._from_file(prompt)
         try:
@@ -105,7 +141,7 @@ class Operator:
     def _by_itself(self, prompt: Prompt) -> Answer | None:
         if not self._simulated:
             return None
-        text = "yes" if prompt.kind == "confirm" else prompt.safe_answer
+        text = _best_answer(prompt)
         return None if text is None else Answer(text, "emulated operator")
 
     def _safe(self, prompt: Prompt) -> Answer | None:
@@ -117,6 +153,15 @@ class Operator:
         if prompt.kind == "confirm" and not self._simulated:
             return "(a confirmation for real hardware is given at a terminal)"
         return "(write it into the answers file)"
+
+
+def _best_answer(prompt: Prompt) -> str | None:
+    """Return what a willing operator of an emulated bench answers; None to what only a person can know."""
+    if prompt.kind == "confirm":
+        return "yes"
+    if prompt.kind == "choice" and (prompt.task is not None or prompt.safe_answer is None):
+        return prompt.choices[0]
+    return prompt.safe_answer
 
 
 def _is_number(text: str) -> bool:

@@ -50,13 +50,14 @@ async def test_on_real_hardware_only_a_person_confirms() -> None:
     assert await attended.answer(CLEAR) == Answer("no", "Ada")
 
 
-async def test_the_emulated_operator_says_yes_and_gives_safe_answers_only() -> None:
+async def test_the_emulated_operator_is_willing_but_types_no_numbers() -> None:
     operator = Operator(ManualClock(), {}, person(None), simulated=True)
     assert await operator.answer(CLEAR) == Answer("yes", "emulated operator")
-    safe = Prompt("colour", "choice", "Choose.", choices=("red",), safe_answer="red")
-    assert (await operator.answer(safe)).text == "red"
-    with pytest.raises(PromptUnansweredError):
-        await operator.answer(COLOUR)
+    safe = Prompt("colour", "choice", "Choose.", choices=("red", "green"), safe_answer="green")
+    assert (await operator.answer(safe)).text == "green"
+    assert (await operator.answer(COLOUR)).text == "red"
+    with pytest.raises(PromptUnansweredError, match="height"):
+        await operator.answer(HEIGHT)
 
 
 @pytest.mark.parametrize("safe", ["no", None])

@@ -1,0 +1,135 @@
+"""What the emulated operator's hands do on a bench, and when they do it."""
+
+import asyncio
+from collections.abc import AsyncIterator
+from dataclasses import replace
+
+import pytest
+
+from app.engine.hands import Hands
+from app.engine.operator import Answer, Operator, says_done
+from app.errors import ConfigError, LinkFailedError
+from procedures.context import Json, Prompt
+from simulators.config import Screws
+from simulators.launch import EmulatedBench
+from tests.unit.app.engine.fakes import ManualClock
+from tests.unit.simulators.benches import QUIET
+
+# Reflectors are drawn some millimetres off: the straight arm meets P2 with a wide acceptance.
+WIDE = replace(QUIET, one_reflector=True, acceptance_mm=50.0, devices=())
+EXACT = replace(WIDE, screws=Screws(setting_turns=0.0, play_turns=0.0))
+TURN: dict[str, Json] = {"do": "turn-screw", "screw": "stage", "turns": 0.5}
+STAGE = Prompt("stage/1", "choice", "Turn.", choices=("done", "stop"), safe_answer="stop", task=TURN)
+
+
+@pytest.fixture
+async def bench() -> AsyncIterator[EmulatedBench]:
+    async with EmulatedBench(EXACT) as running:
+        yield running
+
+
+def endpoint(bench: EmulatedBench) -> str:
+    return bench.endpoints[-1].endpoint
+
+
+async def test_hands_turn_a_screw_clockwise(bench: EmulatedBench) -> None:
+    done = await Hands(endpoint(bench)).do(TURN)
+    # Half a turn of a screw with 0.5 mm a turn.
+    assert bench.bench.mount.offset_mm == pytest.approx(0.25)
+    assert done == {"op": "turn_screw", "screw": "stage", "turns": 0.5}
+
+
+async def test_clumsy_hands_turn_it_the_wrong_way(bench: EmulatedBench) -> None:
+    await Hands(endpoint(bench), clumsy=True).do({"do": "turn-screw", "screw": "level", "turns": 1})
+    assert 1e3 * bench.bench.mount.pitch_rad == pytest.approx(-2.0)
+
+
+async def test_hands_carry_the_reflector_and_clear_the_beam(bench: EmulatedBench) -> None:
+    hands = Hands(endpoint(bench))
+    assert bench.bench.in_place == ["P1"]
+    await hands.do({"do": "place-reflector", "reflector": "P2"})
+    assert bench.bench.in_place == ["P2"]
+    bench.bench.block_beam(None)
+    assert not bench.bench.read().returns
+    await hands.do({"do": "clear-beam"})
+    assert bench.bench.read().returns
+
+
+async def test_what_the_bench_refuses_is_said(bench: EmulatedBench) -> None:
+    with pytest.raises(LinkFailedError, match="no reflector 'P9'; there are P1, P2, P3"):
+        await Hands(endpoint(bench)).do({"do": "place-reflector", "reflector": "P9"})
+    with pytest.raises(LinkFailedError, match="turns"):
+        await Hands(endpoint(bench)).do({**TURN, "turns": 500.0})
+
+
+async def test_a_task_that_no_hands_know_is_a_fault_of_the_program() -> None:
+    hands = Hands("tcp://127.0.0.1:1")
+    with pytest.raises(ValueError, match="they know turn-screw"):
+        await hands.do({"do": "dance"})
+    with pytest.raises(ValueError, match="number"):
+        await hands.do({**TURN, "turns": "many"})
+
+
+async def test_a_bench_that_is_not_there_is_said() -> None:
+    server = await asyncio.start_server(_hang_up, "127.0.0.1", 0)
+    port = server.sockets[0].getsockname()[1]
+    async with server:
+        with pytest.raises(LinkFailedError, match="does not do"):
+            await Hands(f"tcp://127.0.0.1:{port}").do(TURN)
+    with pytest.raises(LinkFailedError, match="catseye emulate"):
+        await Hands(f"tcp://127.0.0.1:{port}").do(TURN)
+
+
+async def _hang_up(_reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
+    writer.close()
+
+
+@pytest.mark.parametrize(
+    ("prompt", "text", "done"),
+    [
+        (Prompt("a", "confirm", "?"), "yes", True),
+        (Prompt("a", "confirm", "?"), "no", False),
+        (STAGE, "done", True),
+        (STAGE, "stop", False),
+        (Prompt("a", "number", "?"), "3", True),
+    ],
+)
+def test_which_answers_say_that_the_task_is_done(prompt: Prompt, text: str, *, done: bool) -> None:
+    assert says_done(prompt, text) is done
+
+
+async def test_unattended_the_task_is_done_and_the_safe_answer_is_not_taken(bench: EmulatedBench) -> None:
+    operator = Operator(ManualClock(), {}, None, simulated=True, hands=Hands(endpoint(bench)))
+    answer = await operator.answer(STAGE)
+    assert (answer.text, answer.who) == ("done", "emulated operator")
+    assert answer.done == {"op": "turn_screw", "screw": "stage", "turns": 0.5}
+    assert bench.bench.mount.offset_mm == pytest.approx(0.25)
+
+
+async def test_the_hands_obey_a_person_and_the_answers_file_too(bench: EmulatedBench) -> None:
+    async def person(_prompt: Prompt) -> Answer:
+        return Answer("done", "Ada")
+
+    hands = Hands(endpoint(bench))
+    await Operator(ManualClock(), {}, person, simulated=True, hands=hands).answer(STAGE)
+    assert bench.bench.mount.offset_mm == pytest.approx(0.25)
+    stopped = await Operator(ManualClock(), {"stage/1": "stop"}, None, simulated=True, hands=hands).answer(
+        STAGE
+    )
+    assert stopped == Answer("stop", "answers file")
+    assert bench.bench.mount.offset_mm == pytest.approx(0.25)
+
+
+async def test_on_real_hardware_no_hands_move(bench: EmulatedBench) -> None:
+    async def person(_prompt: Prompt) -> Answer:
+        return Answer("done", "Ada")
+
+    operator = Operator(ManualClock(), {}, person, simulated=False, hands=Hands(endpoint(bench)))
+    assert await operator.answer(STAGE) == Answer("done", "Ada")
+    assert bench.bench.mount.offset_mm == 0.0
+
+
+async def test_without_a_way_to_the_bench_the_remedy_is_told() -> None:
+    operator = Operator(ManualClock(), {}, None, simulated=True)
+    with pytest.raises(ConfigError, match=r"'stage/1' asks for: Turn\. Add a \[tracker\]"):
+        await operator.answer(STAGE)
