@@ -82,6 +82,29 @@ class Location:
     u_mm: float
 
 
+@dataclass(frozen=True)
+class MeasuredPoint:
+    """A row of a file of positions that an independent instrument has measured.
+
+    Attributes:
+        line: of the file, from 1.
+        theta_deg: commands of J1 and J2, deg; None in a file of Cartesian commands.
+        directions: states of approach of J1 and J2, 1 or -1; None in a file of Cartesian commands.
+        command_mm: x and y of the command, mm; None in a file of joint commands.
+        x_meas_mm: measured position along x, in the instrument's own frame.
+        y_meas_mm: measured position along y.
+        u_mm: standard uncertainty of each coordinate; None when it is not stated.
+    """
+
+    line: int
+    theta_deg: tuple[float, float] | None
+    directions: tuple[int, int] | None
+    command_mm: tuple[float, float] | None
+    x_meas_mm: float
+    y_meas_mm: float
+    u_mm: float | None
+
+
 Table = Literal["points", "search", "path", "records"]
 """Where a row is kept: distances, sightings of reflectors, points of a path, and anything else that was observed."""
 
@@ -185,7 +208,11 @@ class Context(Protocol):
         ...
 
     async def measure(self, settle_time_s: float, dwell_time_s: float, readings: int) -> Measurement:
-        """Settle, then average readings over the dwell time; read beam state, joints and air."""
+        """Settle, then average readings over the dwell time; read beam state, joints and air.
+
+        Raises:
+            NoBeamError: the instrument gives no value without a beam.
+        """
         ...
 
     async def beam(self) -> BeamStatus:
@@ -197,11 +224,29 @@ class Context(Protocol):
 
         Args:
             dead_path_mm: length of the beam here, mm.
+
+        Raises:
+            NoBeamError: no beam returns, and the instrument does not zero without one.
         """
         ...
 
     async def locate(self, settle_time_s: float) -> Location:
         """Return where an independent instrument (a laser tracker) sees the J4 axis after settling."""
+        ...
+
+    async def pause(self, duration_s: float) -> None:
+        """Let the arm stand still for a time, s."""
+        ...
+
+    async def load_path(self, file: str) -> Sequence[MeasuredPoint]:
+        """Return what an independent instrument measured along a path, from a measured CSV.
+
+        Args:
+            file: its path, as an operator types it.
+
+        Raises:
+            MeasuredFileError: the file cannot be read or used; the text names file, line and remedy.
+        """
         ...
 
     async def ask(self, prompt: Prompt, watch: Callable[[], Awaitable[Live]] | None = None) -> str:

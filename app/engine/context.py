@@ -12,7 +12,7 @@ from app.engine.control import RunControl
 from app.engine.crash_points import crash_point
 from app.engine.devices import Devices
 from app.engine.gate import MotionGate
-from app.engine.measuring import AirCache, measure
+from app.engine.measuring import AirCache, measure, unless_dark
 from app.engine.operator import Answer, Operator
 from app.engine.timekeeping import Progress, StepTime
 from app.engine.waiting import cancel, uncancelled
@@ -194,6 +194,7 @@ class RunContext:
 
         Raises:
             MeasurementRejectedError: the program has to correct for the air and does not know it.
+            NoBeamError: no beam returns, and the instrument does not zero without one.
         """
         await self._control.checkpoint()
         # The count may be new and the air at its zero unknown, if this does not come to its end.
@@ -375,7 +376,8 @@ class RunContext:
         return replace(measured, beam_ok=measured.beam_ok and self._zeroed, material_c=material_c)
 
     async def _zero(self, dead_path_mm: float) -> int:
-        number = await self._devices.interferometer.zero()
+        counter = self._devices.interferometer
+        number = await unless_dark(counter, counter.zero())
         self._compensation.zeroed(await self._air.get(), dead_path_mm)
         return number
 

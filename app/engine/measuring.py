@@ -1,14 +1,19 @@
 """Measuring one distance at standstill."""
 
 import statistics
-from collections.abc import Callable
+from collections.abc import Callable, Coroutine
+from typing import Any, TypeVar
 
 from app.engine.compensation import Compensation
 from app.engine.devices import Devices
 from app.engine.waiting import together
 from drivers.clock import Clock
+from drivers.errors import RefusedError
 from procedures.context import AirCorrection, Measurement
-from procedures.devices import Air, BeamStatus, Environment, Joints, LengthReading
+from procedures.devices import Air, BeamStatus, Environment, Interferometer, Joints, LengthReading
+from procedures.errors import NoBeamError
+
+T = TypeVar("T")
 
 
 class AirCache:
@@ -40,6 +45,21 @@ def dwell_interval_s(dwell_time_s: float, readings: int) -> float:
     return dwell_time_s / (readings - 1) if readings > 1 else 0.0
 
 
+async def unless_dark(counter: Interferometer, question: Coroutine[Any, Any, T]) -> T:
+    """Ask a length counter for a zero or a reading; tell a refusal for want of a beam from any other.
+
+    Raises:
+        NoBeamError: it refuses, and its beam is or was away.
+    """
+    try:
+        return await question
+    except RefusedError as error:
+        status = await counter.status()
+        if status.beam_ok and not status.beam_lost:
+            raise
+        raise NoBeamError(str(error)) from error
+
+
 async def measure(
     devices: Devices,
     air: AirCache,
@@ -64,6 +84,7 @@ async def measure(
 
     Raises:
         MeasurementRejectedError: the program has to correct for the air and does not know it.
+        NoBeamError: the instrument gives no value without a beam.
     """
     if readings < 1:
         raise ValueError(f"readings = {readings}; a measurement needs at least 1")
@@ -80,7 +101,7 @@ async def measure(
                 await clock.sleep(wait_s)
             if number == readings - 1:
                 waited(clock.monotonic_s() - start_s)
-            taken.append(await devices.interferometer.read())
+            taken.append(await unless_dark(devices.interferometer, devices.interferometer.read()))
 
     async def look() -> None:
         reported.append(await devices.robot.joints())
