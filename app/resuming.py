@@ -10,6 +10,7 @@ from pydantic import ValidationError
 from app.cell.bench import bench_of
 from app.cell.load import LoadedCell
 from app.cell.model import Cell
+from app.engine.reentry import MOVED
 from app.errors import UsageError
 from app.plan_digest import plan_digest
 from app.procedure_list import Runnable, load_procedure
@@ -18,9 +19,6 @@ from app.store.catalog import resolve_run
 from app.store.reader import RunReader
 from procedures.bench import Bench
 from procedures.context import Json
-
-MOVED = "reflectors-moved"
-"""Kind of the event that says that the bench is no longer the one of the points."""
 
 _NEEDED = ("configuration", "configuration_file", "params", "aimed", "clock_speed", "plan_sha256")
 

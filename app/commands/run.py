@@ -33,10 +33,24 @@ def run_command(
     planned = plan_run(loaded, runnable, params, root, search)
     if runnable.needs_aim:
         say(f"aim from {planned.aim}")
+    conduct(planned, root, answers, arm, speed, dry_run=dry_run, as_json=as_json)
+
+
+def conduct(
+    planned: PlannedRun,
+    root: Path,
+    answers: Path | None,
+    arm: str | None,
+    speed: float,
+    *,
+    dry_run: bool,
+    as_json: bool,
+) -> None:
+    """Rehearse a plan, or run it and end the process with the run's exit code."""
     if dry_run:
         _tell_rehearsal(planned, asyncio.run(rehearse(planned)), as_json)
         return
-    narrator = Narrator(runnable.name, as_json)
+    narrator = Narrator(planned.procedure.name, as_json)
     # What is there now stays until the end; a collector that walks through it again delays readings by 40 ms.
     gc.collect()
     gc.freeze()

@@ -434,4 +434,8 @@ class RunContext:
 
 
 def _measured_points(file: str) -> Sequence[MeasuredPoint]:
-    return read_measured_csv(Path(file.strip()).expanduser())
+    try:
+        path = Path(file.strip()).expanduser()
+    except RuntimeError as error:
+        raise UsageError(f"{file}: {error}; type the whole path") from error
+    return read_measured_csv(path)

@@ -237,7 +237,11 @@ class RunControl:
         changes = transition(self.state, event).state != self.state
         if changes:
             self.ending = error
+        before_start = self.state == State.IDLE
         self._apply(event, str(error))
+        if before_start:
+            # Nothing has moved: there is no halt that would drop what is under way.
+            self._drop_command()
 
     def _apply(self, event: Event, reason: str) -> None:
         result = transition(self.state, event)

@@ -259,9 +259,6 @@ class _Run:
         conditions = self._conditions(devices)
         gate = MotionGate(devices.robot, self._request.limits, self._request.override_cap_percent, conditions)
         gate.on_override = self._override_lowered
-        await self._control.command(self._ready(devices, gate))
-        self._handle.gate = gate
-        await self._tell_notes(devices)
         request = self._request
         operator = Operator(
             self._clock, request.answers, request.answerer, simulated=simulated, hands=request.hands
@@ -278,7 +275,7 @@ class _Run:
             _POLL_S * self._request.clock_speed,
         )
         if reentry is not None:
-            await self._reenter(reentry, context, facts)
+            await self._reenter(reentry, context, identities_as_json(identities))
         await self._control.command(self._ready(devices, gate))
         self._handle.gate = gate
         await self._tell_notes(devices)
@@ -295,9 +292,9 @@ class _Run:
         self._watch = asyncio.create_task(watchman.watch())
         return self._context
 
-    async def _reenter(self, reentry: Reentry, context: RunContext, facts: Mapping[str, Json]) -> None:
+    async def _reenter(self, reentry: Reentry, context: RunContext, identities: dict[str, Json]) -> None:
         """Look and ask whether the bench is still the one of the points; an abort is cleared first."""
-        for text in reentry.require_same_devices(facts["devices"]):
+        for text in reentry.require_same_devices(identities):
             await context.warn(text)
         if reentry.abort_cause is not None:
             await reentry.clear(context.ask, self._state_changed)

@@ -13,6 +13,7 @@ from collections.abc import Callable, Iterable, Mapping
 from concurrent.futures import Future
 from pathlib import Path
 
+from app.engine.crash_points import crash_point
 from app.errors import StorageError, UsageError
 from app.store import seal
 from app.store.describe import clock_anchor, software
@@ -85,11 +86,13 @@ class RunStore:
             StorageError: no space, no permission, or the file system does not take the durable settings.
         """
         path = make_directory(root, procedure, clock, reserve_bytes)
+        crash_point("directory-made")
         store = await cls._open(path, clock, reserve_bytes, max_log_bytes)
         about: dict[str, Json] = {"run": path.name, "procedure": procedure, "software": software()}
         try:
             await store.append_meta({**about, "clock_anchor": clock_anchor(clock), **meta})
             await store.event("run-opened")
+            crash_point("run-opened")
         except BaseException:
             await store.abandon()
             raise
@@ -126,6 +129,7 @@ class RunStore:
             raise StorageError(f"{path} is being written by a running catseye; stop that first")
         require_space(path, reserve_bytes)
         seal.unseal(path)
+        crash_point("unsealed")
         store = await cls._open(path, clock, reserve_bytes, max_log_bytes, reader)
         facts: dict[str, Json] = {
             "before": before,
@@ -133,6 +137,7 @@ class RunStore:
             "clock_anchor": clock_anchor(clock),
         }
         await store.event("run-reopened", {**facts, **(about or {})})
+        crash_point("reopened")
         return store
 
     @classmethod
@@ -256,10 +261,12 @@ class RunStore:
         """
         try:
             await self.event("run-ended", {**self._closing(status, exit_code), "text": text})
-            await self._writer.close(_leave_wal)
+            crash_point("closed")
+            await self._writer.close(leave_one_file)
             self.wire.close()
             self.log.close()
             await asyncio.to_thread(seal.seal, self.path, self._now())
+            crash_point("sealed")
         except OSError as error:
             raise StorageError(f"cannot seal {self.path}: {error}") from error
         finally:
@@ -307,9 +314,12 @@ class RunStore:
         self._loop.call_soon_threadsafe(lambda: self.on_failure(error))
 
 
-def _leave_wal(db: sqlite3.Connection) -> None:
-    # One plain file is left for the archive. A reader that is just looking may prevent it; then the log file
-    # stays beside the database and the manifest covers both.
+def leave_one_file(db: sqlite3.Connection) -> None:
+    """Fold the log into the database: one plain file is left for the archive.
+
+    A reader that is just looking may prevent it; then the log file stays beside the database and the manifest covers
+    both.
+    """
     db.execute("PRAGMA busy_timeout=200")
     db.execute("PRAGMA wal_checkpoint(TRUNCATE)").fetchall()
     try:

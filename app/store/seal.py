@@ -8,6 +8,7 @@ from pathlib import Path
 
 from pydantic import BaseModel, ValidationError
 
+from app.engine.crash_points import crash_point
 from app.errors import StorageError
 
 MANIFEST = "manifest.json"
@@ -63,6 +64,7 @@ def seal(directory: Path, created_utc: str) -> None:
     draft.write_text(json.dumps(manifest.model_dump(), indent=1) + "\n", encoding="utf-8")
     _sync(draft)
     draft.chmod(0o444)
+    crash_point("before-manifest")
     draft.rename(directory / MANIFEST)
     _sync(directory)
 

@@ -1,0 +1,150 @@
+"""What is looked at and asked before an interrupted run goes on: the physical world may have changed meanwhile."""
+
+from collections.abc import Awaitable, Callable, Mapping
+from typing import Any, Final
+
+from app.engine.states import Event, State, transition
+from app.errors import MeasurementRejectedError, SafetyError, UsageError
+from app.store.reader import RunReader, StoredEvent
+from procedures.context import Json, Prompt
+
+MOVED: Final = "reflectors-moved"
+"""Kind of the event that says that the bench is no longer the one of the points: the run never goes on."""
+
+REFLECTORS_PROMPT: Final = "resume/reflectors"
+CLEAR_PROMPT: Final = "clear"
+
+_IDENTIFYING = ("model", "serial")
+_OF_THE_POINTS = ("robot", "interferometer", "tracker")
+"""Devices that a run's data are one with."""
+
+Ask = Callable[[Prompt], Awaitable[str]]
+Note = Callable[[str, Mapping[str, Json]], Awaitable[None]]
+
+
+class Reentry:
+    """The way back into an interrupted run.
+
+    Args:
+        reader: of the run.
+
+    Attributes:
+        abort_cause: why the run was aborted, while no operator has cleared that; None otherwise.
+        since_utc: when the last step was done, or the run begun: points are worth something if nothing was touched
+            since.
+    """
+
+    def __init__(self, reader: RunReader) -> None:
+        self._name = reader.path.name
+        self._devices: Any = reader.meta.get("devices") or {}
+        events, steps = reader.events(), reader.steps()
+        self.abort_cause = _uncleared_abort(events)
+        self.since_utc = steps[-1].done_utc if steps else events[0].time_utc if events else ""
+
+    def require_same_devices(self, present: Mapping[str, Json]) -> list[str]:
+        """Check that the instruments are those of the points; return what else has changed.
+
+        Another controller drives another arm, another interferometer on the J4 axis sends another beam (offset from
+        the axis, θ40, reference length), and another tracker has another frame. No answer of an operator makes such
+        points belong together, so this is refused and not asked. A device that does not tell its model or serial
+        number cannot be compared; one that only serves the surroundings may be exchanged, which is told.
+
+        Args:
+            present: identities, as a run stores them.
+
+        Raises:
+            UsageError: the robot, the interferometer or the tracker is another one.
+        """
+        notes = []
+        for name, facts in present.items():
+            changes = _changes(self._devices.get(name) or {}, facts)
+            if changes and name in _OF_THE_POINTS and not changes.keys().isdisjoint(_IDENTIFYING):
+                raise UsageError(
+                    f"{self._name}: the {name} is another one ({_told(changes)}): its points and new ones would not "
+                    "belong together, nothing was moved; connect the former one, or start a new run; the points so "
+                    "far stay usable"
+                )
+            if changes:
+                notes.append(f"the {name} is not as it was before the interruption: {_told(changes)}")
+        return notes
+
+    async def clear(self, ask: Ask, tell: Callable[[State, str], None]) -> None:
+        """Lead the run out of ABORTED, which only its operator can.
+
+        Args:
+            ask: puts a question to the operator.
+            tell: publishes and stores a state and its reason.
+
+        Raises:
+            SafetyError: the operator does not clear.
+        """
+        prompt = Prompt(
+            id=CLEAR_PROMPT,
+            kind="confirm",
+            text=f"The cause of the abort was ‘{self.abort_cause}’: is it found and removed?",
+            motion=True,
+        )
+        if await ask(prompt) != "yes":
+            raise SafetyError(
+                f"{self._name} stays aborted: find and remove the cause (‘{self.abort_cause}’), then go on with: "
+                f"catseye resume {self._name}"
+            )
+        clearing = transition(State.ABORTED, Event.CLEAR).state
+        tell(clearing, "the operator has found and removed the cause of the abort")
+        tell(transition(clearing, Event.CLEARED).state, "cleared; the run goes on")
+
+    async def ask_for_reflectors(self, ask: Ask, note: Note) -> None:
+        """Ask whether the bench is still the one of the points.
+
+        Raises:
+            MeasurementRejectedError: it is not; the run never goes on.
+        """
+        prompt = Prompt(
+            id=REFLECTORS_PROMPT,
+            kind="choice",
+            text=(
+                "Has a reflector or the interferometer been moved or touched, beyond what the run asked for, since "
+                f"{_time_text(self.since_utc)}?"
+            ),
+            choices=("untouched", "moved"),
+        )
+        if await ask(prompt) == "untouched":
+            return
+        await note(MOVED, {"since_utc": self.since_utc})
+        raise MeasurementRejectedError(
+            f"{self._name} cannot go on: its points belong to reflectors that stood elsewhere; search again "
+            "(catseye run reflector-search) and start a new run; the points so far stay usable"
+        )
+
+
+def _uncleared_abort(events: list[StoredEvent]) -> str | None:
+    """Return why a run was aborted last; None when it was not, or when its operator has cleared that.
+
+    A process may die between the abort and its closing record, or while the operator is asked to clear.
+    """
+    cause: str | None = None
+    for event in events:
+        match event.kind, event.data:
+            case "state", {"state": State.ABORTING, "reason": str(reason)}:
+                cause = cause or reason
+            case "state", {"state": State.CLEARING}:
+                cause = None
+            case "run-ended", {"status": "aborted", **rest}:
+                cause = cause or str(rest.get("text") or "unknown: the record does not tell")
+    return cause
+
+
+def _changes(before: Mapping[str, Json], now: Any) -> dict[str, tuple[Json, Json]]:
+    return {
+        key: (before[key], value)
+        for key, value in now.items()
+        if value not in ("", None) and before.get(key) not in ("", None, value)
+    }
+
+
+def _told(changes: Mapping[str, tuple[Json, Json]]) -> str:
+    return ", ".join(f"{key} {now}, was {before}" for key, (before, now) in changes.items())
+
+
+def _time_text(time_utc: str) -> str:
+    return f"{time_utc[:10]} {time_utc[11:19]} UTC"

@@ -1,0 +1,36 @@
+"""Finishing what a process that died at the very end has left undone."""
+
+from contextlib import closing
+from pathlib import Path
+
+from app.store import seal
+from app.store.lock import RunLock
+from app.store.reader import RunReader
+from app.store.run_store import leave_one_file
+from app.store.schema import open_writer
+
+
+def seal_late(path: Path, now_utc: str) -> bool:
+    """Seal a complete run whose process died between the closing record and the manifest.
+
+    Args:
+        path: the run's directory.
+        now_utc: ISO 8601 UTC time.
+
+    Returns:
+        Whether there was anything to do.
+
+    Raises:
+        StorageError: the run cannot be read, or another process writes it.
+    """
+    if RunReader(path).status != "complete" or seal.read_manifest(path) is not None:
+        return False
+    lock = RunLock(path)
+    try:
+        seal.unseal(path)
+        with closing(open_writer(path / seal.DATABASE)) as connection:
+            leave_one_file(connection)
+        seal.seal(path, now_utc)
+    finally:
+        lock.release()
+    return True
