@@ -13,7 +13,6 @@ from app.cell.bench import air_limits, air_rule, bench_of
 from app.cell.load import LoadedCell
 from app.cell.model import Cell
 from app.engine.announcer import Publish
-from app.engine.arm_model import reflector_beam
 from app.engine.dry_run import DryRunContext
 from app.engine.gate import JointLimits
 from app.engine.handle import OnOpen
@@ -131,14 +130,7 @@ async def carry_out(
 async def rehearse(planned: PlannedRun) -> DryRunContext:
     """Run a planned procedure without any device and return what it would do."""
     bench = planned.bench
-    places = {reflector.name: (reflector.x_mm, reflector.y_mm) for reflector in bench.reflectors}
-    optics, arm = bench.optics, bench.arm
-    context = DryRunContext(
-        limits=joint_limits(bench),
-        arm=arm,
-        beam_at=reflector_beam(arm.link1_mm, arm.link2_mm, places, optics.acceptance_mm, optics.theta40_deg),
-        pose=(0.0, 0.0, arm.j3_mm, 0.0),
-    )
+    context = DryRunContext(joint_limits(bench), bench, pose=(0.0, 0.0, bench.arm.j3_mm, 0.0))
     await planned.procedure.run(context, planned.plan)
     await planned.procedure.teardown(context)
     return context

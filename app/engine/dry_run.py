@@ -1,23 +1,26 @@
 """The same procedure without instruments: what it would do, how long it takes, whether limits hold."""
 
 from collections.abc import Awaitable, Callable, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from datetime import UTC, datetime, timedelta
 
 import numpy as np
 
-from app.engine.arm_model import Beam, poses_between
+from app.engine.arm_model import AT_REST, ArmModel, Hit, Speeds
 from app.engine.gate import JointLimits
 from app.engine.measuring import dwell_interval_s
 from app.engine.operator import fault_of
 from app.errors import MeasurementRejectedError
 from app.store.rows import encode
-from procedures.bench import Arm
-from procedures.context import Json, Live, Location, Measurement, Prompt, Row, Table
+from procedures.bench import Bench
+from procedures.context import Json, Live, Location, MeasuredPoint, Measurement, Prompt, Row, Table
 from procedures.devices import Joints
 from procedures.motion_time import way_time_s
 
 _EPOCH = datetime(1970, 1, 1, tzinfo=UTC)
+
+_MOST_QUESTIONS = 50
+"""So many questions with nothing done between them are a loop that no answer ends."""
 
 
 @dataclass(frozen=True)
@@ -51,6 +54,9 @@ class DryStep:
         measurements: how many distances.
         duration_s: expected time, s.
         end: pose at its end.
+        speeds: the fastest that it drives.
+        beam_mm: length of the beam at its end; None when nothing returns it.
+        miss_mm: largest miss on the ways over which the beam is kept; None when it is kept on none.
     """
 
     step_id: str
@@ -59,13 +65,20 @@ class DryStep:
     measurements: int
     duration_s: float
     end: Joints
+    speeds: Speeds
+    beam_mm: float | None
+    miss_mm: float | None
 
 
 @dataclass
 class _Account:
+    """What was done so far, and the peaks since the step began."""
+
     moves: int = 0
     measurements: int = 0
     time_s: float = 0.0
+    speeds: Speeds = AT_REST
+    miss_mm: float | None = None
 
 
 @dataclass
@@ -74,9 +87,9 @@ class DryRunContext:
 
     Attributes:
         limits: checked at every move.
-        arm: tells how long moves take.
-        beam_at: the ideal beam.
+        bench: tells how long moves take and where the beam goes.
         pose: where the arm stands; set it to where it starts.
+        held: where the arm stood still for an independent instrument.
         steps: the step table, filled while the procedure runs.
         prompts: the questions that were asked.
         notes: events and warnings, as (kind, data).
@@ -84,17 +97,23 @@ class DryRunContext:
     """
 
     limits: JointLimits
-    arm: Arm
-    beam_at: Beam
+    bench: Bench
     pose: Joints = (0.0, 0.0, 0.0, 0.0)
     steps: list[DryStep] = field(default_factory=list)
     prompts: list[Prompt] = field(default_factory=list)
     notes: list[tuple[str, dict[str, Json]]] = field(default_factory=list)
     rows: list[tuple[Table, Row]] = field(default_factory=list)
+    held: list[Joints] = field(default_factory=list)
     _account: _Account = field(default_factory=_Account)
     _in_step: bool = False
     _lost: bool = False
-    _zero_mm: float = 0.0
+    _zeroed: Hit | None = None
+    _way_miss_mm: float | None = None
+    _questions: int = 0
+
+    def __post_init__(self) -> None:
+        """Make the ideal arm."""
+        self._model = ArmModel(self.bench)
 
     @property
     def resumed(self) -> bool:
@@ -106,19 +125,37 @@ class DryRunContext:
         """Expected time of everything so far, s."""
         return self._account.time_s
 
+    @property
+    def excess(self) -> list[DryStep]:
+        """Steps on whose ways the beam misses by more than the plan allows itself."""
+        limit_mm = self.bench.optics.max_miss_mm
+        return [step for step in self.steps if step.miss_mm is not None and step.miss_mm > limit_mm]
+
     async def step(self, step_id: str, title: str, action: Callable[[], Awaitable[Row]]) -> Row:
         """Run a step and add its line to the table."""
         if self._in_step:
             raise RuntimeError(f"step {step_id} begins inside another one; steps do not nest")
-        before = _Account(self._account.moves, self._account.measurements, self._account.time_s)
+        before = self._account
+        self._account = replace(before, speeds=AT_REST, miss_mm=None)
         self._in_step = True
         try:
             result = await action()
         finally:
             self._in_step = False
         now = self._account
-        counts = (now.moves - before.moves, now.measurements - before.measurements)
-        self.steps.append(DryStep(step_id, title, *counts, now.time_s - before.time_s, self.pose))
+        seen = self._model.hit(self.pose)
+        step = DryStep(
+            step_id,
+            title,
+            moves=now.moves - before.moves,
+            measurements=now.measurements - before.measurements,
+            duration_s=now.time_s - before.time_s,
+            end=self.pose,
+            speeds=now.speeds,
+            beam_mm=None if seen is None else seen.length_mm,
+            miss_mm=now.miss_mm,
+        )
+        self.steps.append(step)
         return result
 
     def record(self, table: Table, row: Row) -> None:
@@ -147,14 +184,28 @@ class DryRunContext:
         Raises:
             LimitError: a target is outside the limits.
         """
-        poses = np.array([self.pose, *way])[:, [0, 1, 3]]
+        if not way:
+            return
         for target in way:
             self.limits.require(target)
-            between = poses_between(self.pose, target)
-            self._lost = self._lost or any(self.beam_at(pose) is None for pose in between)
-            self.pose = target
-        self._account.time_s += way_time_s(self.arm, poses)
-        self._account.moves += len(way)
+        stops = np.array([self.pose, *way])[:, [0, 1, 3]]
+        account = self._account
+        account.time_s += way_time_s(self.bench.arm, stops)
+        account.moves += len(way)
+        account.speeds = account.speeds.faster(self._model.speeds(self.pose, way))
+        self._watch_beam(way)
+        self.pose = way[-1]
+        self._questions = 0
+
+    def _watch_beam(self, way: Sequence[Joints]) -> None:
+        """Note by how much the beam misses on a way the reflector that it was zeroed on."""
+        if self._zeroed is None:
+            self._lost = True
+            return
+        poses = self._model.sampled(self.pose, way)
+        self._lost = self._lost or not self._model.returns(poses, self._zeroed.reflector).all()
+        miss_mm = float(self._model.miss_mm(poses, self._zeroed.reflector).max())
+        self._way_miss_mm = max(self._way_miss_mm or 0.0, miss_mm)
 
     async def joints(self) -> Joints:
         """Return the pose."""
@@ -166,9 +217,13 @@ class DryRunContext:
         dwell_s = dwell_interval_s(dwell_time_s, readings) * (readings - 1)
         self._account.time_s += settle_time_s + dwell_s
         self._account.measurements += 1
+        self._questions = 0
+        self._claim_way()
         beam = await self.beam()
+        seen = self._model.hit(self.pose)
+        zero_mm = 0.0 if self._zeroed is None else self._zeroed.length_mm
         return Measurement(
-            displacement_mm=(self.beam_at(self.pose) or self._zero_mm) - self._zero_mm,
+            displacement_mm=0.0 if seen is None else seen.length_mm - zero_mm,
             spread_mm=0.0,
             readings=readings,
             signal=beam.signal,
@@ -181,15 +236,16 @@ class DryRunContext:
 
     async def beam(self) -> DryBeam:
         """Return the state of the ideal beam."""
-        hit = self.beam_at(self.pose) is not None
+        hit = self._model.hit(self.pose) is not None
         return DryBeam(beam_ok=hit, beam_lost=self._lost, signal=1.0 if hit else 0.0)
 
     async def zero(self, dead_path_mm: float) -> None:
         """Begin a new dead path; an ideal distance needs no correction for it."""
         del dead_path_mm
-        length_mm = self.beam_at(self.pose)
-        self._lost = length_mm is None
-        self._zero_mm = length_mm or 0.0
+        self._zeroed = self._model.hit(self.pose)
+        self._lost = self._zeroed is None
+        # Nobody needed the beam on the way here.
+        self._way_miss_mm = None
 
     async def locate(self, settle_time_s: float) -> Location:
         """Account for settling; a dry run does not know the independent instrument's frame."""
@@ -197,11 +253,32 @@ class DryRunContext:
         self._account.measurements += 1
         return Location(0.0, 0.0, 0.0)
 
+    async def pause(self, duration_s: float) -> None:
+        """Account for the time; an independent instrument may measure here."""
+        self._account.time_s += duration_s
+        self.held.append(self.pose)
+
+    async def load_path(self, file: str) -> Sequence[MeasuredPoint]:
+        """Return the places where the arm stood still, as an ideal instrument sees an ideal arm."""
+        del file
+        return [self._seen(line, pose) for line, pose in enumerate(self.held, 2)]
+
     async def ask(self, prompt: Prompt, watch: Callable[[], Awaitable[Live]] | None = None) -> str:
-        """Keep the question and return its first possible answer."""
-        del watch
+        """Keep the question and return the answer that goes on: nothing moves in a rehearsal.
+
+        Raises:
+            MeasurementRejectedError: questions follow each other for ever.
+        """
         self.prompts.append(prompt)
-        possible = (prompt.safe_answer or "", "yes", *prompt.choices, "0")
+        self._questions += 1
+        if self._questions > _MOST_QUESTIONS:
+            raise MeasurementRejectedError(
+                f"the rehearsal is asked {prompt.id!r} after {_MOST_QUESTIONS} other questions with nothing done "
+                "between them: no answer ends this on an ideal bench"
+            )
+        if watch is not None:
+            await watch()
+        possible = ("yes", *prompt.choices, prompt.safe_answer or "", "0")
         return next(text for text in possible if text and not fault_of(prompt, text))
 
     def show(self, live: Live) -> None:
@@ -226,6 +303,16 @@ class DryRunContext:
 
     def progress(self, done: float, total: float, text: str = "") -> None:
         """Do nothing: a dry run is over at once."""
+
+    def _claim_way(self) -> None:
+        """Count the miss of the way to this distance: it was measured over it."""
+        if self._way_miss_mm is not None and self._zeroed is not None:
+            self._account.miss_mm = max(self._account.miss_mm or 0.0, self._way_miss_mm)
+        self._way_miss_mm = None
+
+    def _seen(self, line: int, pose: Joints) -> MeasuredPoint:
+        place = self._model.place_mm(pose)
+        return MeasuredPoint(line, None, None, place, *place, None)
 
     def _now(self) -> str:
         return (_EPOCH + timedelta(seconds=self._account.time_s)).isoformat()

@@ -2,18 +2,16 @@
 
 import csv
 import io
-import math
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Iterable
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
-from typing import TypeVar
 
 import numpy as np
 
 from app.errors import UsageError
+from app.files.csv_table import CsvRow, csv_rows, misnamed
 from calibration.points import Commands, Points
-
-T = TypeVar("T")
 
 COLUMNS = (
     "reflector",
@@ -75,7 +73,8 @@ def read_points_csv(path: Path, reflectors: Iterable[str]) -> list[PointRow]:
         UsageError: the file is missing, a column is missing, a value is wrong; names file and line.
     """
     known = list(reflectors)
-    rows = [_row(path, line, record, known) for line, record in _records(path)]
+    found = csv_rows(path, ",".join(COLUMNS), partial(_require_columns, path))
+    rows = [_row(row, known) for row in found]
     if not rows:
         raise UsageError(f"{path}: holds no points; each row below the header line is one distance")
     return rows
@@ -105,100 +104,28 @@ def to_points(rows: list[PointRow], reflectors: Iterable[str]) -> Points:
     )
 
 
-def _records(path: Path) -> Iterator[tuple[int, Mapping[str, str]]]:
-    lines = _lines(path)
-    header: list[str] | None = None
-    for number, line in lines:
-        cells = _cells(path, number, line)
-        if header is None:
-            header = [cell.strip() for cell in cells]
-            _require_columns(path, number, header)
-            continue
-        if len(cells) != len(header):
-            raise UsageError(
-                f"{path}:{number}: {len(cells)} values, but the header has {len(header)} columns"
-            )
-        yield number, {name: cell.strip() for name, cell in zip(header, cells, strict=True)}
-    if header is None:
-        raise UsageError(f"{path}: is empty; the first line has to be the header {','.join(COLUMNS)}")
-
-
-def _cells(path: Path, number: int, line: str) -> list[str]:
-    try:
-        return next(csv.reader([line]))
-    except csv.Error as error:
-        raise UsageError(f"{path}:{number}: a value is too long for a points file: {error}") from error
-
-
-def _lines(path: Path) -> Iterator[tuple[int, str]]:
-    try:
-        text = path.read_text(encoding="utf-8-sig")
-    except FileNotFoundError as error:
-        raise UsageError(f"{path}: there is no such file") from error
-    except OSError as error:
-        raise UsageError(f"{path}: cannot be read: {error.strerror}") from error
-    except UnicodeDecodeError as error:
-        raise UsageError(f"{path}: is not UTF-8 text; export it as UTF-8 CSV") from error
-    for number, line in enumerate(text.splitlines(), 1):
-        if line.strip() and not line.lstrip().startswith("#"):
-            yield number, line
-
-
-def _require_columns(path: Path, number: int, header: list[str]) -> None:
+def _require_columns(path: Path, line: int, header: list[str]) -> None:
     missing = [name for name in COLUMNS if name not in header]
     if missing:
         raise UsageError(
-            f"{path}:{number}: column {', '.join(missing)} is missing; the header has to be "
+            f"{path}:{line}: column {', '.join(missing)} is missing; the header has to be "
             f"{','.join(COLUMNS)}[,sigma_mm], comma separated"
         )
-    doubled = sorted({name for name in header if header.count(name) > 1})
-    unknown = [name for name in header if name not in COLUMNS + OPTIONAL]
-    if doubled or unknown:
-        what = (
-            f"column {', '.join(doubled)} stands twice" if doubled else f"unknown column {', '.join(unknown)}"
-        )
-        raise UsageError(f"{path}:{number}: {what}; allowed are {','.join(COLUMNS)}[,sigma_mm]")
+    if fault := misnamed(header, COLUMNS + OPTIONAL):
+        raise UsageError(f"{path}:{line}: {fault}; allowed are {','.join(COLUMNS)}[,sigma_mm]")
 
 
-def _row(path: Path, line: int, record: Mapping[str, str], known: list[str]) -> PointRow:
-    def value(name: str, convert: Callable[[str], T], wanted: str) -> T:
-        try:
-            return convert(record[name])
-        except ValueError:
-            raise UsageError(f"{path}:{line}: {name} = {record[name]!r} is not {wanted}") from None
-
-    if record["reflector"] not in known:
-        raise UsageError(
-            f"{path}:{line}: unknown reflector {record['reflector']!r}; the cell file knows {', '.join(known)}"
-        )
+def _row(row: CsvRow, known: list[str]) -> PointRow:
+    reflector = row.cells["reflector"]
+    if reflector not in known:
+        raise row.fault(f"unknown reflector {reflector!r}; the cell file knows {', '.join(known)}")
     return PointRow(
-        reflector=record["reflector"],
-        segment=value("segment", int, "an integer"),
-        theta1_deg=value("theta1_deg", _finite, "a finite number"),
-        theta2_deg=value("theta2_deg", _finite, "a finite number"),
-        direction1=value("direction1", _direction, "1 or -1"),
-        direction2=value("direction2", _direction, "1 or -1"),
-        displacement_mm=value("displacement_mm", _finite, "a finite number"),
-        sigma_mm=value("sigma_mm", _positive, "a finite number above 0") if "sigma_mm" in record else None,
+        reflector=reflector,
+        segment=row.value("segment", int, "an integer"),
+        theta1_deg=row.finite("theta1_deg"),
+        theta2_deg=row.finite("theta2_deg"),
+        direction1=row.direction("direction1"),
+        direction2=row.direction("direction2"),
+        displacement_mm=row.finite("displacement_mm"),
+        sigma_mm=row.positive("sigma_mm") if "sigma_mm" in row.cells else None,
     )
-
-
-def _finite(text: str) -> float:
-    number = float(text)
-    if not math.isfinite(number):
-        raise ValueError(text)
-    return number
-
-
-def _positive(text: str) -> float:
-    number = _finite(text)
-    if number <= 0.0:
-        raise ValueError(text)
-    return number
-
-
-def _direction(text: str) -> int:
-    number = float(text)
-    if number not in (1.0, -1.0):
-        raise ValueError(text)
-    return int(number)

@@ -9,8 +9,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from procedures.bench import Arm, Bench, Optics, Reflector, Timing
-from procedures.context import Json, Live, Location, Measurement, Prompt, Row, Table
+from procedures.context import Json, Live, Location, MeasuredPoint, Measurement, Prompt, Row, Table
 from procedures.devices import Joints
+from procedures.errors import MeasuredFileError
 
 LINK1_MM, LINK2_MM = 325.0, 225.0
 NODES1_DEG = tuple(-140.0 + 20.0 * i for i in range(11))
@@ -132,6 +133,8 @@ class IdealContext:
         dark_at: numbers of measurements that see no beam, whatever else holds.
         stored: results of steps that are done.
         answers: answers to prompts by id; a function may act on the bench first.
+        pauses: pose and time of each pause.
+        files: measured files by name; a text is the complaint about one that cannot be used.
         resumed: the run goes on after an interruption.
     """
 
@@ -153,6 +156,8 @@ class IdealContext:
     prompts: list[Prompt] = field(default_factory=list)
     answers: dict[str, str | Callable[[Prompt], str]] = field(default_factory=dict)
     shown: list[Live] = field(default_factory=list)
+    pauses: list[tuple[Joints, float]] = field(default_factory=list)
+    files: dict[str, Sequence[MeasuredPoint] | str] = field(default_factory=dict)
     suspensions: list[str] = field(default_factory=list)
     resumed: bool = False
     ran: list[str] = field(default_factory=list)
@@ -249,6 +254,17 @@ class IdealContext:
         self.waits.append((settle_time_s, 0.0, 0))
         x, y = arm_xy(self.pose[0], self.pose[1])
         return Location(x + 1000.0, y - 500.0, 0.004)
+
+    async def pause(self, duration_s: float) -> None:
+        """Stand still."""
+        self.pauses.append((self.pose, duration_s))
+
+    async def load_path(self, file: str) -> Sequence[MeasuredPoint]:
+        """Return what the file holds, or refuse it."""
+        held = self.files[file]
+        if isinstance(held, str):
+            raise MeasuredFileError(held)
+        return held
 
     async def ask(self, prompt: Prompt, watch: Callable[[], Awaitable[Live]] | None = None) -> str:
         """Give the next scripted answer, after one look at what is watched."""

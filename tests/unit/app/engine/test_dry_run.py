@@ -3,14 +3,17 @@
 import math
 from dataclasses import replace
 
+import numpy as np
 import pytest
 
-from app.engine.arm_model import poses_between, reflector_beam
+from app.engine.arm_model import ArmModel
 from app.engine.dry_run import DryRunContext
-from app.errors import LimitError
-from procedures.bench import Arm, Following
+from app.errors import LimitError, MeasurementRejectedError
+from procedures.bench import Arm, Bench, Following
 from procedures.context import Context, Prompt, Row
+from procedures.devices import Joints
 from tests.unit.app.engine.fakes import HOME, LIMITS, point
+from tests.unit.procedures.benches import bench
 
 ARM = Arm(
     link1_mm=325.0,
@@ -25,23 +28,32 @@ ARM = Arm(
     follow_speed_deg_s=10.0,
     follow_acceleration_deg_s2=math.pi * 50.0,
 )
-BEAM = reflector_beam(325.0, 225.0, {"P1": (650.0, 0.0), "P2": (0.0, 900.0)}, acceptance_mm=1.0)
+BENCH = replace(bench(places={"P1": (650.0, 0.0), "P2": (0.0, 900.0)}), arm=ARM)
 
 
 @pytest.fixture
 def dry() -> DryRunContext:
-    return DryRunContext(LIMITS, ARM, BEAM)
+    return DryRunContext(LIMITS, BENCH)
+
+
+def following(way: Following) -> Bench:
+    return replace(BENCH, arm=replace(ARM, following=way))
+
+
+def length_mm(pose: Joints) -> float | None:
+    hit = ArmModel(BENCH).hit(pose)
+    return None if hit is None else hit.length_mm
 
 
 @pytest.mark.parametrize(
-    ("following", "duration_s"),
+    ("way", "duration_s"),
     # Twice 50 deg at 50 deg/s with ramps of a quarter of a second; once 100 deg; led at 10 deg/s, ramps of a tenth.
     [("stops", 2.5), ("blended", 2.25), ("streamed", 10.1)],
 )
 async def test_the_time_of_a_way_is_that_of_the_arms_way_of_following(
-    following: Following, duration_s: float
+    way: Following, duration_s: float
 ) -> None:
-    dry = DryRunContext(LIMITS, replace(ARM, following=following), BEAM)
+    dry = DryRunContext(LIMITS, following(way))
     await dry.follow(((50.0, 0.0, 0.0, 0.0), (100.0, 0.0, 0.0, 0.0)))
     assert dry.total_s == pytest.approx(duration_s)
     assert dry.pose == (100.0, 0.0, 0.0, 0.0)
@@ -50,17 +62,97 @@ async def test_the_time_of_a_way_is_that_of_the_arms_way_of_following(
 
 
 def test_the_ideal_beam_returns_from_the_reflector_that_it_hits() -> None:
-    assert BEAM((0.0, 0.0, 0.0, 0.0)) == pytest.approx(100.0)
-    assert BEAM((90.0, 0.0, 0.0, 0.0)) == pytest.approx(350.0)
-    assert BEAM((0.0, 0.0, 0.0, 180.0)) is None
-    just_outside_deg = math.degrees(1.001 / 100.0)
-    assert BEAM((0.0, 0.0, 0.0, just_outside_deg)) is None
+    assert length_mm((0.0, 0.0, 0.0, 0.0)) == pytest.approx(100.0)
+    assert length_mm((90.0, 0.0, 0.0, 0.0)) == pytest.approx(350.0)
+    assert length_mm((0.0, 0.0, 0.0, 180.0)) is None
+    # 100.1 mm away at most: 1.001 mm aside misses by more than 1 mm even along the slanting beam.
+    assert length_mm((0.0, 0.0, 0.0, math.degrees(1.001 / 100.0))) is None
+    assert length_mm((0.0, 0.0, 0.0, math.degrees(0.999 / 100.0))) == pytest.approx(100.0)
 
 
-def test_poses_on_the_way_end_at_the_target() -> None:
-    poses = poses_between(HOME, (2.5, -1.0, 0.0, 0.0))
-    assert len(poses) == 3
-    assert poses[-1] == pytest.approx((2.5, -1.0, 0.0, 0.0))
+def test_the_column_and_the_reflectors_field_hide_it() -> None:
+    # From (-550, 0) the beam to P1 passes through the J1 axis.
+    assert length_mm((180.0, 0.0, 0.0, 180.0)) is None
+    turned = replace(BENCH, reflectors=(replace(BENCH.reflectors[0], facing_deg=95.0),))
+    assert ArmModel(turned).hit(HOME) is None
+    turned = replace(BENCH, reflectors=(replace(BENCH.reflectors[0], facing_deg=105.0),))
+    assert ArmModel(turned).hit(HOME) is not None
+
+
+def test_poses_on_the_way_lie_close_together_and_end_at_each_target() -> None:
+    poses = ArmModel(BENCH).sampled(HOME, [(2.5, -1.0, 0.0, 0.0), (2.5, -1.0, 10.0, 0.0)])
+    assert float(np.abs(np.diff(poses, axis=0)).max()) <= 0.25 + 1e-9
+    assert poses[0].tolist() == list(HOME)
+    assert poses[(len(poses) - 1) // 2] == pytest.approx([2.5, -1.0, 0.0, 0.0])
+    assert poses[-1] == pytest.approx([2.5, -1.0, 10.0, 0.0])
+
+
+@pytest.mark.parametrize(
+    ("way", "joint_deg_s", "tool_mm_s"),
+    [
+        # 2 deg at 200 deg/s² reach sqrt(2·200) = 20 deg/s; a straight arm of 550 mm turns about J1.
+        ("stops", 20.0, 550.0 * math.radians(20.0)),
+        # The whole way of 4 deg is one motion.
+        ("blended", math.sqrt(800.0), 550.0 * math.radians(math.sqrt(800.0))),
+        ("streamed", 10.0, 550.0 * math.radians(10.0)),
+    ],
+)
+async def test_speeds_are_those_of_the_fastest_joint_and_of_the_tool(
+    way: Following, joint_deg_s: float, tool_mm_s: float
+) -> None:
+    speeds = ArmModel(following(way)).speeds(HOME, [(2.0, 0.0, 0.0, 0.0), (4.0, 0.0, 0.0, 0.0)])
+    assert speeds.joint_deg_s == pytest.approx(joint_deg_s)
+    assert speeds.tool_mm_s == pytest.approx(tool_mm_s, rel=1e-4)
+    # A long move runs at the override's share of the full speed.
+    assert ArmModel(BENCH).speeds(HOME, [(100.0, 5.0, 0.0, 0.0)]).joint_deg_s == pytest.approx(50.0)
+    assert ArmModel(BENCH).speeds(HOME, [HOME]).joint_deg_s == 0.0
+
+
+async def test_the_miss_of_a_way_counts_only_when_a_distance_is_measured_over_it(dry: DryRunContext) -> None:
+    async def tracked() -> Row:
+        await dry.zero(100.0)
+        await dry.move((1.0, 0.0, 0.0, 0.0))
+        await dry.measure(0.5, 0.5, 1)
+        return {}
+
+    async def anew() -> Row:
+        await dry.move((90.0, 0.0, 0.0, 0.0))
+        await dry.zero(350.0)
+        await dry.measure(0.5, 0.5, 1)
+        return {}
+
+    await dry.step("tracked", "beam kept", tracked)
+    await dry.step("anew", "beam zeroed at the end", anew)
+    # At 1 deg the beam runs from the J1 axis outwards at 1 deg and passes (650, 0) at 650·sin 1°.
+    assert dry.steps[0].miss_mm == pytest.approx(650.0 * math.sin(math.radians(1.0)))
+    assert dry.steps[0].beam_mm is None
+    assert dry.steps[1].miss_mm is None
+    assert dry.steps[1].beam_mm == pytest.approx(350.0)
+    assert dry.excess == [dry.steps[0]]
+
+
+async def test_heights_are_checked_too() -> None:
+    low = DryRunContext(replace(LIMITS, j3_mm=(-1.0, 1.0)), BENCH)
+    with pytest.raises(LimitError, match=r"J3 = 5 mm is outside -1 … 1 mm"):
+        await low.move((0.0, 0.0, 5.0, 0.0))
+
+
+async def test_questions_without_end_are_told(dry: DryRunContext) -> None:
+    async def ask(number: int) -> str:
+        return await dry.ask(Prompt(f"again/{number}", "choice", "?", choices=("again", "stop")))
+
+    assert {await ask(number) for number in range(50)} == {"again"}
+    with pytest.raises(MeasurementRejectedError, match="is asked 'again/50'"):
+        await ask(50)
+
+
+async def test_a_path_is_measured_where_the_arm_stood_still(dry: DryRunContext) -> None:
+    await dry.move((90.0, 0.0, 0.0, 0.0))
+    await dry.pause(2.0)
+    (point,) = await dry.load_path("anything.csv")
+    assert point.command_mm == pytest.approx((0.0, 550.0))
+    assert (point.x_meas_mm, point.y_meas_mm) == point.command_mm
+    assert dry.total_s == pytest.approx(0.25 + 90.0 / 50.0 + 2.0)
 
 
 async def test_it_gives_a_step_table_and_the_time(dry: DryRunContext) -> None:
@@ -104,7 +196,7 @@ async def test_a_beam_that_broke_on_the_way_stays_lost_until_a_zero(dry: DryRunC
     ("prompt", "answer"),
     [
         (Prompt("a", "confirm", "?"), "yes"),
-        (Prompt("b", "confirm", "?", safe_answer="no"), "no"),
+        (Prompt("b", "confirm", "?", safe_answer="no"), "yes"),
         (Prompt("c", "choice", "?", choices=("red", "green")), "red"),
         (Prompt("d", "number", "?"), "0"),
     ],

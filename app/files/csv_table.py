@@ -1,0 +1,144 @@
+"""Tables as CSV: UTF-8, comma, a header line, comment lines; every complaint names file and line."""
+
+import csv
+import math
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TypeVar
+
+from app.errors import UsageError
+
+T = TypeVar("T")
+
+
+@dataclass(frozen=True)
+class CsvRow:
+    """One line below the header.
+
+    Attributes:
+        path: the file.
+        line: its number, from 1.
+        cells: text by column, without blanks around it.
+    """
+
+    path: Path
+    line: int
+    cells: Mapping[str, str]
+
+    def value(self, name: str, convert: Callable[[str], T], wanted: str) -> T:
+        """Return a converted cell.
+
+        Args:
+            name: of the column.
+            convert: raises ValueError for a text that is none.
+            wanted: what the text should be, in words.
+
+        Raises:
+            UsageError: the text cannot be converted.
+        """
+        try:
+            return convert(self.cells[name])
+        except ValueError:
+            raise self.fault(f"{name} = {self.cells[name]!r} is not {wanted}") from None
+
+    def finite(self, name: str) -> float:
+        """Return a finite number."""
+        return self.value(name, finite, "a finite number")
+
+    def direction(self, name: str) -> int:
+        """Return a state of approach."""
+        return self.value(name, _direction, "1 or -1")
+
+    def positive(self, name: str) -> float:
+        """Return a finite number above 0."""
+        return self.value(name, _positive, "a finite number above 0")
+
+    def fault(self, text: str) -> UsageError:
+        """Return a complaint that names file and line."""
+        return UsageError(f"{self.path}:{self.line}: {text}")
+
+
+def csv_rows(path: Path, example: str, check: Callable[[int, list[str]], None]) -> Iterator[CsvRow]:
+    """Read a table line by line.
+
+    Args:
+        path: the file.
+        example: header that the file could have, for the complaint about an empty file.
+        check: is told line and names of the header; raises UsageError for a wrong one.
+
+    Raises:
+        UsageError: the file is missing, cannot be read, or is no such table.
+    """
+    header: list[str] | None = None
+    for number, line in _lines(path):
+        cells = [cell.strip() for cell in _cells(path, number, line)]
+        if header is None:
+            header = cells
+            check(number, header)
+            continue
+        if len(cells) != len(header):
+            raise UsageError(
+                f"{path}:{number}: {len(cells)} values, but the header has {len(header)} columns"
+            )
+        yield CsvRow(path, number, dict(zip(header, cells, strict=True)))
+    if header is None:
+        raise UsageError(f"{path}: is empty; the first line has to be the header {example}")
+
+
+def misnamed(header: list[str], allowed: tuple[str, ...]) -> str:
+    """Return what is wrong with the names of a header: doubled, or unknown; empty when nothing is."""
+    doubled = sorted({name for name in header if header.count(name) > 1})
+    if doubled:
+        return f"column {', '.join(doubled)} stands twice"
+    unknown = [name for name in header if name not in allowed]
+    return f"unknown column {', '.join(unknown)}" if unknown else ""
+
+
+def finite(text: str) -> float:
+    """Return a finite number.
+
+    Raises:
+        ValueError: it is none.
+    """
+    number = float(text)
+    if not math.isfinite(number):
+        raise ValueError(text)
+    return number
+
+
+def _positive(text: str) -> float:
+    number = finite(text)
+    if number <= 0.0:
+        raise ValueError(text)
+    return number
+
+
+def _direction(text: str) -> int:
+    number = float(text)
+    if number not in (1.0, -1.0):
+        raise ValueError(text)
+    return int(number)
+
+
+def _cells(path: Path, number: int, line: str) -> list[str]:
+    try:
+        return next(csv.reader([line]))
+    except csv.Error as error:
+        raise UsageError(f"{path}:{number}: a value is too long for a table: {error}") from error
+
+
+def _lines(path: Path) -> Iterator[tuple[int, str]]:
+    try:
+        text = path.read_text(encoding="utf-8-sig")
+    except FileNotFoundError as error:
+        raise UsageError(f"{path}: there is no such file") from error
+    except OSError as error:
+        raise UsageError(f"{path}: cannot be read: {error.strerror}") from error
+    except UnicodeDecodeError as error:
+        raise UsageError(f"{path}: is not UTF-8 text; export it as UTF-8 CSV") from error
+    except ValueError as error:
+        raise UsageError(f"{str(path)!r}: is no name of a file: {error}") from error
+    for number, line in enumerate(text.splitlines(), 1):
+        if line.strip() and not line.lstrip().startswith("#"):
+            yield number, line
