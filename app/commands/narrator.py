@@ -1,9 +1,12 @@
 """The events of a run, told to a person on stderr or to a program on stdout."""
 
 import os
+import sys
 
 from app.commands.output import emit_json, say
 from app.commands.progress import ProgressBar
+from app.commands.question_line import QuestionLine, live_text
+from app.service.questions import prompt_of
 from procedures.context import Json
 
 _STATES_WORTH_TELLING = {"STOPPING", "STOPPED", "ABORTING", "ABORTED", "SUSPENDED"}
@@ -15,31 +18,69 @@ class Narrator:
     Args:
         title: what is under way.
         as_json: every event goes to stdout as a line of JSON too.
+        go_on: what a person does about a held run.
+
+    Attributes:
+        interactive: questions are answered at this terminal.
     """
 
-    def __init__(self, title: str, as_json: bool) -> None:
+    def __init__(self, title: str, as_json: bool, go_on: str | None = None) -> None:
+        self.interactive = False
         self._bar = ProgressBar(title)
+        self._question = QuestionLine()
         self._as_json = as_json
+        self._go_on = go_on or f"Ctrl-C again stops the run; kill -USR1 {os.getpid()} lets it go on"
 
     def publish(self, event: dict[str, Json]) -> None:
         """Tell an event."""
         if self._as_json:
             self._emit(event)
         match event["event"]:
-            case "progress":
+            case "progress" if self._question.asked is None:
                 self._bar.update(_number(event["done"]), _number(event["total"]), str(event["text"]))
             case "warning":
-                self._say(f"warning: {event['text']}")
+                self.tell(f"warning: {event['text']}")
             case "error":
-                self._say(f"error: {event['text']}")
+                self.tell(f"error: {event['text']}")
+            case "prompt" if self.interactive:
+                self._bar.close()
+                self._question.ask(prompt_of(event))
             case "prompt":
-                self._say(f"question {event['id']}: {event['text']}")
-            case "state" if event.get("state") == "HELD" and "reason" in event:
-                self._say(f"HELD: Ctrl-C again stops the run; kill -USR1 {os.getpid()} lets it go on")
-            case "state" if event.get("state") in _STATES_WORTH_TELLING and "reason" in event:
-                self._say(f"{event['state']}: {event['reason']}")
+                self.tell(f"question {event['id']}: {event['text']}")
+            case "answer":
+                self._answered(event)
+            case "state":
+                self._state(event)
             case "run-ended":
-                self._say(f"run {event['status']}: {event['path']}")
+                self._question.close()
+                self.tell(f"run {event['status']}: {event['path']}")
+
+    def tell(self, text: str) -> None:
+        """Write a line of talk; an open question is shown again below it."""
+        self._bar.close()
+        self._question.leave()
+        say(text)
+        self._question.again()
+
+    def _state(self, event: dict[str, Json]) -> None:
+        data = event.get("data")
+        if event.get("kind") == "live" and isinstance(data, dict):
+            self._live(live_text(data))
+        elif event.get("state") == "HELD" and "reason" in event:
+            self.tell(f"HELD: {self._go_on}")
+        elif event.get("state") in _STATES_WORTH_TELLING and "reason" in event:
+            self.tell(f"{event['state']}: {event['reason']}")
+
+    def _live(self, text: str) -> None:
+        if self._question.asked is not None:
+            self._question.show(text)
+        elif sys.stderr.isatty():
+            self._bar.note(text)
+
+    def _answered(self, event: dict[str, Json]) -> None:
+        if self._question.asked is not None:
+            self._question.close()
+            say(f"answer to {event['id']}: {event['answer']} ({event['who']})")
 
     def _emit(self, event: dict[str, Json]) -> None:
         try:
@@ -47,14 +88,10 @@ class Narrator:
         except OSError:
             # The engine holds the run when it hears of this; people are still told on stderr.
             self._as_json = False
-            self._say(
+            self.tell(
                 f"stdout is gone; the run is held. kill -USR1 {os.getpid()} lets it go on, -TERM ends it"
             )
             raise
-
-    def _say(self, text: str) -> None:
-        self._bar.close()
-        say(text)
 
 
 def _number(value: Json) -> float:

@@ -1,5 +1,6 @@
 """Progress with an estimate of the time that is left, on stderr."""
 
+import shutil
 import sys
 import time
 from collections.abc import Callable
@@ -54,6 +55,12 @@ class ProgressBar:
             sys.stderr.write(f"{self._title} {line}\n")
             sys.stderr.flush()
             self._told = share
+
+    def note(self, text: str) -> None:
+        """Show a line that is redrawn, on a terminal, in place of the bar."""
+        sys.stderr.write(f"\r\x1b[K{text[: max(20, shutil.get_terminal_size().columns - 1)]}")
+        sys.stderr.flush()
+        self._open = True
 
     def close(self) -> None:
         """Leave the line."""

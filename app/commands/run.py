@@ -6,12 +6,12 @@ import sys
 from pathlib import Path
 
 from app.cell.load import load_cell
-from app.commands.narrator import Narrator
+from app.commands.hosting import serve_and_run
 from app.commands.output import emit, emit_json, say, table
 from app.commands.progress import duration_text
 from app.engine.dry_run import DryRunContext
 from app.procedure_list import load_procedure, parse_params
-from app.running import PlannedRun, carry_out, plan_run, rehearse
+from app.running import PlannedRun, plan_run, rehearse
 from app.runs_folder import runs_folder
 
 
@@ -50,11 +50,10 @@ def conduct(
     if dry_run:
         _tell_rehearsal(planned, asyncio.run(rehearse(planned)), as_json)
         return
-    narrator = Narrator(planned.procedure.name, as_json)
     # What is there now stays until the end; a collector that walks through it again delays readings by 40 ms.
     gc.collect()
     gc.freeze()
-    outcome = asyncio.run(carry_out(planned, root, narrator.publish, speed=speed, arm=arm, answers=answers))
+    outcome = asyncio.run(serve_and_run(planned, root, answers, arm, speed, as_json=as_json))
     if not as_json:
         emit(str(outcome.path))
     sys.exit(int(outcome.exit_code))

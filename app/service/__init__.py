@@ -1,0 +1,1 @@
+"""The engine as a service: clients over a Unix-domain socket."""

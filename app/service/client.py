@@ -1,0 +1,195 @@
+"""A client of an engine, for front ends and scripts."""
+
+import asyncio
+import getpass
+from collections.abc import AsyncIterator
+from contextlib import asynccontextmanager, suppress
+from pathlib import Path
+from typing import Any
+
+from app.engine.waiting import cancel
+from app.exitcode import ExitCode
+from app.service.errors import BadMessageError, RefusedError, ServiceError
+from app.service.mailbox import Mailbox, MailboxFullError
+from app.service.messages import VERSION, Message, decode_message, encode
+from drivers.clock import Clock, SystemClock
+from procedures.context import Json
+
+_LONGEST_BYTES = 16 * 1024 * 1024
+"""A snapshot or event is long when a run's title or a prompt is."""
+
+PING_S = 2.0
+"""Real s between two signs of life."""
+
+
+class EngineClient:
+    """A connection to an engine. Made by `connect`.
+
+    Args:
+        streams: to and from the engine.
+        clock: real time.
+
+    Attributes:
+        closed: why the connection is closed; None while it is open.
+        snapshot: what the engine said at the beginning.
+        name: by which the engine knows this client.
+    """
+
+    def __init__(self, streams: tuple[asyncio.StreamReader, asyncio.StreamWriter], clock: Clock) -> None:
+        self.snapshot: dict[str, Any] = {}
+        self.name = ""
+        self._reader, self._writer = streams
+        self._clock = clock
+        self._events = Mailbox()
+        self._waiting: dict[int, asyncio.Future[Message]] = {}
+        self._count = 0
+        self.closed: str | None = None
+
+    async def request(self, op: str, **fields: Json) -> Message:
+        """Put a request and return what the answer carries.
+
+        Raises:
+            RefusedError: the engine does not do it; the text says why.
+            ServiceError: the connection is closed.
+        """
+        if self.closed is not None:
+            raise ServiceError(self.closed)
+        self._count += 1
+        number = self._count
+        future: asyncio.Future[Message] = asyncio.get_running_loop().create_future()
+        self._waiting[number] = future
+        try:
+            self._writer.write(encode({"v": VERSION, "id": number, "op": op, **fields}))
+            await self._writer.drain()
+            answer = await future
+        except OSError as error:
+            raise ServiceError(f"the engine is gone: {error}") from error
+        finally:
+            del self._waiting[number]
+        if answer.get("ok") is not True:
+            code = answer.get("exit_code")
+            raise RefusedError(
+                str(answer.get("error")), ExitCode(code) if isinstance(code, int) else ExitCode.USAGE
+            )
+        return answer
+
+    async def events(self) -> AsyncIterator[Message]:
+        """Yield what happens, until the connection is closed."""
+        while True:
+            try:
+                event = await self._events.take()
+            except EOFError:
+                return
+            yield event
+
+    async def take_control(self, *, force: bool = False) -> None:
+        """Take control.
+
+        Raises:
+            RefusedError: somebody else has it.
+        """
+        await self.request("control", take=True, force=force)
+
+    async def release(self) -> None:
+        """Give control back; the run goes on as it is."""
+        await self.request("release")
+
+    async def answer(self, prompt: str, text: str) -> None:
+        """Answer a prompt.
+
+        Raises:
+            RefusedError: it is not open, or this is no answer to it.
+        """
+        await self.request("answer", prompt=prompt, text=text)
+
+    async def introduce(self, program: str, who: str) -> None:
+        """Say hello; events come from now on.
+
+        Raises:
+            RefusedError: the engine speaks another version.
+        """
+        answer = await self.request("hello", client=program, who=who)
+        snapshot = answer["snapshot"]
+        self.snapshot = snapshot if isinstance(snapshot, dict) else {}
+        self.name = str(self.snapshot.get("you"))
+
+    async def listen(self) -> None:
+        """Take in what the engine sends, until the connection is closed."""
+        try:
+            while line := await self._reader.readline():
+                self._take(decode_message(line))
+            self._close("the engine closed the connection")
+        except (OSError, ValueError, BadMessageError, MailboxFullError) as error:
+            self._close(f"the connection to the engine ended: {error}")
+
+    async def keep_alive(self) -> None:
+        """Give signs of life."""
+        while self.closed is None:
+            await self._clock.sleep(PING_S)
+            try:
+                await self.request("ping")
+            except (RefusedError, ServiceError):
+                return
+
+    def _take(self, message: Message) -> None:
+        number = message.get("re")
+        if "event" in message:
+            self._events.put(message)
+        elif isinstance(number, int) and number in self._waiting and not self._waiting[number].done():
+            self._waiting[number].set_result(message)
+        elif number is None:
+            # The engine could not even read which request it was; the oldest one waits no longer.
+            for future in self._waiting.values():
+                if not future.done():
+                    future.set_result(message)
+                    break
+
+    def _close(self, reason: str) -> None:
+        self.closed = reason
+        for future in self._waiting.values():
+            if not future.done():
+                future.set_exception(ServiceError(reason))
+        self._events.close()
+        self._writer.transport.abort()
+
+
+@asynccontextmanager
+async def connect(
+    path: Path, program: str, who: str | None = None, clock: Clock | None = None
+) -> AsyncIterator[EngineClient]:
+    """Connect to an engine and say hello.
+
+    Args:
+        path: its socket.
+        program: name of this program.
+        who: the person; the user of this process when left out.
+        clock: real time.
+
+    Raises:
+        ServiceError: nobody listens there.
+        RefusedError: the engine speaks another version.
+    """
+    try:
+        streams = await asyncio.open_unix_connection(path, limit=_LONGEST_BYTES)
+    except OSError as error:
+        raise ServiceError(f"{path}: no engine listens there: {error}") from error
+    async with over(streams, program, who or getpass.getuser(), clock or SystemClock()) as client:
+        yield client
+
+
+@asynccontextmanager
+async def over(
+    streams: tuple[asyncio.StreamReader, asyncio.StreamWriter], program: str, who: str, clock: Clock
+) -> AsyncIterator[EngineClient]:
+    """Be a client over an open connection."""
+    client = EngineClient(streams, clock)
+    tasks = [asyncio.create_task(client.listen())]
+    try:
+        await client.introduce(program, who)
+        tasks.append(asyncio.create_task(client.keep_alive()))
+        yield client
+    finally:
+        streams[1].transport.abort()
+        await cancel(*tasks)
+        with suppress(OSError):
+            await streams[1].wait_closed()

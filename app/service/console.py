@@ -1,0 +1,76 @@
+"""The terminal of a run's own process: questions are answered there, and the run is held and let go."""
+
+from collections.abc import Callable
+
+from app.errors import InterruptedRunError
+from app.service.errors import RefusedError
+from app.service.hub import Hub
+from app.service.questions import answer_of
+
+KEYS = "h hold · g go on · s stop · a abort"
+SLASH = "/"
+_COMMANDS = {"hold": "h", "go": "g", "stop": "s", "abort": "a", "quit": "q"}
+_COMMANDS |= {letter: letter for letter in _COMMANDS.values()}
+
+
+def command_of(line: str, *, asked: bool) -> str:
+    """Return the command letter of a typed line; empty when it is none, "?" when it is not understood.
+
+    Args:
+        line: as typed.
+        asked: a question is open, so that a command begins with a slash.
+    """
+    text = line.strip().lower()
+    if text.startswith(SLASH):
+        return _COMMANDS.get(text[1:], "?")
+    return "" if asked or not text else _COMMANDS.get(text, "?")
+
+
+class Console:
+    """Takes typed lines for the run under way.
+
+    Args:
+        hub: of the run.
+        who: the person at the terminal.
+        say: writes a line of talk.
+    """
+
+    def __init__(self, hub: Hub, who: str, say: Callable[[str], None]) -> None:
+        self._hub = hub
+        self._who = who
+        self._say = say
+
+    def take(self, line: str) -> None:
+        """Take a typed line: the answer to the open question, or a command."""
+        prompt = self._hub.desk.open
+        command = command_of(line, asked=prompt is not None)
+        try:
+            if command:
+                self._command(command)
+            elif prompt is not None:
+                text, fault = answer_of(prompt, line)
+                if fault:
+                    raise RefusedError(f"{fault} ({SLASH}h holds, {SLASH}s stops)")
+                self._hub.desk.answer(prompt.id, text, self._who)
+        except RefusedError as error:
+            self._say(str(error))
+
+    def end(self) -> None:
+        """Nobody types any more; a question that is open waits for a client."""
+        self._hub.console = None
+
+    def _command(self, letter: str) -> None:
+        run, who = self._hub.run, f"{self._who} at the terminal"
+        if run is None:
+            raise RefusedError("no run is under way")
+        match letter:
+            case "h":
+                run.control.hold(f"{who} holds the run")
+            case "g":
+                run.control.unhold(f"{who} lets the run go on")
+            case "s":
+                run.control.stop(f"{who} stopped the run")
+            case "a":
+                run.control.abort(InterruptedRunError(f"{who} aborted the run"))
+            case _:
+                raise RefusedError(f"type {KEYS}, each with Enter; Ctrl-C holds, stops, aborts")

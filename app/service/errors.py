@@ -1,0 +1,36 @@
+"""Why a request is refused, and why there is no service."""
+
+from app.errors import CatseyeError
+from app.exitcode import ExitCode
+
+
+class RefusedError(CatseyeError):
+    """The engine does not do what a client asks.
+
+    Args:
+        text: why, and what to do.
+        code: exit code that the refusal leads to.
+    """
+
+    def __init__(self, text: str, code: ExitCode = ExitCode.USAGE) -> None:
+        super().__init__(text)
+        self.code = code
+
+
+class BadMessageError(RefusedError):
+    """A line is no message of this protocol.
+
+    Args:
+        text: what is wrong with it.
+        re: id of the request, as far as it could be read.
+    """
+
+    def __init__(self, text: str, re: int | str | None = None) -> None:
+        super().__init__(text)
+        self.re = re
+
+
+class ServiceError(CatseyeError):
+    """A socket cannot be made or reached, or nobody answers at it."""
+
+    exit_code = ExitCode.DEVICE

@@ -1,0 +1,208 @@
+"""The messages between an engine and its clients: JSON, one object a line, version 1."""
+
+import json
+from collections.abc import Mapping
+from typing import Annotated, Any, Final, Literal
+
+from pydantic import BaseModel, ConfigDict, Field, TypeAdapter, ValidationError
+
+from app.service.errors import BadMessageError
+from procedures.context import Json
+
+VERSION: Final = 1
+
+MAX_LINE_BYTES: Final = 64 * 1024
+"""A longer line is no message; whoever sends one is disconnected."""
+
+Message = dict[str, Json]
+Text = Annotated[str, Field(max_length=1000)]
+Name = Annotated[str, Field(min_length=1, max_length=80, pattern=r"^[^\x00-\x1f]+$")]
+
+
+class Request(BaseModel):
+    """What every request carries.
+
+    Attributes:
+        v: version of the protocol.
+        id: chosen by the client; the answer names it as `re`.
+    """
+
+    model_config = ConfigDict(extra="forbid", frozen=True, strict=True)
+
+    v: Literal[1]
+    id: int | Annotated[str, Field(max_length=80)]
+
+
+class Hello(Request):
+    """Introduce oneself; events come from now on. The answer carries the snapshot.
+
+    Attributes:
+        client: name of the program.
+        who: the person, as the run stores it.
+    """
+
+    op: Literal["hello"]
+    client: Name
+    who: Name
+
+
+class Control(Request):
+    """Take control, or give it back.
+
+    Attributes:
+        take: False gives it back.
+        force: take it from another client.
+    """
+
+    op: Literal["control"]
+    take: bool = True
+    force: bool = False
+
+
+class HandOver(Request):
+    """Give control to another client.
+
+    Attributes:
+        to: its name, as the snapshot lists it.
+    """
+
+    op: Literal["hand-over"]
+    to: Name
+
+
+class Plain(Request):
+    """A request that needs no more words."""
+
+    op: Literal["release", "hold", "unhold", "stop", "abort", "clear", "ping", "shutdown"]
+
+
+class Reply(Request):
+    """The answer to a prompt.
+
+    Attributes:
+        prompt: its id.
+        text: the answer.
+    """
+
+    op: Literal["answer"]
+    prompt: Text
+    text: Text
+
+
+class Override(Request):
+    """Lower the speed override before the next motion.
+
+    Attributes:
+        percent: of the programmed speed.
+    """
+
+    op: Literal["override"]
+    percent: float = Field(gt=0.0, le=100.0, allow_inf_nan=False)
+
+
+class Start(Request):
+    """Run a procedure on an idle engine.
+
+    Attributes:
+        procedure: its name.
+        cell: cell file; the engine's own when left out.
+        params: by name, or as `name=value` texts of the command line.
+        search: "auto", "none" or a search run.
+        arm: the cell's name, typed to let real hardware move.
+        speed: bench seconds in one real second; emulators only.
+        answers: file of prompt id = answer.
+    """
+
+    op: Literal["start"]
+    procedure: Name
+    cell: Text | None = None
+    params: dict[str, Any] | list[Text] = Field(default_factory=dict)
+    search: Text = "auto"
+    arm: Text | None = None
+    speed: float = Field(default=1.0, ge=0.001, le=1e6, allow_inf_nan=False)
+    answers: Text | None = None
+
+
+class Resume(Request):
+    """Go on with an interrupted run on an idle engine.
+
+    Attributes:
+        run: path, name, beginning of a name, or id.
+        arm: the cell's name, typed to let real hardware move.
+        answers: file of prompt id = answer.
+    """
+
+    op: Literal["resume"]
+    run: Text
+    arm: Text | None = None
+    answers: Text | None = None
+
+
+AnyRequest = Hello | Control | HandOver | Plain | Reply | Override | Start | Resume
+_REQUESTS: TypeAdapter[AnyRequest] = TypeAdapter(Annotated[AnyRequest, Field(discriminator="op")])
+
+
+def decode_request(line: bytes) -> AnyRequest:
+    """Return the request of a line.
+
+    Raises:
+        BadMessageError: the line is none; the text says what is wrong.
+    """
+    message = decode_object(line)
+    number = message.get("id")
+    re = number if isinstance(number, (int, str)) and not isinstance(number, bool) else None
+    _require_version(message, re)
+    try:
+        return _REQUESTS.validate_python(message)
+    except ValidationError as error:
+        raise BadMessageError(_faults(error), re) from error
+
+
+def decode_message(line: bytes) -> Message:
+    """Return an answer or event of an engine.
+
+    Raises:
+        BadMessageError: the line is none, or of another version.
+    """
+    message = decode_object(line)
+    _require_version(message, None)
+    return message
+
+
+def decode_object(line: bytes) -> Message:
+    """Return the JSON object of a line.
+
+    Raises:
+        BadMessageError: the line is none.
+    """
+    try:
+        message = json.loads(line)
+    except (ValueError, RecursionError) as error:
+        raise BadMessageError(f"this line is no JSON: {error}") from error
+    if not isinstance(message, dict):
+        raise BadMessageError("a message is a JSON object on a line of its own")
+    return message
+
+
+def encode(message: Mapping[str, Json]) -> bytes:
+    """Return a message as its line; everything beyond ASCII is escaped, so that any text can be sent."""
+    return json.dumps(message).encode("ascii") + b"\n"
+
+
+def _require_version(message: Message, re: int | str | None) -> None:
+    version = message.get("v")
+    if isinstance(version, bool) or version != VERSION:
+        raise BadMessageError(
+            f"the message is of version {json.dumps(version)} and this catseye speaks version {VERSION}: use the "
+            "same catseye on both sides",
+            re,
+        )
+
+
+def _faults(error: ValidationError) -> str:
+    faults = []
+    for fault in error.errors(include_url=False, include_input=False):
+        # The first part of a place is the op that chose the model.
+        place = ".".join(str(part) for part in fault["loc"][1:])
+        faults.append(f"{place}: {fault['msg']}" if place else str(fault["msg"]))
+    return "; ".join(faults)

@@ -1,0 +1,158 @@
+"""What each request does. Everything that concerns safety acts before this returns."""
+
+import asyncio
+from typing import Protocol
+
+from app.engine.handle import RunHandle
+from app.engine.states import RUNNING, State
+from app.errors import InterruptedRunError, LimitError
+from app.service.errors import RefusedError
+from app.service.hub import Hub, Member
+from app.service.messages import (
+    AnyRequest,
+    Control,
+    HandOver,
+    Hello,
+    Message,
+    Override,
+    Plain,
+    Reply,
+    Resume,
+    Start,
+)
+
+_HOLDS = frozenset({State.HOLDING, State.HELD})
+
+
+class Engine(Protocol):
+    """An engine that outlives its runs."""
+
+    def start(self, request: Start) -> "asyncio.Future[Message]":
+        """Begin a run; the result is there when its record is open."""
+        ...
+
+    def resume(self, request: Resume) -> "asyncio.Future[Message]":
+        """Go on with a run; the result is there when its record is open."""
+        ...
+
+    def clear(self, who: str) -> None:
+        """Leave ABORTED."""
+        ...
+
+    def shut_down(self, who: str) -> None:
+        """End the process."""
+        ...
+
+
+class Orders:
+    """Carries requests out.
+
+    Args:
+        hub: of the engine.
+        engine: that can start runs; None where a run serves itself.
+    """
+
+    def __init__(self, hub: Hub, engine: Engine | None = None) -> None:
+        self._hub = hub
+        self._engine = engine
+
+    def take(self, member: Member | None, request: AnyRequest) -> "Message | asyncio.Future[Message]":
+        """Do what is asked and return what the answer carries, at once or later.
+
+        Args:
+            member: who asks; None before it introduced itself.
+            request: what is asked.
+
+        Raises:
+            RefusedError: it is not done; the text says why.
+        """
+        if isinstance(request, Plain):
+            return self._plain(member, request)
+        if member is None or isinstance(request, Hello):
+            raise RefusedError("a client says hello first, and once")
+        match request:
+            case Control(take=True):
+                self._hub.take_control(member, force=request.force)
+            case Control():
+                self._hub.release(member)
+            case HandOver():
+                self._hub.hand_over(member, request.to)
+            case Reply():
+                self._hub.require_control(member)
+                self._hub.desk.answer(request.prompt, request.text, member.text)
+            case Override():
+                return self._override(member, request.percent)
+            case Start():
+                self._hub.require_control(member)
+                return self._engine_or_refuse().start(request)
+            case Resume():
+                self._hub.require_control(member)
+                return self._engine_or_refuse().resume(request)
+        return {}
+
+    def _plain(self, member: Member | None, request: Plain) -> Message:
+        who = member.text if member else "a client without a name"
+        match request.op:
+            case "hold":
+                self._hold(who)
+            case "stop":
+                self._running().control.stop(f"{who} stopped the run")
+            case "abort":
+                self._running().control.abort(InterruptedRunError(f"{who} aborted the run"))
+            case "unhold":
+                self._unhold(member, who)
+            case "release" if member is not None:
+                self._hub.release(member)
+            case "clear":
+                self._hub.require_control(member)
+                self._engine_or_refuse().clear(who)
+            case "shutdown":
+                self._shut_down(member, who)
+        return {}
+
+    def _hold(self, who: str) -> None:
+        control = self._running().control
+        if control.state in _HOLDS:
+            return
+        if control.state == State.STARTING:
+            raise RefusedError(
+                "the devices are being connected and nothing moves: hold when it runs, or stop"
+            )
+        control.hold(f"{who} holds the run")
+
+    def _unhold(self, member: Member | None, who: str) -> None:
+        self._hub.require_control(member)
+        control = self._running().control
+        if control.state not in _HOLDS:
+            raise RefusedError(f"the run is not held, it is in state {control.state}")
+        control.unhold(f"{who} lets the run go on")
+
+    def _override(self, member: Member, percent: float) -> Message:
+        self._hub.require_control(member)
+        try:
+            now = self._running().lower_override(percent)
+        except LimitError as error:
+            raise RefusedError(str(error), error.exit_code) from error
+        return {"percent": percent, "until_the_next_motion": now}
+
+    def _shut_down(self, member: Member | None, who: str) -> None:
+        engine = self._engine_or_refuse()
+        if not self._hub.holds(member) and self._hub.controlled:
+            self._hub.require_control(member)
+        engine.shut_down(who)
+
+    def _running(self) -> RunHandle:
+        run = self._hub.run
+        if run is None:
+            raise RefusedError("no run is under way")
+        if run.control.ending is not None or run.control.state not in RUNNING:
+            # A stop may become an abort while it is under way.
+            if run.control.state in {State.STOPPING, State.ABORTING}:
+                return run
+            raise RefusedError(f"the run has ended: it is in state {run.control.state}")
+        return run
+
+    def _engine_or_refuse(self) -> Engine:
+        if self._engine is None:
+            raise RefusedError("this process serves one run and ends with it: use catseye engine for more")
+        return self._engine

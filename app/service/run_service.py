@@ -1,0 +1,45 @@
+"""The service of a run that is hosted by the command that started it."""
+
+from collections.abc import AsyncIterator
+from contextlib import AsyncExitStack, asynccontextmanager
+
+from app.engine.handle import RunHandle
+from app.engine.waiting import uncancelled
+from app.service.errors import ServiceError
+from app.service.hub import Hub, Policy
+from app.service.server import Server
+from drivers.clock import SystemClock
+
+
+class RunService:
+    """Serves one run.
+
+    Args:
+        policy: what becomes of the run when a client with control is lost.
+        console: the person at the terminal of this process; None without one.
+
+    Attributes:
+        hub: of its clients.
+    """
+
+    def __init__(self, policy: Policy, console: str | None) -> None:
+        clock = SystemClock()
+        self.hub = Hub(clock)
+        self.hub.policy = policy
+        self.hub.console = console
+        self._server = Server(self.hub, clock)
+
+    @asynccontextmanager
+    async def serve(self, handle: RunHandle) -> AsyncIterator[None]:
+        """Serve a run while its record is open; without a socket it goes on alone."""
+        async with AsyncExitStack() as stack:
+            stack.enter_context(self.hub.running(handle))
+            stack.push_async_callback(self._end)
+            try:
+                await stack.enter_async_context(self._server.at(handle.path))
+            except ServiceError as error:
+                handle.warn(f"nobody can attach to this run: {error}")
+            yield
+
+    async def _end(self) -> None:
+        await uncancelled(self._server.end())

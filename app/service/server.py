@@ -1,0 +1,77 @@
+"""Listening for clients, and serving each of them in a task of its own."""
+
+import asyncio
+import logging
+import socket
+from collections.abc import AsyncIterator
+from contextlib import asynccontextmanager
+from pathlib import Path
+
+from app.engine.waiting import cancel
+from app.service.address import listening
+from app.service.hub import Hub
+from app.service.messages import MAX_LINE_BYTES
+from app.service.orders import Engine, Orders
+from app.service.session import Patience, Session
+from drivers.clock import Clock
+
+_log = logging.getLogger(__name__)
+
+
+class Server:
+    """Accepts clients at any number of sockets.
+
+    Args:
+        hub: that all clients share.
+        clock: real time.
+        engine: that can start runs; None where a run serves itself.
+        patience: with each client.
+    """
+
+    def __init__(
+        self, hub: Hub, clock: Clock, engine: Engine | None = None, patience: Patience | None = None
+    ) -> None:
+        self._hub = hub
+        self._clock = clock
+        self._orders = Orders(hub, engine)
+        self._patience = patience or Patience()
+        self._sessions: dict[asyncio.Task[None], Session] = {}
+
+    @asynccontextmanager
+    async def at(self, place: Path) -> AsyncIterator[None]:
+        """Serve clients at the socket of a run's directory, or of a folder of runs.
+
+        Raises:
+            ServiceError: another engine listens there, or no socket can be made.
+        """
+        with listening(place) as listener:
+            async with self.on(listener):
+                yield
+
+    @asynccontextmanager
+    async def on(self, listener: socket.socket) -> AsyncIterator[None]:
+        """Serve clients of a listening socket."""
+        server = await asyncio.start_unix_server(self.accept, sock=listener, limit=MAX_LINE_BYTES)
+        try:
+            yield
+        finally:
+            server.close()
+
+    def accept(self, reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
+        """Serve a client from now on."""
+        session = Session(self._hub, self._orders, (reader, writer), self._clock, self._patience)
+        task = asyncio.create_task(session.serve())
+        self._sessions[task] = session
+        task.add_done_callback(self._gone)
+
+    async def end(self) -> None:
+        """Let the last messages reach the clients, then let the clients go."""
+        # A client that was accepted last has its session only after this turn of the loop.
+        await asyncio.sleep(0)
+        await asyncio.gather(*(session.flush() for session in self._sessions.values()))
+        await cancel(*self._sessions)
+
+    def _gone(self, task: "asyncio.Task[None]") -> None:
+        self._sessions.pop(task, None)
+        if not task.cancelled() and (error := task.exception()) is not None:
+            _log.error("a client's session failed", exc_info=error)

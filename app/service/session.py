@@ -1,0 +1,174 @@
+"""One client's conversation: what it asks is done as it is read, what it is told waits for it alone."""
+
+import asyncio
+from contextlib import suppress
+from dataclasses import dataclass
+
+from app.engine.waiting import cancel
+from app.errors import exit_code_of
+from app.exitcode import ExitCode
+from app.service.errors import BadMessageError, RefusedError
+from app.service.hub import Hub, Member, send
+from app.service.mailbox import Mailbox
+from app.service.messages import MAX_LINE_BYTES, VERSION, AnyRequest, Hello, Message, decode_request, encode
+from app.service.orders import Orders
+from drivers.clock import Clock
+
+
+@dataclass(frozen=True)
+class Patience:
+    """How long a client is waited for, real s.
+
+    Attributes:
+        silence_s: without a word from a client that holds control, until it counts as lost.
+        flush_s: for the last messages to reach a client when the engine ends.
+    """
+
+    silence_s: float = 10.0
+    flush_s: float = 1.0
+
+
+class Session:
+    """Serves one connection.
+
+    Args:
+        hub: of the engine.
+        orders: carry requests out.
+        streams: to and from the client.
+        clock: real time.
+        patience: with the client.
+    """
+
+    def __init__(
+        self,
+        hub: Hub,
+        orders: Orders,
+        streams: tuple[asyncio.StreamReader, asyncio.StreamWriter],
+        clock: Clock,
+        patience: Patience,
+    ) -> None:
+        self._hub = hub
+        self._orders = orders
+        self._reader, self._writer = streams
+        self._clock = clock
+        self._patience = patience
+        self._mailbox = Mailbox()
+        self._member: Member | None = None
+        self._heard_s = clock.monotonic_s()
+        self._ended: asyncio.Future[str] = asyncio.get_running_loop().create_future()
+        self._sending = False
+        # What waits for a slow client waits here, where it is counted, and not in the transport.
+        self._writer.transport.set_write_buffer_limits(high=0)
+
+    async def serve(self) -> None:
+        """Talk until the client goes, or is lost."""
+        tasks = [asyncio.create_task(part()) for part in (self._listen, self._send, self._watch)]
+        for task in tasks:
+            task.add_done_callback(self._part_ended)
+        reason: str | None = None
+        try:
+            reason = await self._ended
+        finally:
+            # The hub hears of it before anything is waited for: a run without its client is held now.
+            if self._member is not None:
+                self._hub.leave(self._member, reason)
+            self._writer.transport.abort()
+            await cancel(*tasks)
+            with suppress(OSError):
+                await self._writer.wait_closed()
+
+    async def flush(self) -> None:
+        """Let what waits reach the client, for a bounded time."""
+        end_s = self._clock.monotonic_s() + self._patience.flush_s
+        while (len(self._mailbox) or self._sending) and not self._ended.done():
+            if self._clock.monotonic_s() >= end_s:
+                return
+            await self._clock.sleep(0.005)
+
+    def end(self, reason: str) -> None:
+        """End the conversation."""
+        if not self._ended.done():
+            self._ended.set_result(reason)
+
+    def _part_ended(self, task: "asyncio.Task[str]") -> None:
+        if task.cancelled():
+            return
+        error = task.exception()
+        if error is None:
+            self.end(task.result())
+        elif isinstance(error, OSError):
+            self.end("the connection broke")
+        elif not self._ended.done():
+            # A fault of the program; the engine's loop must see it, not lose it.
+            self._ended.set_exception(error)
+
+    async def _listen(self) -> str:
+        while True:
+            try:
+                line = await self._reader.readuntil(b"\n")
+            except asyncio.IncompleteReadError:
+                return "it closed the connection"
+            except asyncio.LimitOverrunError:
+                self._say({"re": None, "ok": False, "error": f"a line is longer than {MAX_LINE_BYTES} bytes"})
+                await self.flush()
+                return "it sent a line that is too long"
+            self._heard_s = self._clock.monotonic_s()
+            self._hear(line)
+            # Lines that came together do not keep their answers, or other clients, waiting.
+            await asyncio.sleep(0)
+
+    def _hear(self, line: bytes) -> None:
+        try:
+            request = decode_request(line)
+        except BadMessageError as error:
+            self._say({"re": error.re, "ok": False, "error": str(error)})
+            return
+        try:
+            found = self._answer(request)
+        except RefusedError as error:
+            self._refuse(request, error)
+            return
+        if isinstance(found, asyncio.Future):
+            found.add_done_callback(lambda future: self._answer_later(request, future))
+        else:
+            self._say({"re": request.id, "ok": True, **found})
+
+    def _answer(self, request: AnyRequest) -> "Message | asyncio.Future[Message]":
+        if isinstance(request, Hello) and self._member is None:
+            self._member = self._hub.join(request.client, request.who, self._mailbox, self.end)
+            return {"snapshot": self._hub.snapshot(self._member)}
+        return self._orders.take(self._member, request)
+
+    def _answer_later(self, request: AnyRequest, future: "asyncio.Future[Message]") -> None:
+        if future.cancelled():
+            self._refuse(request, RefusedError("the engine ended", ExitCode.TERMINATED))
+        elif error := future.exception():
+            self._refuse(request, RefusedError(str(error), exit_code_of(error)))
+        else:
+            self._say({"re": request.id, "ok": True, **future.result()})
+
+    def _refuse(self, request: AnyRequest, error: RefusedError) -> None:
+        self._say({"re": request.id, "ok": False, "error": str(error), "exit_code": int(error.code)})
+
+    def _say(self, answer: Message) -> None:
+        send({"v": VERSION, **answer}, self._mailbox, self.end)
+
+    async def _send(self) -> str:
+        while True:
+            message = await self._mailbox.take()
+            self._sending = True
+            self._writer.write(encode(message))
+            await self._writer.drain()
+            self._sending = False
+
+    async def _watch(self) -> str:
+        """Wait until a client that holds control has been silent for too long."""
+        while True:
+            silent_s = self._clock.monotonic_s() - self._heard_s
+            left_s = self._patience.silence_s - silent_s
+            if left_s > 0.0:
+                await self._clock.sleep(left_s)
+            elif self._hub.holds(self._member):
+                return f"it said nothing for {silent_s:.0f} s"
+            else:
+                await self._clock.sleep(self._patience.silence_s / 5)
