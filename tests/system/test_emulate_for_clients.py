@@ -22,8 +22,24 @@ def test_the_controller_tells_the_axes_and_ends_as_a_client_needs_it(tmp_path: P
     assert answer.endswith(b"J8;0.00;;****,****;100;0.00;00000000\r\n")
 
 
+def test_a_beam_as_mounted_and_screws_that_turn_the_other_way(tmp_path: Path) -> None:
+    with emulated(tmp_path, "--unaligned", "--screw-sense", "reversed", "--seed", "4") as bench:
+        before = bench.ask(op="state")["mount"]
+        bench.ask(op="turn_screw", screw="stage", turns=1.0)
+        after = bench.ask(op="state")["mount"]
+    assert 0.4 <= abs(before["offset_mm"]) <= 0.9
+    assert 0.6 <= abs(before["pitch_mrad"]) <= 1.5
+    # Clockwise is +y, 0.5 mm a turn, in the cell file; a hand sets it to some hundredths of a turn.
+    assert after["offset_mm"] - before["offset_mm"] == pytest.approx(-0.5, abs=0.05)
+
+
 @pytest.mark.parametrize(
-    ("option", "value", "said"), [("--axes", "5", "4, 6 or 8 axes"), ("--suffix", "lf", "none, cr, crlf")]
+    ("option", "value", "said"),
+    [
+        ("--axes", "5", "4, 6 or 8 axes"),
+        ("--suffix", "lf", "none, cr, crlf"),
+        ("--screw-sense", "left", "normal or reversed"),
+    ],
 )
 def test_other_choices_are_refused(tmp_path: Path, option: str, value: str, said: str) -> None:
     catseye("init", "cell.toml", cwd=tmp_path)

@@ -22,8 +22,8 @@ CONFIG = replace(QUIET, start_joints=aimed(20.0, 30.0))
 class Panel:
     """A client of the control port of a bench that does not listen; its clock is set by hand."""
 
-    def __init__(self) -> None:
-        self.emulation = EmulatedBench(CONFIG)
+    def __init__(self, emulation: EmulatedBench | None = None) -> None:
+        self.emulation = emulation or EmulatedBench(CONFIG)
         self.bench = self.emulation.bench
         self.session = ControlSession(self.emulation.desk)
 
