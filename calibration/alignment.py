@@ -13,9 +13,6 @@ import numpy as np
 from calibration.errors import InsufficientPointsError, UnidentifiableError
 from calibration.types import Floats, Ints
 
-_PLAUSIBLE_SHARE = 0.1
-"""A curvature that is off by more than this share of the distance is not that of a turn about J4 alone."""
-
 
 @dataclass(frozen=True)
 class OffsetFit:
@@ -35,14 +32,14 @@ class OffsetFit:
     u_curvature_mm: float
     rms_mm: float
 
-    def plausible_at(self, distance_mm: float) -> bool:
+    def plausible_at(self, distance_mm: float, rough_mm: float) -> bool:
         """Return whether the curvature is that of a beam of this length turned about J4 alone.
 
         Args:
             distance_mm: from the J4 axis to the reflector.
+            rough_mm: what that distance may be wrong by.
         """
-        room = 4.0 * self.u_curvature_mm + _PLAUSIBLE_SHARE * 0.5 * distance_mm
-        return abs(self.curvature_mm + 0.5 * distance_mm) <= room
+        return abs(self.curvature_mm + 0.5 * distance_mm) <= 0.5 * rough_mm + 4.0 * self.u_curvature_mm
 
 
 def fit_offset(turn_rad: Floats, length_mm: Floats, series: Ints, u_length_mm: float) -> OffsetFit:

@@ -1,13 +1,18 @@
-"""Finding the beam's return by turning J4, and the middle of the window in which it returns (Remark 1)."""
+"""Finding the beam's return by turning J4 or lifting J3, and the middle of its window (Remark 1)."""
 
 import math
 from dataclasses import dataclass
+from typing import Literal
 
-from procedures.context import Context
+from procedures.context import Context, Live
 from procedures.devices import Joints
 
-_EDGE_RESOLUTION_DEG = 0.002
-"""An edge of the window is bisected to this; the controller resolves 0.001°."""
+_J3, _J4 = 2, 3
+
+_EDGE_RESOLUTION = {_J3: 0.01, _J4: 0.002}
+"""An edge of the window is bisected to this, mm and deg; the controller resolves 0.001."""
+
+_NAMES: dict[int, tuple[str, str]] = {_J3: ("J3", "mm"), _J4: ("J4", "deg")}
 
 
 @dataclass(frozen=True)
@@ -30,6 +35,26 @@ class ReturnWindow:
         return 0.5 * (self.lower_deg + self.upper_deg)
 
 
+@dataclass(frozen=True)
+class HeightWindow:
+    """The heights of J3 between which the beam returns.
+
+    Attributes:
+        lower_mm: lower edge.
+        upper_mm: upper edge.
+        signal: level at the middle, 0...1.
+    """
+
+    lower_mm: float
+    upper_mm: float
+    signal: float
+
+    @property
+    def centre_mm(self) -> float:
+        """Middle of the window: the beam passes the reflector's centre at its height."""
+        return 0.5 * (self.lower_mm + self.upper_mm)
+
+
 def half_window_deg(acceptance_mm: float, beam_mm: float) -> float:
     """Return half the width of the return window that geometry lets expect, deg."""
     return math.degrees(math.asin(min(1.0, acceptance_mm / beam_mm)))
@@ -47,6 +72,7 @@ async def find_return(
     half_range_deg: float,
     half_window: float,
     j4_limits_deg: tuple[float, float],
+    signal_min: float = 0.0,
 ) -> ReturnWindow | None:
     """Turn J4 about a pose until the beam returns, then centre it.
 
@@ -56,49 +82,122 @@ async def find_return(
         half_range_deg: how far J4 may turn to either side.
         half_window: expected half width of the return window, deg.
         j4_limits_deg: limits of J4; offsets beyond them are left out.
+        signal_min: lower end of the signal's band that is shown, 0...1.
 
     Returns:
         The window, with J4 at its middle; or None when the beam does not return anywhere in the range, or when
         a limit of J4 cuts the window off, so that its middle cannot be known.
     """
-    low, high = j4_limits_deg
-    for offset in scan_offsets_deg(half_range_deg, 1.4 * half_window):
-        j4 = pose[3] + offset
-        if low <= j4 <= high and await _returns_at(ctx, pose, j4):
-            return await _centre(ctx, pose, j4, half_window, j4_limits_deg)
-    return None
+    scan = _Scan(ctx, pose, _J4, j4_limits_deg, half_window, signal_min)
+    window = await scan.search(half_range_deg)
+    return None if window is None else ReturnWindow(*window)
 
 
-async def _centre(
-    ctx: Context, pose: Joints, hit_deg: float, half_window: float, j4_limits_deg: tuple[float, float]
-) -> ReturnWindow | None:
-    upper = await _edge(ctx, pose, hit_deg, half_window, j4_limits_deg)
-    lower = await _edge(ctx, pose, hit_deg, -half_window, j4_limits_deg)
-    if upper is None or lower is None:
+async def find_height(
+    ctx: Context,
+    pose: Joints,
+    half_range_mm: float,
+    half_window_mm: float,
+    j3_range_mm: tuple[float, float],
+    signal_min: float = 0.0,
+) -> HeightWindow | Literal["lower", "upper"] | None:
+    """Lift J3 about a pose until the beam returns, then centre it.
+
+    Args:
+        ctx: the bench.
+        pose: where to start; only J3 is moved.
+        half_range_mm: how far J3 may go to either side.
+        half_window_mm: expected half height of the return window, mm.
+        j3_range_mm: range of J3; heights beyond it are left out.
+        signal_min: lower end of the signal's band that is shown, 0...1.
+
+    Returns:
+        The window, with J3 at its middle; "lower" or "upper" when that end of J3's range cuts it off; None when the
+        beam does not return anywhere.
+    """
+    scan = _Scan(ctx, pose, _J3, j3_range_mm, half_window_mm, signal_min)
+    window = await scan.search(half_range_mm)
+    if window is not None:
+        return HeightWindow(*window)
+    return scan.cut_off
+
+
+class _Scan:
+    """One joint is moved, the others stay.
+
+    Attributes:
+        cut_off: which end of the joint's range cut the window off, if one did.
+    """
+
+    def __init__(
+        self,
+        ctx: Context,
+        pose: Joints,
+        joint: int,
+        limits: tuple[float, float],
+        half_window: float,
+        signal_min: float,
+    ) -> None:
+        self._ctx = ctx
+        self._pose = pose
+        self._joint = joint
+        self._limits = limits
+        self._half_window = half_window
+        self._signal_min = signal_min
+        self._signal = 0.0
+        self.cut_off: Literal["lower", "upper"] | None = None
+
+    async def search(self, half_range: float) -> tuple[float, float, float] | None:
+        """Return both edges and the signal in the middle."""
+        low, high = self._limits
+        for offset in scan_offsets_deg(half_range, 1.4 * self._half_window):
+            value = self._pose[self._joint] + offset
+            if low <= value <= high and await self._returns_at(value):
+                return await self._centre(value)
         return None
-    await ctx.move((*pose[:3], 0.5 * (lower + upper)))
-    return ReturnWindow(lower, upper, (await ctx.beam()).signal)
 
-
-async def _edge(
-    ctx: Context, pose: Joints, hit_deg: float, stride: float, j4_limits_deg: tuple[float, float]
-) -> float | None:
-    """Return the J4 angle at which the return ends on the side of the stride's sign; None beyond the limits."""
-    low, high = j4_limits_deg
-    inside, outside = hit_deg, min(max(hit_deg + stride, low), high)
-    while await _returns_at(ctx, pose, outside):
-        if outside in (low, high):
+    async def _centre(self, hit: float) -> tuple[float, float, float] | None:
+        upper = await self._edge(hit, self._half_window)
+        lower = await self._edge(hit, -self._half_window)
+        if upper is None or lower is None:
+            self.cut_off = "upper" if upper is None else "lower"
             return None
-        inside, outside = outside, min(max(outside + stride, low), high)
-    while abs(outside - inside) > _EDGE_RESOLUTION_DEG:
-        middle = 0.5 * (inside + outside)
-        if await _returns_at(ctx, pose, middle):
-            inside = middle
-        else:
-            outside = middle
-    return 0.5 * (inside + outside)
+        await self._returns_at(0.5 * (lower + upper))
+        return lower, upper, self._signal
+
+    async def _edge(self, hit: float, stride: float) -> float | None:
+        """Return where the return ends on the side of the stride's sign; None beyond the limits."""
+        low, high = self._limits
+        inside, outside = hit, min(max(hit + stride, low), high)
+        while await self._returns_at(outside):
+            if outside in (low, high):
+                return None
+            inside, outside = outside, min(max(outside + stride, low), high)
+        while abs(outside - inside) > _EDGE_RESOLUTION[self._joint]:
+            middle = 0.5 * (inside + outside)
+            if await self._returns_at(middle):
+                inside = middle
+            else:
+                outside = middle
+        return 0.5 * (inside + outside)
+
+    async def _returns_at(self, value: float) -> bool:
+        target = with_joint(self._pose, self._joint, value)
+        await self._ctx.move(target)
+        beam = await self._ctx.beam()
+        self._signal = beam.signal
+        self._ctx.show(signal_live(beam.signal, self._signal_min))
+        name, unit = _NAMES[self._joint]
+        self._ctx.show(Live(name, value, unit, *self._limits))
+        return beam.beam_ok
 
 
-async def _returns_at(ctx: Context, pose: Joints, j4_deg: float) -> bool:
-    await ctx.move((*pose[:3], j4_deg))
-    return (await ctx.beam()).beam_ok
+def with_joint(pose: Joints, joint: int, value: float) -> Joints:
+    """Return a pose with another value of one joint, 0...3."""
+    one, two, three, four = (value if n == joint else own for n, own in enumerate(pose))
+    return one, two, three, four
+
+
+def signal_live(signal: float, signal_min: float) -> Live:
+    """Return the signal, 0...1, with its band."""
+    return Live("signal", signal, "", signal_min, 1.0)

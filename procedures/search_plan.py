@@ -92,12 +92,53 @@ def plan_search(
                 "column and its field, or ask for fewer poses or a smaller half_range_deg"
             )
         chosen += [
-            _pose(pose, bench, reflector) for pose in usable[_spread(_positions(usable, bench), poses)]
+            _aimed_pose(pose, bench, reflector) for pose in usable[_spread(_positions(usable, bench), poses)]
         ]
     require_free_way(np.array([[pose.theta1_deg, pose.theta2_deg] for pose in chosen]), bench)
     nearest = min(pose.beam_mm for pose in chosen)
     later = min(half_range_deg, float(np.rad2deg(2.0 * rough_place_mm / nearest)))
     return SearchPlan(bench, bench.reflectors, tuple(chosen), half_range_deg, later, tuple(positions))
+
+
+def looking_poses(
+    bench: Bench,
+    reflector: Reflector,
+    half_range_deg: float,
+    at_deg: tuple[float, float] | None = None,
+) -> tuple[SearchPose, ...]:
+    """Return every pose from which a reflector is seen alone, its scan inside the limits of J4.
+
+    Args:
+        bench: nominal arm, rough reflectors, limits.
+        reflector: what is looked for.
+        half_range_deg: how far J4 turns to either side.
+        at_deg: J1 and J2 of the only pose to consider; None for poses all over the range of the nodes.
+    """
+    candidates = _grid(bench) if at_deg is None else np.deg2rad([at_deg])
+    seen = _seen(candidates, bench, reflector)
+    low, high = bench.arm.j4_limits_deg
+    within = (low + half_range_deg, high - half_range_deg)
+    usable = seen[_apart(seen, bench, reflector, half_range_deg)]
+    poses = [_pose(pose, bench, reflector, within) for pose in usable]
+    return tuple(pose for pose in poses if pose is not None)
+
+
+def measured_distances_mm(bench: Bench) -> tuple[float, float]:
+    """Return the shortest and the longest beam at the nodes of a measurement, mm.
+
+    Raises:
+        PlanError: no reflector is seen from any node.
+    """
+    nodes = np.deg2rad([[one, two] for one in bench.nodes1_deg for two in bench.nodes2_deg])
+    lengths = np.concatenate(
+        [
+            np.hypot(*(reflector.xy_mm - _positions(_seen(nodes, bench, reflector), bench)).T)
+            for reflector in bench.reflectors
+        ]
+    )
+    if not lengths.size:
+        raise PlanError("no reflector is seen from any node: check places, column and field in the cell file")
+    return float(lengths.min()), float(lengths.max())
 
 
 def _grid(bench: Bench) -> Floats:
@@ -130,7 +171,9 @@ def _apart(theta_rad: Floats, bench: Bench, reflector: Reflector, half_range_deg
     positions = _positions(theta_rad, bench)
     own = beam_direction(positions, reflector.xy_mm)
     apart = np.ones(len(theta_rad), dtype=np.bool_)
-    for other in bench.reflectors:
+    # A single cat's eye that is carried about leaves the other nests empty.
+    others = () if bench.optics.one_reflector else bench.reflectors
+    for other in others:
         if other != reflector:
             off = np.abs(wrap_rad(beam_direction(positions, other.xy_mm) - own))
             apart &= np.rad2deg(off) > half_range_deg + _SEPARATION_MARGIN_DEG
@@ -146,19 +189,30 @@ def _spread(positions_mm: Floats, count: int) -> list[int]:
     return chosen
 
 
-def _pose(theta_rad: Floats, bench: Bench, reflector: Reflector) -> SearchPose:
-    j4_deg = float(np.rad2deg(wrap_rad(aimed_j4(theta_rad, bench, reflector))))
+def _pose(
+    theta_rad: Floats, bench: Bench, reflector: Reflector, j4_limits_deg: tuple[float, float]
+) -> SearchPose | None:
+    j4_deg = _inside(float(np.rad2deg(wrap_rad(aimed_j4(theta_rad, bench, reflector)))), j4_limits_deg)
+    if j4_deg is None:
+        return None
     beam = reflector.xy_mm - _positions(theta_rad[None, :], bench)[0]
     theta1_deg, theta2_deg = (float(angle) for angle in np.rad2deg(theta_rad))
-    return SearchPose(reflector, theta1_deg, theta2_deg, _inside(j4_deg, bench), float(np.hypot(*beam)))
+    return SearchPose(reflector, theta1_deg, theta2_deg, j4_deg, float(np.hypot(*beam)))
 
 
-def _inside(j4_deg: float, bench: Bench) -> float:
-    low, high = bench.arm.j4_limits_deg
-    for turn in (0.0, 360.0, -360.0):
-        if low <= j4_deg + turn <= high:
-            return j4_deg + turn
-    raise PlanError(
-        f"J4 = {j4_deg:.1f}° plus any whole turn is outside its limits {low:g}°…{high:g}°: widen "
-        "[robot.limits_deg] j4 or move the reflector"
-    )
+def _aimed_pose(theta_rad: Floats, bench: Bench, reflector: Reflector) -> SearchPose:
+    pose = _pose(theta_rad, bench, reflector, bench.arm.j4_limits_deg)
+    if pose is None:
+        low, high = bench.arm.j4_limits_deg
+        j4_deg = float(np.rad2deg(wrap_rad(aimed_j4(theta_rad, bench, reflector))))
+        raise PlanError(
+            f"J4 = {j4_deg:.1f}° plus any whole turn is outside its limits {low:g}°…{high:g}°: widen "
+            "[robot.limits_deg] j4 or move the reflector"
+        )
+    return pose
+
+
+def _inside(j4_deg: float, limits_deg: tuple[float, float]) -> float | None:
+    low, high = limits_deg
+    turned = (j4_deg + turn for turn in (0.0, 360.0, -360.0))
+    return next((value for value in turned if low <= value <= high), None)

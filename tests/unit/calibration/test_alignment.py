@@ -41,7 +41,7 @@ def test_the_slope_is_the_offset_with_its_side(offset: float, distance: float) -
     # The slope's own error is of third order in the turn.
     assert fit.offset_mm == pytest.approx(offset, abs=1e-4)
     assert fit.curvature_mm == pytest.approx(-math.sqrt(distance**2 - offset**2) / 2.0, rel=1e-4)
-    assert fit.plausible_at(distance)
+    assert fit.plausible_at(distance, 1.0)
 
 
 def test_a_shift_between_passes_changes_nothing() -> None:
@@ -74,9 +74,9 @@ def test_noise_that_is_stated_larger_than_the_scatter_counts() -> None:
 def test_a_curvature_of_another_length_is_not_plausible() -> None:
     turns = np.linspace(-0.006, 0.006, 21)
     fit = fit_offset(turns, lengths(turns, 130.0, 0.2), np.zeros(21, dtype=np.int64), 1e-6)
-    assert not fit.plausible_at(200.0)
+    assert not fit.plausible_at(200.0, 30.0)
     moving = lengths(turns, 130.0, 0.2) + 3e3 * turns**2
-    assert not fit_offset(turns, moving, np.zeros(21, dtype=np.int64), 1e-6).plausible_at(130.0)
+    assert not fit_offset(turns, moving, np.zeros(21, dtype=np.int64), 1e-6).plausible_at(130.0, 30.0)
 
 
 def test_too_few_turns_are_refused() -> None:
