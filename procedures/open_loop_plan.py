@@ -15,8 +15,8 @@ from procedures.bench import Bench, Reflector
 from procedures.closures import Closure, plan_closures
 from procedures.errors import PlanError
 from procedures.free_way import require_free_way
-from procedures.tracking import Track, plan_track
-from procedures.visits import Visit, driving_time_s, leg_targets, measuring_time_s
+from procedures.tracking import plan_track
+from procedures.visits import Visit, plan_visits
 
 _FEWEST_SEEN = 0.5
 """A reflector that fewer than this share of the commands see stands in the wrong place."""
@@ -128,36 +128,11 @@ def _reflector_plan(
     stops: tuple[Waypoint, ...], bench: Bench, reflector: Reflector, subdivide: bool, closures: int
 ) -> ReflectorPlan:
     track = plan_track(stops, bench, reflector, subdivide)
-    visits, blind = _visits(stops, track, bench, reflector)
+    visits, blind = plan_visits(stops, track, bench, reflector)
     _require_sight(visits, reflector, len(visits) + len(blind), bench)
     breaks = sum(not visit.tracked for visit in visits) - 1
     trips, warnings = plan_closures(visits, closures, bench, reflector) if closures else ((), ())
     return ReflectorPlan(reflector, visits, blind, breaks, trips, warnings)
-
-
-def _visits(
-    stops: tuple[Waypoint, ...], track: Track, bench: Bench, reflector: Reflector
-) -> tuple[tuple[Visit, ...], tuple[Command, ...]]:
-    visits: list[Visit] = []
-    blind: list[Command] = []
-    first = 0
-    for i, stop in enumerate(stops):
-        if stop.command is None:
-            continue
-        if not track.stop_seen[i]:
-            blind.append(stop.command)
-            continue
-        tracked = bool(visits) and bool(track.leg_seen[first : i + 1].all())
-        legs = tuple(
-            leg_targets(stops, track, k, int(track.sub_steps[k]) if tracked else 1, bench, reflector)
-            for k in range(first, i + 1)
-        )
-        start = visits[-1].moves[-1] if visits else legs[0][0]
-        miss = float(np.max(track.miss_mm[first : i + 1])) if tracked else float("nan")
-        duration = driving_time_s(start, legs, bench) + measuring_time_s(bench)
-        visits.append(Visit(stop.command, legs, tracked, duration, miss, float(track.beam_mm[i])))
-        first = i + 1
-    return tuple(visits), tuple(blind)
 
 
 def _require_sight(visits: tuple[Visit, ...], reflector: Reflector, n_commands: int, bench: Bench) -> None:

@@ -71,3 +71,36 @@ def driving_time_s(start: Joints, legs: tuple[Leg, ...], bench: Bench) -> float:
 def measuring_time_s(bench: Bench) -> float:
     """Return the expected time of settling and dwell, s."""
     return bench.timing.settle_time_s + bench.timing.dwell_time_s
+
+
+def plan_visits(
+    stops: tuple[Waypoint, ...], track: Track, bench: Bench, reflector: Reflector
+) -> tuple[tuple[Visit, ...], tuple[Command, ...]]:
+    """Return the points that see the reflector, with the way to each, and the commands that do not.
+
+    Args:
+        stops: the way.
+        track: how the reflector is followed over it.
+        bench: nominal arm, timing.
+        reflector: what is aimed at.
+    """
+    visits: list[Visit] = []
+    blind: list[Command] = []
+    first = 0
+    for i, stop in enumerate(stops):
+        if stop.command is None:
+            continue
+        if not track.stop_seen[i]:
+            blind.append(stop.command)
+            continue
+        tracked = bool(visits) and bool(track.leg_seen[first : i + 1].all())
+        legs = tuple(
+            leg_targets(stops, track, k, int(track.sub_steps[k]) if tracked else 1, bench, reflector)
+            for k in range(first, i + 1)
+        )
+        start = visits[-1].moves[-1] if visits else legs[0][0]
+        miss = float(np.max(track.miss_mm[first : i + 1])) if tracked else float("nan")
+        duration = driving_time_s(start, legs, bench) + measuring_time_s(bench)
+        visits.append(Visit(stop.command, legs, tracked, duration, miss, float(track.beam_mm[i])))
+        first = i + 1
+    return tuple(visits), tuple(blind)
