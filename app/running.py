@@ -114,7 +114,7 @@ async def carry_out(
         override_cap_percent=cell.robot.override_cap_percent,
         air=air_rule(cell),
         air_limits=air_limits(cell),
-        meta=_meta(planned, speed) if planned.resume is None else _meta_of_resumption(planned, speed),
+        meta=run_meta(planned, speed) if planned.resume is None else _meta_of_resumption(planned, speed),
         arm=arm,
         answers=_answers(answers),
         clock_speed=speed,
@@ -143,7 +143,8 @@ def joint_limits(bench: Bench) -> JointLimits:
     return JointLimits(arm.j1_limits_deg, arm.j2_limits_deg, arm.j4_limits_deg, heights)
 
 
-def _meta(planned: PlannedRun, speed: float) -> dict[str, Json]:
+def run_meta(planned: PlannedRun, speed: float) -> dict[str, Json]:
+    """Return what a new run stores about itself: everything that going on with it needs."""
     loaded = planned.loaded
     return {
         "configuration": loaded.cell.model_dump(mode="json"),

@@ -1,10 +1,12 @@
 """resume: an interrupted run goes on where it stopped."""
 
+import os
 from pathlib import Path
 
 from app.cell.load import load_cell
 from app.commands.output import say
 from app.commands.run import conduct
+from app.engine.crash_points import arm as arm_crash_point
 from app.resuming import plan_resume
 from app.runs_folder import runs_folder
 from app.store.catalog import resolve_run
@@ -24,6 +26,7 @@ def resume_command(
     as_json: bool,
 ) -> None:
     """Plan the rest of a run from what it has stored, then rehearse or do it."""
+    arm_crash_point(os.environ)
     root = runs_folder(runs)
     path = resolve_run(root, run)
     if not dry_run and seal_late(path, SystemClock().now_utc().isoformat()):

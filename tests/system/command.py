@@ -33,12 +33,12 @@ def catseye(*arguments: str | Path, cwd: Path) -> subprocess.CompletedProcess[st
     )
 
 
-def start(*arguments: str | Path, cwd: Path) -> subprocess.Popen[str]:
-    """Start the command; the caller ends it."""
+def start(*arguments: str | Path, cwd: Path, module: str = "app", crash: str = "") -> subprocess.Popen[str]:
+    """Start the command, or another module, which may die at a crash point; the caller ends it."""
     return subprocess.Popen(
-        [sys.executable, "-m", "app", *map(str, arguments)],
+        [sys.executable, "-m", module, *map(str, arguments)],
         cwd=cwd,
-        env=environment(),
+        env={**environment(), "CATSEYE_CRASHPOINT": crash},
         stdout=subprocess.PIPE,
         stderr=subprocess.PIPE,
         text=True,
@@ -76,7 +76,11 @@ class Emulated:
 
 @contextmanager
 def emulated(
-    folder: Path, *options: str, edit: dict[str, str] | None = None, text: str = TEMPLATE
+    folder: Path,
+    *options: str,
+    edit: dict[str, str] | None = None,
+    text: str = TEMPLATE,
+    module: str = "app",
 ) -> Iterator[Emulated]:
     """Emulate the bench of a cell file, edited, on free ports; serial lines as the file has them."""
     for old, new in (edit or {}).items():
@@ -87,7 +91,7 @@ def emulated(
     asked = _endpoints(cell)
     free = folder / "emulator.toml"
     free.write_text(re.sub(r"(://127\.0\.0\.1):\d+", r"\1:0", text), encoding="utf-8")
-    process = start("emulate", free, "--speed", SPEED, *options, cwd=folder)
+    process = start("emulate", free, "--speed", SPEED, *options, cwd=folder, module=module)
     try:
         assert process.stdout is not None
         served = [json.loads(process.stdout.readline())["endpoint"] for _ in asked]

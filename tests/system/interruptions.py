@@ -1,0 +1,189 @@
+"""Runs that are killed, and what has to be true of them afterwards."""
+
+import contextlib
+import json
+import signal
+import subprocess
+import threading
+import time
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+from app.errors import StorageError
+from app.store.catalog import list_runs
+from app.store.reader import RunReader
+from app.store.verify import verify
+from tests.system.command import Emulated, start
+
+LIMIT_S = 600
+POINT_KEY = ("reflector", "theta1_deg", "theta2_deg", "direction1", "direction2")
+
+Command = tuple[object, ...]
+
+
+@dataclass
+class Process:
+    """One life of a run.
+
+    Attributes:
+        returncode: how the process ended.
+        points: commands whose distances it told as stored.
+        steps: steps that it told as done.
+        stderr: what it said.
+        lived_s: from its start to its end, real s.
+    """
+
+    returncode: int
+    points: list[Command]
+    steps: list[str]
+    stderr: str
+    lived_s: float
+
+
+@dataclass
+class Story:
+    """A run over all of its lives.
+
+    Attributes:
+        bench: what it runs on.
+        path: of the run, once there is one.
+        lives: one after the other.
+    """
+
+    bench: Emulated
+    path: Path | None = None
+    lives: list[Process] = field(default_factory=list)
+    _done: list[str] = field(default_factory=list)
+
+    @property
+    def folder(self) -> Path:
+        return self.bench.cell.parent
+
+    @property
+    def reader(self) -> RunReader:
+        assert self.path is not None
+        return RunReader(self.path)
+
+    def live(
+        self,
+        *options: str,
+        crash: str = "",
+        kill_after_s: float | None = None,
+        kill_on: str = "",
+        number: int = signal.SIGKILL,
+    ) -> Process:
+        """Begin the run, or go on with it, until it ends or dies; what has been told has to be stored.
+
+        Args:
+            options: of the command.
+            crash: place at which it dies by itself.
+            kill_after_s: when it gets a signal.
+            kill_on: event at which it gets the signal.
+            number: of that signal.
+        """
+        if self.path is None:
+            known = {run.path for run in list_runs(self.folder / "catseye-runs")}
+            command = ["run", "open-loop", "--cell", str(self.bench.cell), "--speed", "400", *options]
+            process = start(*command, "--json", cwd=self.folder, crash=crash)
+        else:
+            known = set()
+            process = start("resume", str(self.path), *options, "--json", cwd=self.folder, crash=crash)
+        life = _until_its_end(process, kill_after_s, kill_on, number)
+        self.lives.append(life)
+        if self.path is None:
+            new = [run.path for run in list_runs(self.folder / "catseye-runs") if run.path not in known]
+            self.path = new[0] if new else None
+        self._check(life)
+        return life
+
+    def _check(self, life: Process) -> None:
+        """Nothing that was told is missing, nothing that was done is undone, and the record is sound."""
+        try:
+            reader = RunReader(self.path) if self.path is not None else None
+        except StorageError:
+            reader = None
+        if reader is None or "configuration" not in reader.meta:
+            # It died before it had said what it is: nothing can have been measured, and a new one is begun.
+            assert not self._done
+            assert not life.points
+            assert not life.steps
+            self.path = None
+            return
+        done = [step.step_id for step in reader.steps()]
+        assert done[: len(self._done)] == self._done, "a step that was done is gone"
+        assert set(life.steps) <= set(done), "a step that was told as done is not stored"
+        told = {command for each in self.lives for command in each.points}
+        stored = commands(reader)
+        assert told <= set(stored), "a point that was told is not stored"
+        assert len(stored) == len(set(stored)), "a point is stored twice"
+        assert verify(reader.path).problems == ()
+        self._done = done
+
+
+def commands(reader: RunReader) -> list[Command]:
+    """Return which command each stored point was measured at."""
+    return [_command(row) for row in reader.points()]
+
+
+def differences_mm(reader: RunReader, reference: RunReader) -> list[float]:
+    """Return what the distances of a run differ by from those of another, dead paths taken away.
+
+    Each segment has an unknown dead path of its own: where both runs have one segment, the mean difference is zero.
+    """
+    expected = {_command(row): row for row in reference.points()}
+    segments: dict[object, list[float]] = {}
+    for row in reader.points():
+        other = expected[_command(row)]
+        difference = _number(row["displacement_mm"]) - _number(other["displacement_mm"])
+        segments.setdefault((row["reflector"], row["segment"], other["segment"]), []).append(difference)
+    return [value - sum(each) / len(each) for each in segments.values() for value in each]
+
+
+def _command(row: Mapping[str, Any]) -> Command:
+    return tuple(row[key] for key in POINT_KEY)
+
+
+def _number(value: object) -> float:
+    assert isinstance(value, float)
+    return value
+
+
+def _until_its_end(
+    process: "subprocess.Popen[str]", kill_after_s: float | None, kill_on: str, number: int
+) -> Process:
+    begun = time.monotonic()
+    with contextlib.ExitStack() as stack:
+        said: list[str] = []
+        assert process.stdout is not None
+        assert process.stderr is not None
+        listener = threading.Thread(target=lambda stream: said.append(stream.read()), args=(process.stderr,))
+        listener.start()
+        stack.callback(listener.join)
+        killers = [threading.Timer(LIMIT_S, process.kill)]
+        if kill_after_s is not None:
+            killers.append(threading.Timer(kill_after_s, process.send_signal, (number,)))
+        for killer in killers:
+            killer.start()
+            stack.callback(killer.join)
+            stack.callback(killer.cancel)
+        # The last line may be cut by the kill.
+        events = []
+        for event in _whole(process.stdout):
+            events.append(event)
+            if event["event"] == kill_on:
+                process.send_signal(number)
+                kill_on = ""
+        returncode = process.wait()
+        process.stdout.close()
+    process.stderr.close()
+    points = [_command(event["point"]) for event in events if event["event"] == "point"]
+    steps = [str(event["step"]) for event in events if event["event"] == "step-done"]
+    return Process(returncode, points, steps, "".join(said), time.monotonic() - begun)
+
+
+def _whole(lines: Iterable[str]) -> Iterable[dict[str, Any]]:
+    for line in lines:
+        if line.endswith("\n"):
+            yield json.loads(line)

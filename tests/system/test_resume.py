@@ -1,0 +1,116 @@
+"""A run that is killed, at any moment and at every named place, goes on to the same result."""
+
+import random
+import signal
+from collections.abc import Iterator
+
+import pytest
+
+from app.engine.crash_points import POINTS
+from app.store.reader import RunReader
+from app.store.seal import read_manifest
+from app.store.verify import verify
+from tests.system.command import Emulated, catseye, emulated
+from tests.system.interruptions import Story, commands, differences_mm
+
+SEED = 20261121
+SMALL = {
+    "theta1_deg = [-140.0, -120.0, -100.0, -80.0, -60.0, -40.0, -20.0, 0.0, 20.0, 40.0, 60.0]": (
+        "theta1_deg = [-60.0, -30.0]"
+    ),
+    "theta2_deg = [0.0, 20.0, 40.0, 60.0, 80.0, 100.0, 120.0, 140.0]": "theta2_deg = [40.0, 70.0]",
+    '[[reflector]]\nname = "P2"\nx_mm = 680.0\ny_mm = 0.0\n\n': "",
+    '[[reflector]]\nname = "P3"\nx_mm = 640.0\ny_mm = 380.0\n\n': "",
+}
+"""Four nodes and one reflector."""
+
+KILLED = -signal.SIGKILL
+SAME_MM = 1e-6
+"""Of distances on a bench without measuring errors."""
+
+
+@pytest.fixture(scope="module")
+def bench(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Emulated]:
+    folder = tmp_path_factory.mktemp("resume")
+    with emulated(folder, edit=SMALL, module="tests.system.quiet_bench") as running:
+        searched = catseye("run", "reflector-search", "--cell", running.cell, "--speed", "400", cwd=folder)
+        assert searched.returncode == 0, searched.stderr
+        yield running
+
+
+@pytest.fixture(scope="module")
+def reference(bench: Emulated) -> RunReader:
+    """Return the same measurement without an interruption."""
+    story = Story(bench)
+    life = story.live()
+    assert life.returncode == 0, life.stderr
+    return story.reader
+
+
+def require_same(story: Story, reference: RunReader) -> None:
+    assert story.reader.status == "complete"
+    assert verify(story.reader.path).ok
+    assert read_manifest(story.reader.path) is not None
+    assert sorted(commands(story.reader)) == sorted(commands(reference))
+    assert max(map(abs, differences_mm(story.reader, reference))) < SAME_MM
+
+
+def test_a_run_killed_at_every_named_place_goes_on_to_the_same_result(
+    bench: Emulated, reference: RunReader
+) -> None:
+    story = Story(bench)
+    at_the_end = ["before-closing", "closed", "before-manifest"]
+    begun_anew = ["directory-made", "sealed"]
+    on_the_way = [name for name in POINTS if name not in {"run-opened", *at_the_end, *begun_anew}]
+    for name in ("run-opened", *on_the_way, *at_the_end):
+        assert story.live(crash=name).returncode == KILLED, name
+    last = story.live()
+    assert last.returncode == 0, last.stderr
+    assert "its manifest is written now" in last.stderr
+    require_same(story, reference)
+
+
+def test_a_run_killed_at_random_moments_goes_on_to_the_same_result(
+    bench: Emulated, reference: RunReader
+) -> None:
+    moments, story = random.Random(SEED), Story(bench)
+    for _ in range(4):
+        if story.live(kill_after_s=moments.uniform(0.2, 0.7)).returncode != KILLED:
+            break
+    else:
+        last = story.live()
+        assert last.returncode == 0, last.stderr
+    require_same(story, reference)
+
+
+def test_a_run_that_died_before_it_described_itself_is_no_run_and_one_that_died_sealed_is_complete(
+    bench: Emulated, reference: RunReader
+) -> None:
+    story = Story(bench)
+    assert story.live(crash="directory-made").returncode == KILLED
+    assert story.path is None
+    assert story.live(crash="sealed").returncode == KILLED
+    require_same(story, reference)
+    refused = catseye("resume", str(story.path), cwd=story.folder)
+    assert refused.returncode == 2
+    assert "complete" in refused.stderr
+
+
+def test_an_aborted_run_goes_on_when_its_operator_has_cleared_it(
+    bench: Emulated, reference: RunReader
+) -> None:
+    story = Story(bench)
+    assert story.live(kill_on="step-done", number=signal.SIGTERM).returncode == 143
+    assert story.reader.status == "aborted"
+    assert read_manifest(story.reader.path) is not None
+    # It loses its manifest to go on; a process that dies there leaves it to the next one.
+    assert story.live(crash="unsealed").returncode == KILLED
+    last = story.live()
+    assert last.returncode == 0, last.stderr
+    require_same(story, reference)
+    answered = {prompt["id"]: (prompt["answer"], prompt["who"]) for prompt in story.reader.prompts()}
+    assert answered["clear"] == ("yes", "emulated operator")
+    assert answered["resume/reflectors"] == ("untouched", "emulated operator")
+    states = [event.data["state"] for event in story.reader.events() if event.kind == "state"]
+    aborted = states.index("ABORTED")
+    assert states[aborted + 1 :] == ["CLEARING", "STOPPED", "STARTING", "EXECUTE", "COMPLETE"]
