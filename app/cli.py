@@ -221,6 +221,9 @@ def run(
     ] = None,
     speed: Speed = 1.0,
     dry_run: Annotated[bool, typer.Option("--dry-run", help="plan and rehearse, touch no device")] = False,
+    detach: Annotated[
+        bool, typer.Option("--detach", help="let it run on by itself; catseye attach joins it")
+    ] = False,
     runs: Runs = None,
     as_json: AsJson = False,
 ) -> None:
@@ -228,9 +231,59 @@ def run(
 
     Example: catseye run open-loop --cell cell.toml --dry-run
     """
-    from app.commands.run import run_command
+    from app.commands.run import detached_command, run_command
 
+    if detach and not dry_run:
+        detached_command(procedure, cell, param or [], search, answers, arm, speed, runs, as_json)
     run_command(procedure, cell, param or [], search, answers, arm, speed, dry_run, runs, as_json)
+
+
+@cli.command()
+def engine(
+    cell: Annotated[Path, typer.Option(help="cell file")],
+    wait_for_client: Annotated[
+        float | None,
+        typer.Option(min=0.0, metavar="S", help="idle without any client for so long, s, it ends [never]"),
+    ] = None,
+    once: Annotated[
+        bool, typer.Option("--once", hidden=True, help="do what a line of stdin asks for")
+    ] = False,
+    runs: Runs = None,
+) -> None:
+    """Run an engine of its own process: idle until a client starts a procedure, it outlives clients and terminal.
+
+    Its socket is told on stdout when it is ready; docs/engine.md describes the messages.
+
+    Example: catseye engine --cell cell.toml
+    """
+    from app.commands.engine import engine_command
+
+    engine_command(cell, runs, wait_for_client, once)
+
+
+@cli.command()
+def attach(
+    run: Annotated[
+        str | None,
+        typer.Argument(metavar="[RUN]", help="path, name, beginning of a name, or id [the only one]"),
+    ] = None,
+    control: Annotated[
+        bool, typer.Option("--control", help="steer the run and answer its questions")
+    ] = False,
+    force: Annotated[bool, typer.Option("--force", help="take control from whoever has it")] = False,
+    runs: Runs = None,
+    as_json: AsJson = False,
+) -> None:
+    """Join a run that is under way: watch it, or steer it. Ends with the run's exit code.
+
+    Ctrl-C leaves; with control it holds the run, twice stops it. A terminal that dies with control leaves the run
+    held, or as [engine] on_client_lost says. This is no emergency stop.
+
+    Example: catseye attach 1a2b3c --control
+    """
+    from app.commands.attach import attach_command
+
+    attach_command(run, runs, control=control, force=force, as_json=as_json)
 
 
 @cli.command()

@@ -4,8 +4,10 @@ import asyncio
 import gc
 import sys
 from pathlib import Path
+from typing import NoReturn
 
 from app.cell.load import load_cell
+from app.commands.engine import detach
 from app.commands.hosting import serve_and_run
 from app.commands.output import emit, emit_json, say, table
 from app.commands.progress import duration_text
@@ -13,6 +15,7 @@ from app.engine.dry_run import DryRunContext
 from app.procedure_list import load_procedure, parse_params
 from app.running import PlannedRun, plan_run, rehearse
 from app.runs_folder import runs_folder
+from procedures.context import Json
 
 
 def run_command(
@@ -34,6 +37,31 @@ def run_command(
     if runnable.needs_aim:
         say(f"aim from {planned.aim}")
     conduct(planned, root, answers, arm, speed, dry_run=dry_run, as_json=as_json)
+
+
+def detached_command(
+    procedure: str,
+    cell: Path,
+    param: list[str],
+    search: str,
+    answers: Path | None,
+    arm: str | None,
+    speed: float,
+    runs: Path | None,
+    as_json: bool,
+) -> NoReturn:
+    """Let an engine of its own plan and run; end when it has begun."""
+    texts: list[Json] = [*param]
+    request: dict[str, Json] = {
+        "op": "start",
+        "procedure": procedure,
+        "params": texts,
+        "search": search,
+        "arm": arm,
+        "speed": speed,
+        "answers": None if answers is None else str(answers.resolve()),
+    }
+    detach(request, cell, runs_folder(runs), as_json=as_json)
 
 
 def conduct(

@@ -1,11 +1,10 @@
 """The service of a run that is hosted by the command that started it."""
 
 from collections.abc import AsyncIterator
-from contextlib import AsyncExitStack, asynccontextmanager
+from contextlib import asynccontextmanager
 
 from app.engine.handle import RunHandle
 from app.engine.waiting import uncancelled
-from app.service.errors import ServiceError
 from app.service.hub import Hub, Policy
 from app.service.server import Server
 from drivers.clock import SystemClock
@@ -31,15 +30,9 @@ class RunService:
 
     @asynccontextmanager
     async def serve(self, handle: RunHandle) -> AsyncIterator[None]:
-        """Serve a run while its record is open; without a socket it goes on alone."""
-        async with AsyncExitStack() as stack:
-            stack.enter_context(self.hub.running(handle))
-            stack.push_async_callback(self._end)
-            try:
-                await stack.enter_async_context(self._server.at(handle.path))
-            except ServiceError as error:
-                handle.warn(f"nobody can attach to this run: {error}")
-            yield
-
-    async def _end(self) -> None:
-        await uncancelled(self._server.end())
+        """Serve a run while its record is open; its clients hear of its end."""
+        try:
+            async with self._server.of_run(handle):
+                yield
+        finally:
+            await uncancelled(self._server.end())

@@ -4,11 +4,13 @@ import asyncio
 import logging
 import socket
 from collections.abc import AsyncIterator
-from contextlib import asynccontextmanager
+from contextlib import AsyncExitStack, asynccontextmanager
 from pathlib import Path
 
+from app.engine.handle import RunHandle
 from app.engine.waiting import cancel
 from app.service.address import listening
+from app.service.errors import ServiceError
 from app.service.hub import Hub
 from app.service.messages import MAX_LINE_BYTES
 from app.service.orders import Engine, Orders
@@ -56,6 +58,17 @@ class Server:
             yield
         finally:
             server.close()
+
+    @asynccontextmanager
+    async def of_run(self, handle: RunHandle) -> AsyncIterator[None]:
+        """Serve a run while its record is open; without a socket it goes on alone, and says so."""
+        async with AsyncExitStack() as stack:
+            stack.enter_context(self._hub.running(handle))
+            try:
+                await stack.enter_async_context(self.at(handle.path))
+            except ServiceError as error:
+                handle.warn(f"nobody can attach to this run: {error}")
+            yield
 
     def accept(self, reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
         """Serve a client from now on."""

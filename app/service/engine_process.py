@@ -1,0 +1,283 @@
+"""An engine in a process of its own: idle until a client starts a procedure, and again after it."""
+
+import asyncio
+import gc
+import json
+import logging
+import signal
+from collections.abc import AsyncIterator, Callable, Iterator
+from contextlib import asynccontextmanager, contextmanager
+from functools import partial
+from pathlib import Path
+
+from app.cell.load import load_cell
+from app.engine.handle import RunHandle
+from app.engine.host import RunOutcome
+from app.engine.signals import loop_signals
+from app.engine.states import Event, State, transition
+from app.engine.waiting import uncancelled
+from app.errors import exit_code_of
+from app.exitcode import ExitCode
+from app.procedure_list import load_procedure, parse_params
+from app.resuming import plan_resume
+from app.running import PlannedRun, carry_out, plan_run
+from app.service.address import socket_folder
+from app.service.errors import RefusedError
+from app.service.hub import Hub
+from app.service.messages import Message, Resume, Start
+from app.service.server import Server
+from drivers.clock import SystemClock
+
+_log = logging.getLogger(__name__)
+
+_WAIT_POLL_S = 0.2
+
+
+class EngineProcess:
+    """Runs one procedure after another for its clients.
+
+    Args:
+        cell: cell file of the bench.
+        root: folder of all runs.
+
+    Attributes:
+        hub: of its clients.
+    """
+
+    def __init__(self, cell: Path, root: Path) -> None:
+        self._clock = SystemClock()
+        self.hub = Hub(self._clock, waits=True)
+        self._server = Server(self.hub, self._clock, self)
+        self._cell = cell
+        self._root = root
+        self._job: asyncio.Task[RunOutcome | None] | None = None
+        self._once: asyncio.Task[RunOutcome] | None = None
+        self._aborted = ""
+        self._on_signal: Callable[[int], None] | None = None
+        self._end: asyncio.Future[ExitCode] = asyncio.get_running_loop().create_future()
+        self._facts()
+
+    async def serve(self, ready: Callable[[], None], wait_for_client_s: float | None = None) -> ExitCode:
+        """Serve until a client, a signal or the lack of clients ends the process.
+
+        Args:
+            ready: is called when clients can connect.
+            wait_for_client_s: idle without any client for so long, real s, the engine ends; None for ever.
+
+        Raises:
+            ServiceError: another engine serves this folder of runs, or no socket can be made.
+        """
+        with loop_signals(self._deliver):
+            async with self._server.at(self._root):
+                waiting = asyncio.create_task(self._wait_for_clients(wait_for_client_s))
+                try:
+                    ready()
+                    return await self._end
+                finally:
+                    waiting.cancel()
+                    await uncancelled(self._finish())
+
+    async def run_once(
+        self, request: Start | Resume, opened: Callable[[Path], None], ready: Callable[[], None]
+    ) -> RunOutcome:
+        """Run one procedure for whoever attaches to it.
+
+        Args:
+            request: what to run.
+            opened: takes the run's directory when its record is open.
+            ready: is called when the devices are.
+
+        Raises:
+            ServiceError: nobody could attach to it, since no socket can be made; nothing was started.
+            Exception: it could not be started; the text says why.
+        """
+        socket_folder()
+        self._once = asyncio.current_task()
+
+        def publish(event: Message) -> None:
+            self.hub.publish(event)
+            if event["event"] == "state" and event.get("state") == State.EXECUTE and "kind" not in event:
+                ready()
+
+        with loop_signals(self._deliver):
+            try:
+                planned = await asyncio.to_thread(self._planned, request)
+                return await self._carry_out(request, planned, opened, publish)
+            finally:
+                await uncancelled(self._server.end())
+
+    def start(self, request: Start) -> "asyncio.Future[Message]":
+        """Begin a run; the result is there when its record is open.
+
+        Raises:
+            RefusedError: a run is under way, or the last one was aborted.
+        """
+        return self._begin(request)
+
+    def resume(self, request: Resume) -> "asyncio.Future[Message]":
+        """Go on with a run; the result is there when its record is open.
+
+        Raises:
+            RefusedError: a run is under way, or the last one was aborted.
+        """
+        return self._begin(request)
+
+    def clear(self, who: str) -> None:
+        """Leave ABORTED, on an operator's word.
+
+        Raises:
+            RefusedError: there is nothing to clear.
+        """
+        if self._job is not None:
+            raise RefusedError("a run is under way; clear is for after an abort")
+        if self.hub.idle_state != State.ABORTED:
+            raise RefusedError(f"there is nothing to clear: the engine is in state {self.hub.idle_state}")
+        self._aborted = ""
+        for event in (Event.CLEAR, Event.CLEARED):
+            self.hub.idle_state = transition(self.hub.idle_state, event).state
+            self.hub.say("state", state=self.hub.idle_state, reason=f"{who} cleared the abort")
+        self._facts()
+
+    def shut_down(self, who: str) -> None:
+        """End the process.
+
+        Raises:
+            RefusedError: a run is under way.
+        """
+        if self._job is not None:
+            raise RefusedError("a run is under way: stop it first")
+        _log.info("%s ends the engine", who)
+        self._ended(ExitCode.DONE)
+
+    def _begin(self, request: Start | Resume) -> "asyncio.Future[Message]":
+        if self._job is not None:
+            raise RefusedError("a run is under way: wait for its end, or stop it first")
+        if self._aborted:
+            raise RefusedError(
+                f"the last run was aborted ({self._aborted}): look at the bench, then clear the abort",
+                ExitCode.SAFETY,
+            )
+        opened: asyncio.Future[Message] = asyncio.get_running_loop().create_future()
+        self._job = asyncio.create_task(self._run(request, opened))
+        return opened
+
+    async def _run(self, request: Start | Resume, opened: "asyncio.Future[Message]") -> RunOutcome | None:
+        def tell(path: Path) -> None:
+            if not opened.done():
+                opened.set_result({"run": path.name, "path": str(path.resolve())})
+
+        try:
+            planned = await asyncio.to_thread(self._planned, request)
+            outcome = await self._carry_out(request, planned, tell, self.hub.publish)
+        except Exception as error:  # noqa: BLE001  # the engine outlives a run that cannot be started, whatever the cause
+            self._failed(error, opened)
+            return None
+        finally:
+            opened.cancel()
+            self._job = None
+        if outcome.status == "aborted":
+            self.hub.idle_state, self._aborted = State.ABORTED, outcome.text
+        else:
+            self.hub.idle_state = State.COMPLETE if outcome.status == "complete" else State.STOPPED
+        self._facts()
+        return outcome
+
+    def _failed(self, error: Exception, opened: "asyncio.Future[Message]") -> None:
+        _log.error("a run could not be made", exc_info=error)
+        if opened.done():
+            self.hub.say("error", text=str(error), exit_code=int(exit_code_of(error)))
+        else:
+            opened.set_exception(RefusedError(str(error), exit_code_of(error)))
+
+    def _planned(self, request: Start | Resume) -> PlannedRun:
+        if isinstance(request, Resume):
+            return plan_resume(self._root, request.run)
+        loaded = load_cell(Path(request.cell) if request.cell else self._cell)
+        procedure = load_procedure(request.procedure)
+        texts = request.params if isinstance(request.params, list) else _texts(request.params)
+        params = parse_params(procedure.params_type, texts)
+        return plan_run(loaded, procedure, params, self._root, request.search)
+
+    async def _carry_out(
+        self,
+        request: Start | Resume,
+        planned: PlannedRun,
+        opened: Callable[[Path], None],
+        publish: Callable[[Message], None],
+    ) -> RunOutcome:
+        # What is there now stays until the end; a collector that walks through it again delays readings.
+        gc.collect()
+        gc.freeze()
+        self.hub.policy = planned.loaded.cell.engine.on_client_lost
+        return await carry_out(
+            planned,
+            self._root,
+            publish,
+            speed=planned.clock_speed if isinstance(request, Resume) else request.speed,
+            arm=request.arm,
+            answers=Path(request.answers) if request.answers else None,
+            install_signals=self._to_run,
+            answerer=self.hub.desk,
+            on_open=partial(self._serve_run, opened),
+        )
+
+    @asynccontextmanager
+    async def _serve_run(self, opened: Callable[[Path], None], handle: RunHandle) -> AsyncIterator[None]:
+        async with self._server.of_run(handle):
+            opened(handle.path)
+            yield
+
+    def _facts(self) -> None:
+        self.hub.facts = {
+            "cell": str(self._cell.resolve()),
+            "runs": str(self._root.resolve()),
+            "aborted": self._aborted or None,
+        }
+
+    def _deliver(self, number: int) -> None:
+        """Take a signal; the engine outlives its terminal, so SIGHUP means nothing to it."""
+        if number == signal.SIGHUP:
+            return
+        if self._on_signal is not None:
+            self._on_signal(number)
+        elif self._once is not None and number != signal.SIGUSR1:
+            self._once.cancel()
+        if number == signal.SIGTERM:
+            self._ended(ExitCode.TERMINATED)
+        elif number == signal.SIGINT and self._on_signal is None:
+            self._ended(ExitCode.INTERRUPTED)
+
+    @contextmanager
+    def _to_run(self, on_signal: Callable[[int], None]) -> Iterator[None]:
+        self._on_signal = on_signal
+        try:
+            yield
+        finally:
+            self._on_signal = None
+
+    async def _wait_for_clients(self, limit_s: float | None) -> None:
+        alone_since_s = self._clock.monotonic_s()
+        while limit_s is not None:
+            await self._clock.sleep(_WAIT_POLL_S)
+            if self.hub.members or self._job is not None:
+                alone_since_s = self._clock.monotonic_s()
+            elif self._clock.monotonic_s() - alone_since_s >= limit_s:
+                self._ended(ExitCode.TIMEOUT)
+                return
+
+    def _ended(self, code: ExitCode) -> None:
+        if not self._end.done():
+            self._end.set_result(code)
+
+    async def _finish(self) -> None:
+        if self._job is not None:
+            if self._on_signal is None:
+                # It is still being planned; a run that has begun was aborted by the signal, and seals its record.
+                self._job.cancel()
+            await asyncio.wait({self._job})
+        await self._server.end()
+
+
+def _texts(params: dict[str, object]) -> list[str]:
+    """Return parameters as the command line writes them."""
+    return [f"{name}={json.dumps(value)}" for name, value in params.items()]
