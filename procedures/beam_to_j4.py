@@ -207,7 +207,7 @@ class _Rounds:
         await self._nests.place(plan.pose.reflector)
         window = await self._window(expected, last)
         for attempt in range(_TRIES):
-            taken = await self._turns(window.centre_deg, f"stage/{number}/{attempt}")
+            taken = await self._turns(window, f"stage/{number}/{attempt}")
             if taken is not None:
                 fit = _fit(taken, window.centre_deg)
                 await self._doubt(fit)
@@ -240,16 +240,16 @@ class _Rounds:
             "is level (beam-level) and free, the rough place and theta40_deg, or raise half_range_deg"
         )
 
-    async def _turns(self, centre_deg: float, where: str) -> list[tuple[int, Measurement]] | None:
+    async def _turns(self, window: ReturnWindow, where: str) -> list[tuple[int, Measurement]] | None:
         """Measure all passes on one count; None when the count was broken."""
-        plan, pose = self._plan, self._plan.pose
-        half_window = half_window_deg(plan.bench.optics.acceptance_mm, pose.beam_mm)
+        plan, centre_deg = self._plan, window.centre_deg
+        half_deg = 0.5 * (window.upper_deg - window.lower_deg)
         await self._ctx.move(self._at(centre_deg))
-        await self._ctx.zero(pose.beam_mm)
+        await self._ctx.zero(plan.pose.beam_mm)
         taken = []
         for number, shares in enumerate(plan.offsets):
             for position, share in enumerate(shares):
-                await self._ctx.move(self._at(centre_deg + share * half_window))
+                await self._ctx.move(self._at(centre_deg + share * half_deg))
                 name = f"{where}/{number}/{position}"
                 measured = await settled_measurement(self._ctx, plan.bench.timing, name)
                 if measured is None:

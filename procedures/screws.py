@@ -239,8 +239,8 @@ class GuidedScrew:
                 return await self._ask_sense(number, found, f"{step}: the screw acts the other way")
             case "other pitch":
                 await ctx.warn(
-                    f"{step}: {abs(found.per_turn):.3g} {screw.unit} a turn instead of {abs(screw.per_turn):.3g}; "
-                    f"this is reckoned with from now on. Set {screw.pitch_key} = {abs(found.per_turn):.3g} in the "
+                    f"{step}: {abs(found.per_turn):.2g} {screw.unit} a turn instead of {abs(screw.per_turn):.2g}; "
+                    f"this is reckoned with from now on. Set {screw.pitch_key} = {abs(found.per_turn):.2g} in the "
                     "cell file if the screw was turned as asked"
                 )
                 return found.per_turn
