@@ -35,3 +35,7 @@ class ReflectorNotFoundError(ProcedureError):
 
 class AlignmentError(ProcedureError):
     """The beam could not be aligned within the tolerance."""
+
+
+class NotWarmError(ProcedureError):
+    """The drift of a distance is not below its limit after the longest permitted warm-up."""

@@ -1,0 +1,234 @@
+"""A closed way that is driven again and again with the beam kept on one reflector, so that its count goes on."""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from procedures.approach import Waypoint, require_joint_limits
+from procedures.beam_scan import find_return, half_window_deg
+from procedures.bench import Bench, Reflector
+from procedures.context import Context, Measurement, Prompt
+from procedures.devices import Joints
+from procedures.entry import way_in
+from procedures.errors import BeamLostError, NoBeamError, PlanLimitError
+from procedures.free_way import require_free_way
+from procedures.nests import Nests
+from procedures.settled import settled_measurement
+from procedures.tracking import Track, plan_track
+from procedures.visits import Leg, driving_time_s, leg_targets
+
+Pose = tuple[float, float]
+"""J1 and J2, deg."""
+
+_FAILURES = 3
+"""So many losses in a row are no accident: the operator is asked."""
+
+_SCAN_HALF_RANGE_DEG = 0.5
+
+
+@dataclass(frozen=True)
+class RoundTrip:
+    """A closed way over stops.
+
+    Attributes:
+        reflector: what the beam is kept on.
+        stops: J1 and J2, deg, in order; the way ends where it begins.
+        start: joints at the first stop.
+        legs: legs that lead to the second stop, the third, and so on, the last one back to the first.
+        beam_mm: length of the beam at each stop.
+        j4_range_deg: smallest and largest J4 on the way.
+        driving_s: expected time of the motion.
+    """
+
+    reflector: Reflector
+    stops: tuple[Pose, ...]
+    start: Joints
+    legs: tuple[Leg, ...]
+    beam_mm: tuple[float, ...]
+    j4_range_deg: tuple[float, float]
+    driving_s: float
+
+
+def beam_lasts(stops: Sequence[Pose], bench: Bench, reflector: Reflector) -> bool:
+    """Return whether limits permit a closed way, nothing stands in it, and the reflector is seen all along.
+
+    Args:
+        stops: J1 and J2, deg.
+        bench: nominal arm, optics, limits.
+        reflector: what is aimed at.
+    """
+    try:
+        return _kept(plan_track(_closed(stops), bench, reflector, subdivide=False))
+    except PlanLimitError:
+        return False
+
+
+def plan_round_trip(stops: Sequence[Pose], bench: Bench, reflector: Reflector) -> RoundTrip | None:
+    """Plan a closed way.
+
+    Args:
+        stops: J1 and J2, deg, two at least.
+        bench: nominal arm, optics, limits.
+        reflector: what is aimed at.
+
+    Returns:
+        None when the beam cannot be kept all along.
+
+    Raises:
+        PlanLimitError: a stop lies outside the limits.
+        PlanError: a reflector stands in the way, or is too near to be tracked.
+    """
+    closed = _closed(stops)
+    require_joint_limits(closed, bench)
+    require_free_way(np.array([[stop.theta1_deg, stop.theta2_deg] for stop in closed]), bench)
+    track = plan_track(closed, bench, reflector, subdivide=True)
+    if not _kept(track):
+        return None
+    legs = tuple(
+        leg_targets(closed, track, i, int(track.sub_steps[i]), bench, reflector)
+        for i in range(1, len(closed))
+    )
+    start = legs[-1][-1]
+    j4 = [target[3] for leg in legs for target in leg]
+    return RoundTrip(
+        reflector=reflector,
+        stops=tuple(stops),
+        start=start,
+        legs=legs,
+        beam_mm=tuple(float(length) for length in track.beam_mm[:-1]),
+        j4_range_deg=(min(j4), max(j4)),
+        driving_s=driving_time_s(start, legs, bench),
+    )
+
+
+def _closed(stops: Sequence[Pose]) -> tuple[Waypoint, ...]:
+    return tuple(Waypoint(one, two, None) for one, two in (*stops, stops[0]))
+
+
+def _kept(track: Track) -> bool:
+    # A way around the reflector would wind J4 up with every trip.
+    return bool(track.leg_seen[1:].all()) and math.isclose(track.j4_rad[0], track.j4_rad[-1], abs_tol=1e-6)
+
+
+class Rounds:
+    """Drives round trips and begins a new segment whenever the beam was lost.
+
+    Args:
+        ctx: the bench.
+        bench: limits, optics, timing.
+        trip: the way.
+        nests: where the one cat's eye is, if there is only one.
+        segment: last segment that the run knows of, -1 for none.
+    """
+
+    def __init__(self, ctx: Context, bench: Bench, trip: RoundTrip, nests: Nests, segment: int = -1) -> None:
+        self._ctx = ctx
+        self._bench = bench
+        self._nests = nests
+        self._failures = 0
+        self._questions = 0
+        self.trip = trip
+        self.segment = segment
+        self.ready = False
+        """The beam has been counted without a break since this process began the segment."""
+
+    async def begin(self) -> None:
+        """Go to the first stop, find the beam and begin a new segment there, unless one goes on.
+
+        Raises:
+            BeamLostError: the operator stops after the beam was lost or not found several times in a row.
+            WayBlockedError: there is no free way to the first stop.
+        """
+        while not self.ready:
+            if self._failures >= _FAILURES:
+                await self._ask()
+            await self._nests.place(self.trip.reflector)
+            if await self._begun():
+                self.segment += 1
+                self.ready = True
+            else:
+                self._failures += 1
+
+    async def drive(self, leg: Leg) -> None:
+        """Drive a leg with the beam kept."""
+        await self._ctx.follow(leg)
+
+    async def measure(self, where: str) -> Measurement | None:
+        """Measure at a stop.
+
+        Args:
+            where: what is measured, unique in the run.
+
+        Returns:
+            None when there is no distance; `ready` then tells a lost beam from a point that the operator left out.
+        """
+        try:
+            measured = await settled_measurement(self._ctx, self._bench.timing, where)
+        except NoBeamError:
+            await self.lose(where)
+            return None
+        if measured is not None and not measured.beam_ok:
+            await self.lose(where)
+            return None
+        return measured
+
+    def succeed(self) -> None:
+        """Forget the losses so far: a round was complete."""
+        self._failures = 0
+
+    async def lose(self, where: str) -> None:
+        """Give the present segment up."""
+        self.ready = False
+        self._failures += 1
+        await self._ctx.event(
+            "beam-lost",
+            reflector=self.trip.reflector.name,
+            where=where,
+            segment=self.segment,
+            in_a_row=self._failures,
+        )
+
+    async def _begun(self) -> bool:
+        """Go to the first stop and zero the count on the beam there."""
+        trip, optics = self.trip, self._bench.optics
+        for target in way_in(await self._ctx.joints(), trip.start, self._bench):
+            await self._ctx.move(target)
+        if not (await self._ctx.beam()).beam_ok:
+            half_window = half_window_deg(optics.acceptance_mm, trip.beam_mm[0])
+            limits = self._bench.arm.j4_limits_deg
+            if await find_return(self._ctx, trip.start, _SCAN_HALF_RANGE_DEG, half_window, limits) is None:
+                await self._ctx.warn(
+                    f"no beam from reflector {trip.reflector.name} at θ1 = {trip.start[0]:g}°, θ2 = "
+                    f"{trip.start[1]:g}° within ±{_SCAN_HALF_RANGE_DEG:g}° of J4 = {trip.start[3]:.2f}°: look what "
+                    "stands in the beam"
+                )
+                return False
+        try:
+            await self._ctx.zero(trip.beam_mm[0])
+        except NoBeamError:
+            return False
+        beam = await self._ctx.beam()
+        return beam.beam_ok and not beam.beam_lost
+
+    async def _ask(self) -> None:
+        self._questions += 1
+        name, times = self.trip.reflector.name, self._failures
+        answer = await self._ctx.ask(
+            Prompt(
+                id=f"beam/{name}/{self._questions}",
+                kind="choice",
+                text=f"Find out why the beam to reflector {name} was lost {times} times in a row: something in its "
+                "way, the reflector moved, or an aim that an older search found. Then choose retry; or stop.",
+                choices=("retry", "stop"),
+                safe_answer="stop",
+                motion=True,
+            )
+        )
+        if answer != "retry":
+            raise BeamLostError(
+                f"the beam to reflector {name} was lost {times} times in a row: check that nothing stands in it and "
+                "that the reflector has not been moved, and search for it again (catseye run reflector-search)"
+            )
+        self._failures = 0
