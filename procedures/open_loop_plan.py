@@ -50,6 +50,21 @@ class ReflectorPlan:
 
 
 @dataclass(frozen=True)
+class Rules:
+    """What is decided while measuring.
+
+    Attributes:
+        recovery_attempts: failures in a row to get a lost beam back before the operator is asked.
+        drift_limit_mm: largest drift of a closure visit that is not warned of.
+        stop_at_mdeg: standard uncertainty of both maps at which the points that are left are left out; 0 never.
+    """
+
+    recovery_attempts: int = 3
+    drift_limit_mm: float = 0.030
+    stop_at_mdeg: float = 0.0
+
+
+@dataclass(frozen=True)
 class OpenLoopPlan:
     """The whole measurement.
 
@@ -57,11 +72,13 @@ class OpenLoopPlan:
         bench: what it was made from.
         reflectors: one plan each, in measuring order.
         warnings: what the operator should know before it starts.
+        rules: what is decided while measuring.
     """
 
     bench: Bench
     reflectors: tuple[ReflectorPlan, ...]
     warnings: tuple[str, ...]
+    rules: Rules = Rules()
 
     @property
     def duration_s(self) -> float:
