@@ -74,9 +74,8 @@ class ArmModel:
     def hit(self, pose: Joints) -> Hit | None:
         """Return the nearest reflector that returns the beam at a pose."""
         poses = np.array([pose], dtype=np.float64)
-        x_mm, y_mm = self.place_mm(pose)
         hits = [
-            Hit(one, math.hypot(one.x_mm - x_mm, one.y_mm - y_mm))
+            Hit(one, self._along_mm(poses, one))
             for one in self._bench.reflectors
             if bool(self.returns(poses, one)[0])
         ]
@@ -94,12 +93,14 @@ class ArmModel:
     def miss_mm(self, poses: Floats, reflector: Reflector) -> Floats:
         """Return the distance of a reflector's centre from the beam, mm, shape (n,).
 
-        The beam begins at the J4 axis: a reflector behind it is as far away as the axis.
+        The beam begins at the J4 axis: a reflector behind it is as far away as the axis. It is level, and at the
+        reflectors' height where J3 stands as the cell file has it.
         """
         dx, dy, world = self._sight(poses, reflector)
         ahead = dx * np.cos(world) + dy * np.sin(world)
-        aside = np.abs(dy * np.cos(world) - dx * np.sin(world))
-        return np.where(ahead > 0.0, aside, np.hypot(dx, dy))
+        aside = dy * np.cos(world) - dx * np.sin(world)
+        above = poses[:, 2] - self._bench.arm.j3_mm
+        return np.where(ahead > 0.0, np.hypot(aside, above), np.hypot(dx, dy))
 
     def returns(self, poses: Floats, reflector: Reflector) -> Bools:
         """Return at which poses a reflector returns the beam, past the column and inside its field, shape (n,)."""
@@ -118,6 +119,11 @@ class ArmModel:
         rate = _leg_rates(self._bench.arm, travel)
         joint = float((travel * rate[:, None]).max())
         return Speeds(joint, self._tool_mm_s(start, way, rate))
+
+    def _along_mm(self, poses: Floats, reflector: Reflector) -> float:
+        """Return the length of the beam at the first pose, measured along it as a counter does."""
+        dx, dy, world = self._sight(poses, reflector)
+        return float(dx[0] * np.cos(world[0]) + dy[0] * np.sin(world[0]))
 
     def _tool_mm_s(self, start: Joints, way: Sequence[Joints], rate: Floats) -> float:
         poses = self.sampled(start, way)

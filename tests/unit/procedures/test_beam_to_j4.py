@@ -265,6 +265,6 @@ def test_what_a_turn_did(before: float, after: float, verdict: str) -> None:
 
 
 def test_a_doubtful_change_is_not_called_another_pitch() -> None:
-    blurred = [Observed(1.0, 0.2, 0.15), Observed(0.4, 0.2, 0.15)]
-    assert respond(SCREW, *blurred, -2.0).verdict == "expected"
-    assert respond(replace(SCREW, per_turn=0.1), *blurred, -2.0).verdict == "unclear"
+    before, after = Observed(1.0, 0.2, 0.15), Observed(0.4, 0.2, 0.15)
+    assert respond(SCREW, before, after, -2.0).verdict == "expected"
+    assert respond(replace(SCREW, per_turn=0.1), before, after, -2.0).verdict == "unclear"

@@ -67,7 +67,14 @@ def test_the_ideal_beam_returns_from_the_reflector_that_it_hits() -> None:
     assert length_mm((0.0, 0.0, 0.0, 180.0)) is None
     # 100.1 mm away at most: 1.001 mm aside misses by more than 1 mm even along the slanting beam.
     assert length_mm((0.0, 0.0, 0.0, math.degrees(1.001 / 100.0))) is None
-    assert length_mm((0.0, 0.0, 0.0, math.degrees(0.999 / 100.0))) == pytest.approx(100.0)
+    # The length is counted along the beam: by the cosine shorter.
+    assert length_mm((0.0, 0.0, 0.0, math.degrees(0.999 / 100.0))) == pytest.approx(math.sqrt(1e4 - 0.999**2))
+
+
+def test_the_beam_returns_at_the_height_of_the_cell_file_only() -> None:
+    assert length_mm((0.0, 0.0, 0.99, 0.0)) == pytest.approx(100.0)
+    assert length_mm((0.0, 0.0, -1.01, 0.0)) is None
+    assert length_mm((0.0, 0.0, 0.8, math.degrees(0.8 / 100.0))) is None
 
 
 def test_the_column_and_the_reflectors_field_hide_it() -> None:
