@@ -167,6 +167,7 @@ class Bench:
         take_up_deg: overshoot that brings a joint to its target from the proper side.
         alignment: screws and tolerances of the beam's alignment.
         noise: what a distance is good for.
+        tracker: the cell has an independent instrument that the program reads.
     """
 
     name: str
@@ -179,6 +180,7 @@ class Bench:
     take_up_deg: float
     alignment: Alignment = Alignment()
     noise: Noise = Noise()
+    tracker: bool = True
 
     def aimed(self, places_mm: dict[str, tuple[float, float]], theta40_deg: float) -> "Bench":
         """Return the bench with places and zero direction found by a search."""

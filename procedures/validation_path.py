@@ -1,146 +1,20 @@
-"""A straight path both ways, located by an independent instrument (Sec. 4.3 of the SCARA paper)."""
+"""A straight path both ways, measured by an independent instrument (Sec. 4.3 of the SCARA paper) or by distances."""
 
-from dataclasses import dataclass
 from functools import partial
 
-import numpy as np
-from numpy.typing import NDArray
 from pydantic import BaseModel, ConfigDict, Field
 
-from calibration.kinematics import Hand, inverse
+from calibration.kinematics import Hand
 from procedures.bench import Bench
-from procedures.context import Context, Row
-from procedures.devices import Joints
-from procedures.errors import PlanError, PlanLimitError
-from procedures.free_way import require_free_way
-from procedures.motion_time import move_time_s
+from procedures.context import Context, Prompt, Row
+from procedures.entry import way_in
+from procedures.errors import MeasuredFileError
+from procedures.measured_path import matched_rows
+from procedures.path_plan import Instrument, PathPlan, plan_path, take_up_of
+from procedures.tracked_path import PathPoint, TrackedCampaign
 
-_REST_RAD = 1e-9
-"""Changes below this are no motion."""
-
-
-@dataclass(frozen=True)
-class PathPoint:
-    """A command on the path.
-
-    Attributes:
-        x_mm: command position.
-        y_mm: command position.
-        theta1_deg: J1 of the nominal arm.
-        theta2_deg: J2 of the nominal arm.
-        direction1: sign of the last change of J1.
-        direction2: sign of the last change of J2.
-    """
-
-    x_mm: float
-    y_mm: float
-    theta1_deg: float
-    theta2_deg: float
-    direction1: int
-    direction2: int
-
-
-@dataclass(frozen=True)
-class PathPlan:
-    """The whole path.
-
-    Attributes:
-        bench: what it was made from.
-        run_in: joint target from which the first point is approached.
-        points: commands in order, there and back.
-        passes: how often the whole way is driven.
-        duration_s: expected time of all passes.
-    """
-
-    bench: Bench
-    run_in: Joints
-    points: tuple[PathPoint, ...]
-    passes: int
-    duration_s: float
-
-
-def plan_path(
-    bench: Bench,
-    x_mm: float = 200.0,
-    y_from_mm: float = -500.0,
-    y_to_mm: float = 500.0,
-    step_mm: float = 10.0,
-    hand: Hand = "right",
-    passes: int = 1,
-) -> PathPlan:
-    """Plan the paper's path, there and back.
-
-    Args:
-        bench: nominal arm and limits.
-        x_mm: where the path runs.
-        y_from_mm: first end.
-        y_to_mm: other end.
-        step_mm: largest distance between points.
-        hand: "right" has θ2 >= 0.
-        passes: how often the whole way is driven.
-
-    Raises:
-        OutOfReachError: a point of the path is out of reach.
-        PlanLimitError: a joint leaves its limits.
-        PlanError: both ends of the path are the same.
-    """
-    if y_from_mm == y_to_mm:
-        raise PlanError(f"the path begins and ends at y = {y_from_mm:g} mm; give two different ends")
-    count = max(2, int(np.ceil(abs(y_to_mm - y_from_mm) / step_mm)) + 1)
-    there = np.linspace(y_from_mm, y_to_mm, count)
-    y = np.concatenate([there, there[::-1]])
-    xy = np.column_stack([np.full(y.size, x_mm), y])
-    theta = np.column_stack(inverse(xy, bench.arm.link1_mm, bench.arm.link2_mm, hand))
-    theta[:, 0] = np.unwrap(theta[:, 0])
-    directions = np.column_stack(
-        [states_of_approach(theta[:, n], _first_sign(theta[:, n])) for n in range(2)]
-    )
-    run_in = np.rad2deg(theta[0]) - bench.take_up_deg * directions[0]
-    _require_limits(np.vstack([run_in, np.rad2deg(theta)]), bench)
-    require_free_way(np.vstack([run_in, np.rad2deg(theta)]), bench)
-    points = tuple(
-        PathPoint(float(p[0]), float(p[1]), float(t[0]), float(t[1]), int(d[0]), int(d[1]))
-        for p, t, d in zip(xy, np.rad2deg(theta), directions, strict=True)
-    )
-    start: Joints = (float(run_in[0]), float(run_in[1]), bench.arm.j3_mm, 0.0)
-    return PathPlan(bench, start, points, passes, passes * _duration_s(np.rad2deg(theta), bench))
-
-
-def states_of_approach(theta_rad: NDArray[np.float64], first: int) -> NDArray[np.int64]:
-    """Return the state of approach of a joint along a path: the sign of its last change, shape (n,).
-
-    Args:
-        theta_rad: command angles in order, rad, shape (n,).
-        first: state at the first row, 1 or -1.
-    """
-    change = np.diff(theta_rad)
-    signs = np.append(first, np.where(np.abs(change) > _REST_RAD, np.sign(change), 0)).astype(np.int64)
-    last = np.maximum.accumulate(np.where(signs != 0, np.arange(signs.size), 0))
-    return signs[last]
-
-
-def _first_sign(theta_rad: NDArray[np.float64]) -> int:
-    moving = np.flatnonzero(np.abs(np.diff(theta_rad)) > _REST_RAD)
-    return 1 if not moving.size or np.diff(theta_rad)[moving[0]] > 0 else -1
-
-
-def _require_limits(theta_deg: NDArray[np.float64], bench: Bench) -> None:
-    for joint, angles, (low, high) in (
-        ("J1", theta_deg[:, 0], bench.arm.j1_limits_deg),
-        ("J2", theta_deg[:, 1], bench.arm.j2_limits_deg),
-    ):
-        worst = angles[np.argmax(np.abs(angles - 0.5 * (low + high)))]
-        if not low <= worst <= high:
-            raise PlanLimitError(
-                f"the path needs {joint} = {worst:.2f}°, outside its limits {low:g}°…{high:g}°: "
-                "choose another path or the other hand"
-            )
-
-
-def _duration_s(theta_deg: NDArray[np.float64], bench: Bench) -> float:
-    travel = np.column_stack([np.diff(theta_deg, axis=0), np.zeros(len(theta_deg) - 1)])
-    rest = bench.timing.settle_time_s * len(theta_deg)
-    return float(move_time_s(bench.arm, travel).sum()) + rest
+_MOST_FILES = 10
+"""After so many files that cannot be used nobody will find the right one."""
 
 
 class PathParams(BaseModel):
@@ -155,15 +29,27 @@ class PathParams(BaseModel):
     step_mm: float = Field(10.0, ge=0.1, le=500.0, description="largest distance between points, mm")
     hand: Hand = Field("right", description="right has θ2 >= 0")
     passes: int = Field(1, ge=1, le=100, description="how often the whole way is driven")
+    instrument: Instrument | None = Field(
+        None,
+        description="who measures: tracker, interferometer, or file for a tracker's CSV; by default the cell's "
+        "tracker, or the interferometer without one",
+    )
+    reflector: str = Field(
+        "", description="that the interferometer measures to; by default the one that sees most of the path"
+    )
+    hold_time_s: float = Field(
+        2.0, ge=0.0, le=600.0, description="standstill at a point that is measured for a file, s"
+    )
+    confirm_each: bool = Field(False, description="you confirm each point that is measured for a file")
 
 
 class ValidationPath:
-    """Drives the path and records where an independent instrument sees the arm."""
+    """Drives the path and records where an instrument sees the arm, or how far it is from a reflector."""
 
     name = "validation-path"
     title = "Validation path"
-    needs_aim = False
-    needs_tracker = True
+    needs_aim = True
+    needs_tracker = False
     params_type = PathParams
 
     def plan(self, bench: Bench, params: PathParams) -> PathPlan:
@@ -171,48 +57,129 @@ class ValidationPath:
         return plan_path(bench, **params.model_dump())
 
     async def run(self, ctx: Context, plan: PathPlan) -> None:
-        """Drive and locate.
+        """Drive and measure.
 
         Args:
-            ctx: the bench; it has an independent instrument.
+            ctx: the bench; it has the instrument that the plan names.
             plan: what plan_path returned.
+
+        Raises:
+            BeamLostError: the operator ends the run since the beam does not come back.
+            MeasuredFileError: no file that was given can be used.
+            WayBlockedError: the arm cannot be led to the path.
         """
-        total = plan.passes * len(plan.points)
+        if plan.tracked is not None:
+            await TrackedCampaign(ctx, plan.bench, plan.tracked, plan.points).run()
+            return
+        drive = _Drive(ctx, plan)
         for pass_number in range(plan.passes):
             title = f"pass {pass_number + 1}: approach the first point"
-            await ctx.step(f"run-in/{pass_number}", title, lambda: _run_in(ctx, plan))
+            await ctx.step(f"run-in/{pass_number}", title, drive.run_in)
             for number, point in enumerate(plan.points):
                 title = f"x {point.x_mm:g} mm, y {point.y_mm:g} mm"
                 step_id = f"path/{pass_number}/{number:04d}"
-                await ctx.step(step_id, title, partial(_locate, ctx, plan, point, pass_number))
-                done = pass_number * len(plan.points) + number + 1
-                ctx.progress(done, total, f"path point {done}/{total}")
+                await ctx.step(step_id, title, partial(drive.visit, point, pass_number, number))
+                drive.tell_progress(pass_number, number)
+        if plan.instrument == "file":
+            await ctx.step(
+                "measured-file", "positions from the instrument's file", partial(_take_file, ctx, plan)
+            )
 
     async def teardown(self, ctx: Context) -> None:
         """Leave the arm where it stands."""
 
 
-async def _run_in(ctx: Context, plan: PathPlan) -> Row:
-    await ctx.move(plan.run_in)
-    return {}
+class _Drive:
+    """Drives the path; knows whether the arm stands on it, with the directions of approach of the points."""
+
+    def __init__(self, ctx: Context, plan: PathPlan) -> None:
+        self._ctx = ctx
+        self._plan = plan
+        self._on_path = False
+
+    async def run_in(self) -> Row:
+        """Go to where the first point is approached from."""
+        await self._enter(self._plan.run_in[0], self._plan.run_in[1])
+        return {}
+
+    async def visit(self, point: PathPoint, pass_number: int, number: int) -> Row:
+        """Stand at a point and let it be measured."""
+        if not self._on_path:
+            # The run was interrupted: the arm may stand anywhere, and came there from any side.
+            start = take_up_of(point, self._plan.bench)
+            await self._enter(start[0], start[1])
+        await self._ctx.move((point.theta1_deg, point.theta2_deg, self._plan.bench.arm.j3_mm, 0.0))
+        if self._plan.instrument == "file":
+            return await self._hold(point, f"point/{pass_number}/{number:04d}")
+        return await self._locate(point, pass_number)
+
+    def tell_progress(self, pass_number: int, number: int) -> None:
+        """Tell how far the path is driven, in expected bench seconds."""
+        total = self._plan.passes * len(self._plan.points)
+        done = pass_number * len(self._plan.points) + number + 1
+        duration_s = self._plan.duration_s
+        self._ctx.progress(duration_s * done / total, duration_s, f"path point {done}/{total}")
+
+    async def _enter(self, theta1_deg: float, theta2_deg: float) -> None:
+        bench = self._plan.bench
+        target = (theta1_deg, theta2_deg, bench.arm.j3_mm, 0.0)
+        for pose in way_in(await self._ctx.joints(), target, bench):
+            await self._ctx.move(pose)
+        self._on_path = True
+
+    async def _locate(self, point: PathPoint, pass_number: int) -> Row:
+        found = await self._ctx.locate(self._plan.bench.timing.settle_time_s)
+        measured = {"x_meas_mm": found.x_mm, "y_meas_mm": found.y_mm}
+        self._ctx.record(
+            "path", {**point.as_row(), **measured, "u_mm": found.u_mm, "pass_number": pass_number}
+        )
+        return measured
+
+    async def _hold(self, point: PathPoint, prompt_id: str) -> Row:
+        """Stand still for the instrument; a "no" of the operator gives it more time."""
+        await self._ctx.pause(self._plan.hold_time_s)
+        number = 1
+        while (
+            self._plan.confirm_each and await self._ctx.ask(_point_prompt(point, prompt_id, number)) != "yes"
+        ):
+            await self._ctx.pause(self._plan.hold_time_s)
+            number += 1
+        return {}
 
 
-async def _locate(ctx: Context, plan: PathPlan, point: PathPoint, pass_number: int) -> Row:
-    await ctx.move((point.theta1_deg, point.theta2_deg, plan.bench.arm.j3_mm, 0.0))
-    found = await ctx.locate(plan.bench.timing.settle_time_s)
-    ctx.record(
-        "path",
-        {
-            "x_mm": point.x_mm,
-            "y_mm": point.y_mm,
-            "theta1_deg": point.theta1_deg,
-            "theta2_deg": point.theta2_deg,
-            "direction1": point.direction1,
-            "direction2": point.direction2,
-            "x_meas_mm": found.x_mm,
-            "y_meas_mm": found.y_mm,
-            "u_mm": found.u_mm,
-            "pass_number": pass_number,
-        },
+def _point_prompt(point: PathPoint, prompt_id: str, number: int) -> Prompt:
+    return Prompt(
+        prompt_id if number == 1 else f"{prompt_id}/{number}",
+        "confirm",
+        f"Measure the arm at x {point.x_mm:g} mm, y {point.y_mm:g} mm with the instrument; "
+        "is the point taken? The arm then moves on.",
+        motion=True,
     )
-    return {"x_meas_mm": found.x_mm, "y_meas_mm": found.y_mm}
+
+
+async def _take_file(ctx: Context, plan: PathPlan) -> Row:
+    """Ask for the instrument's file until one can be used."""
+    complaint = ""
+    for number in range(1, _MOST_FILES + 1):
+        file = await ctx.ask(_file_prompt(number, complaint))
+        try:
+            rows = matched_rows(file, plan.points, plan.passes, await ctx.load_path(file))
+        except MeasuredFileError as error:
+            complaint = str(error)
+            await ctx.warn(complaint)
+            continue
+        for row in rows:
+            ctx.record("path", row)
+        return {"file": file, "points": len(rows)}
+    raise MeasuredFileError(
+        f"{complaint}; {_MOST_FILES} files could not be used: the arm has been driven along the whole path, so go on "
+        "with catseye resume when the file is right"
+    )
+
+
+def _file_prompt(number: int, complaint: str) -> Prompt:
+    return Prompt(
+        "measured-file" if number == 1 else f"measured-file/{number}",
+        "text",
+        (f"{complaint}. " if complaint else "") + "Type the path of the tracker's CSV of these points.",
+    )

@@ -31,6 +31,7 @@ def bench_of(cell: Cell) -> Bench:
         take_up_deg=cell.measurement.take_up_deg,
         alignment=Alignment(**cell.alignment.model_dump()),
         noise=_noise(cell),
+        tracker=cell.tracker is not None,
     )
 
 

@@ -11,13 +11,8 @@ import pytest
 from calibration.errors import OutOfReachError
 from procedures.errors import PlanLimitError
 from procedures.motion_time import move_time_s
-from procedures.validation_path import (
-    PathParams,
-    PathPlan,
-    ValidationPath,
-    plan_path,
-    states_of_approach,
-)
+from procedures.path_plan import PathPlan, plan_path, states_of_approach
+from procedures.validation_path import PathParams, ValidationPath
 from tests.unit.procedures.benches import IdealContext, arm_xy, bench
 
 
@@ -135,7 +130,8 @@ async def test_every_point_of_every_pass_is_recorded_with_its_own_measurement() 
         assert row["x_meas_mm"] == pytest.approx(1200.0)
         assert row["y_meas_mm"] == pytest.approx(row["y_mm"] - 500.0)  # type: ignore[operator]  # a number
         assert row["u_mm"] == 0.004
-    assert context.told[-1][:2] == (12, 12)
+    assert context.told[-1][:2] == pytest.approx((plan.duration_s, plan.duration_s))
+    assert [text for _, _, text in context.told][-1] == "path point 12/12"
     assert context.moves.count(plan.run_in) == 2
     assert set(context.waits) == {(0.5, 0.0, 0)}
 
