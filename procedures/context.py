@@ -50,6 +50,7 @@ class Measurement:
         correction: raw reading and what was used to correct it; None for an ideal distance.
         overspeed: the length changed faster than the counter counts.
         laser_ready: the laser is locked.
+        clock_s: bench seconds at the first reading; they count from an origin of their own in every process.
     """
 
     displacement_mm: float
@@ -65,6 +66,7 @@ class Measurement:
     correction: AirCorrection | None = None
     overspeed: bool = False
     laser_ready: bool = True
+    clock_s: float = 0.0
 
 
 @dataclass(frozen=True)

@@ -2,7 +2,6 @@
 
 import math
 from dataclasses import dataclass
-from datetime import datetime
 from functools import partial
 from typing import Annotated
 
@@ -136,9 +135,7 @@ class _Watch:
         if not row["measured"]:
             self.elapsed_s += self._plan.visit_s
             return False
-        seen = _Seen(
-            datetime.fromisoformat(str(row["time_utc"])).timestamp(), _number(row["displacement_mm"])
-        )
+        seen = _Seen(_number(row["clock_s"]), _number(row["displacement_mm"]))
         segment = int(_number(row["segment"]))
         again = self._segment is not None and segment != self._segment
         if self._segment != segment:
@@ -194,7 +191,7 @@ async def _visit(ctx: Context, plan: WarmupPlan, rounds: Rounds, number: int) ->
         "measured": True,
         "segment": rounds.segment,
         "displacement_mm": measured.displacement_mm,
-        "time_utc": measured.time_utc,
+        "clock_s": measured.clock_s,
     }
 
 
@@ -210,6 +207,7 @@ def _record(plan: WarmupPlan, segment: int, number: int, measured: Measurement) 
         "spread_mm": measured.spread_mm,
         "temperature_c": measured.air.temperature_c,
         "time_utc": measured.time_utc,
+        "clock_s": measured.clock_s,
     }
     return row if measured.material_c is None else {**row, "material_c": measured.material_c}
 

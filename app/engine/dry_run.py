@@ -213,7 +213,7 @@ class DryRunContext:
 
     async def measure(self, settle_time_s: float, dwell_time_s: float, readings: int) -> Measurement:
         """Return the ideal distance and account for settling and dwell."""
-        time_utc = self._now()
+        time_utc, clock_s = self._now(), self._account.time_s
         dwell_s = dwell_interval_s(dwell_time_s, readings) * (readings - 1)
         self._account.time_s += settle_time_s + dwell_s
         self._account.measurements += 1
@@ -232,6 +232,7 @@ class DryRunContext:
             air=DryAir(),
             time_utc=time_utc,
             duration_s=dwell_s,
+            clock_s=clock_s,
         )
 
     async def beam(self) -> DryBeam:

@@ -2,6 +2,7 @@
 
 import statistics
 from collections.abc import Callable, Coroutine
+from dataclasses import replace
 from typing import Any, TypeVar
 
 from app.engine.compensation import Compensation
@@ -88,7 +89,7 @@ async def measure(
     """
     if readings < 1:
         raise ValueError(f"readings = {readings}; a measurement needs at least 1")
-    time_utc = clock.now_utc().isoformat()
+    time_utc, clock_s = clock.now_utc().isoformat(), clock.monotonic_s()
     taken: list[LengthReading] = []
     reported: list[Joints] = []
     samples: list[Air] = []
@@ -111,7 +112,7 @@ async def measure(
 
     await together(read(), look(), sample())
     beam = await devices.interferometer.status()
-    return _average(taken, beam, reported[0], samples[0], time_utc, compensation)
+    return replace(_average(taken, beam, reported[0], samples[0], time_utc, compensation), clock_s=clock_s)
 
 
 def _average(
