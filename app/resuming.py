@@ -10,17 +10,15 @@ from pydantic import ValidationError
 from app.cell.bench import bench_of
 from app.cell.load import LoadedCell
 from app.cell.model import Cell
-from app.engine.reentry import MOVED
 from app.errors import UsageError
 from app.plan_digest import plan_digest
 from app.procedure_list import Runnable, load_procedure
 from app.running import PlannedRun
 from app.store.catalog import resolve_run
 from app.store.reader import RunReader
+from app.store.resumable import why_not_resumable, writer_of
 from procedures.bench import Bench
 from procedures.context import Json
-
-_NEEDED = ("configuration", "configuration_file", "params", "aimed", "clock_speed", "plan_sha256")
 
 
 def plan_resume(root: Path, run: str, changed: LoadedCell | None = None) -> PlannedRun:
@@ -56,7 +54,7 @@ def plan_resume(root: Path, run: str, changed: LoadedCell | None = None) -> Plan
     plan = procedure.plan(bench, params)
     if plan_digest(plan) != meta["plan_sha256"]:
         raise UsageError(
-            f"{path.name} was planned by catseye {_version(meta)} and this program plans it differently: its steps "
+            f"{path.name} was planned by catseye {writer_of(meta)} and this program plans it differently: its steps "
             "would not fit together; go on with that version, or start a new run; the points so far stay usable"
         )
     return PlannedRun(
@@ -73,39 +71,9 @@ def plan_resume(root: Path, run: str, changed: LoadedCell | None = None) -> Plan
     )
 
 
-def why_not_resumable(reader: RunReader) -> str:
-    """Return why a run cannot go on, as far as its record tells without planning; empty when it can."""
-    name = reader.path.name
-    match reader.status:
-        case "complete":
-            return f"{name} is complete: there is nothing to go on with; start a new run"
-        case "running":
-            return f"{name} is under way: join it with: catseye attach {name}"
-    moved = [event for event in reader.events() if event.kind == MOVED]
-    if moved:
-        return (
-            f"the reflectors of {name} were moved ({moved[-1].time_utc[:19]}): its points and new ones would not "
-            "belong together; search again and start a new run; the points so far stay usable"
-        )
-    missing = [key for key in _NEEDED if key not in reader.meta]
-    if not missing:
-        return ""
-    if "configuration" in missing:
-        return f"{name} died before it had stored its configuration, and has no points: start a new run"
-    return (
-        f"{name} was written by catseye {_version(reader.meta)}, which did not store what going on needs "
-        f"({', '.join(missing)}): start a new run; the points so far stay usable"
-    )
-
-
 def _require_resumable(reader: RunReader) -> None:
     if text := why_not_resumable(reader):
         raise UsageError(text)
-
-
-def _version(meta: Mapping[str, Any]) -> str:
-    software: Any = meta.get("software") or {}
-    return str(software.get("catseye", "of an unknown version"))
 
 
 def _configured(reader: RunReader, meta: Mapping[str, Any]) -> LoadedCell:
@@ -118,7 +86,7 @@ def _configured(reader: RunReader, meta: Mapping[str, Any]) -> LoadedCell:
         first = error.errors()[0]
         key = ".".join(str(part) for part in first["loc"])
         raise UsageError(
-            f"{reader.path.name}: its configuration, of catseye {_version(meta)}, does not fit this program "
+            f"{reader.path.name}: its configuration, of catseye {writer_of(meta)}, does not fit this program "
             f"({key}: {first['msg']}): go on with that version, or start a new run"
         ) from error
     origins = dict(meta.get("configuration_origins") or {})

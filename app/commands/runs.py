@@ -1,17 +1,19 @@
 """runs, show, verify: the store."""
 
-import json
+import textwrap
 from pathlib import Path
-from typing import Any
 
 from app.commands.output import emit, emit_json, say, table
 from app.errors import StorageError
 from app.runs_folder import runs_folder
-from app.store.catalog import list_runs, resolve_run
+from app.store.catalog import RunSummary, list_runs, resolve_run
 from app.store.reader import RunReader
+from app.store.resumable import why_not_resumable
 from app.store.verify import verify
+from app.story.summary import summary
+from app.story.timeline import timeline
 
-_LONGEST_CELL = 100
+_WIDTH = 116
 
 
 def runs_command(runs: Path | None, as_json: bool) -> None:
@@ -28,6 +30,7 @@ def runs_command(runs: Path | None, as_json: bool) -> None:
                     "started": run.started,
                     "status": run.status,
                     "path": str(run.path),
+                    "resumable": _resumable(run),
                 }
             )
         return
@@ -36,8 +39,11 @@ def runs_command(runs: Path | None, as_json: bool) -> None:
         return
     emit(
         table(
-            ["id", "started", "procedure", "status"],
-            [[r.id, r.started, r.procedure, r.status] for r in summaries],
+            ["id", "started", "procedure", "status", "to go on"],
+            [
+                [r.id, r.started, r.procedure, r.status, f"catseye resume {r.id}" if _resumable(r) else ""]
+                for r in summaries
+            ],
         )
     )
 
@@ -45,12 +51,10 @@ def runs_command(runs: Path | None, as_json: bool) -> None:
 def show_command(run: str, runs: Path | None, as_json: bool) -> None:
     """Tell a run's story."""
     reader = RunReader(resolve_run(runs_folder(runs), run))
-    meta = reader.meta
     if as_json:
-        emit_json(_facts(reader, meta))
+        emit_json(_facts(reader))
         return
-    emit(f"{reader.path.name}: {reader.status}")
-    for line in _story(reader, meta):
+    for line in _told(reader):
         emit(line)
 
 
@@ -66,44 +70,40 @@ def verify_command(run: str, runs: Path | None, as_json: bool) -> None:
         raise StorageError(f"{path.name}: " + "; ".join(problems))
 
 
-def _facts(reader: RunReader, meta: dict[str, Any]) -> dict[str, object]:
+def _resumable(run: RunSummary) -> bool:
+    return run.status not in {"complete", "running", "damaged"} and not why_not_resumable(RunReader(run.path))
+
+
+def _facts(reader: RunReader) -> dict[str, object]:
     return {
         "run": reader.path.name,
         "status": reader.status,
         "exit_code": reader.exit_code,
-        "meta": meta,
+        "meta": reader.meta,
         "counts": {
             name: reader.count(name) for name in ("steps", "points", "search", "path", "records", "events")
         },
         "results": {s.step_id: s.result for s in reader.steps() if s.row_count == 0 and s.result},
         "events": [{"t": e.time_utc, "kind": e.kind, "data": e.data} for e in reader.events()],
         "prompts": reader.prompts(),
+        "resumable": not why_not_resumable(reader),
+        "story": [{"t": moment.time_utc, "text": moment.text} for moment in timeline(reader)],
     }
 
 
-def _story(reader: RunReader, meta: dict[str, Any]) -> list[str]:
-    lines = [
-        f"  procedure  {meta.get('procedure')} on cell {meta.get('cell')}, operator {meta.get('operator')}",
-        f"  params     {json.dumps(meta.get('params', {}), ensure_ascii=False)}; aim from {meta.get('aim')}",
-        f"  devices    {'SIMULATED' if meta.get('simulated') else 'real'}",
-    ]
-    devices = meta.get("devices") or {}
-    lines += [
-        f"    {name}: {facts['model']} {facts['firmware']} {facts['serial']}".rstrip()
-        for name, facts in devices.items()
-    ]
-    counts = ", ".join(
-        f"{reader.count(name)} {name}" for name in ("steps", "points", "search", "path", "records")
-    )
-    lines.append(f"  stored     {counts}")
-    lines += [
-        f"  result     {s.title}: {json.dumps(s.result, ensure_ascii=False)}"
-        for s in reader.steps()
-        if s.row_count == 0 and s.result and s.step_id == "solve"
-    ]
-    lines.append("  events")
-    for event in reader.events():
-        data = json.dumps(event.data, ensure_ascii=False)
-        short = data if len(data) <= _LONGEST_CELL else data[: _LONGEST_CELL - 1] + "…"
-        lines.append(f"    {event.time_utc[11:23]}  {event.kind:<14} {short}")
+def _told(reader: RunReader) -> list[str]:
+    lines = [f"{reader.path.name}: {reader.status}", *(f"  {line}" for line in summary(reader)), ""]
+    day = ""
+    for moment in timeline(reader):
+        if moment.time_utc[:10] != day:
+            day = moment.time_utc[:10]
+            lines.append(f"  {day} (UTC)")
+        lines += textwrap.wrap(
+            moment.text,
+            _WIDTH,
+            initial_indent=f"  {moment.time_utc[11:21]:<10}  ",
+            subsequent_indent=" " * 14,
+            break_long_words=False,
+            break_on_hyphens=False,
+        )
     return lines

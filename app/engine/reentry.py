@@ -6,10 +6,8 @@ from typing import Any, Final
 from app.engine.states import Event, State, transition
 from app.errors import MeasurementRejectedError, SafetyError, UsageError
 from app.store.reader import RunReader, StoredEvent
+from app.store.resumable import MOVED
 from procedures.context import Json, Prompt
-
-MOVED: Final = "reflectors-moved"
-"""Kind of the event that says that the bench is no longer the one of the points: the run never goes on."""
 
 REFLECTORS_PROMPT: Final = "resume/reflectors"
 CLEAR_PROMPT: Final = "clear"

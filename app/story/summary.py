@@ -1,0 +1,98 @@
+"""What a run came to, in a few lines above its story."""
+
+import json
+from collections import Counter
+from collections.abc import Sequence
+from typing import Any
+
+from app.store.reader import RunReader
+from app.store.resumable import why_not_resumable
+from app.story.timeline import last_signs
+from app.story.words import between_s, device_text, gap_text
+
+_TABLES = ("steps", "points", "search", "path", "records")
+_RESULT = "solve"
+
+
+def summary(reader: RunReader) -> list[str]:
+    """Return what was run, on what, how often it was interrupted, and what came out."""
+    meta: dict[str, Any] = dict(reader.meta)
+    lines = ["SIMULATED: every device is an emulator; these data say nothing about a real robot"]
+    if not meta.get("simulated"):
+        lines = []
+    lines += [
+        f"procedure   {meta.get('procedure')} on cell {meta.get('cell')}, operator {meta.get('operator')}",
+        f"params      {json.dumps(meta.get('params', {}), ensure_ascii=False)}",
+        f"aim         from {meta.get('aim')}",
+    ]
+    lines += [f"{name:<11} {device_text(facts)}" for name, facts in (meta.get("devices") or {}).items()]
+    counts = ", ".join(f"{count} {name}" for name in _TABLES if (count := reader.count(name)))  # type: ignore[arg-type]
+    lines += [f"stored      {counts or 'nothing'}", *_interruptions(reader), *_reflectors(reader)]
+    lines += [*_alignments(reader.records("alignment")), *_others(reader), *_results(reader)]
+    if not why_not_resumable(reader):
+        lines.append(f"to go on    catseye resume {reader.path.name}")
+    return lines
+
+
+def _interruptions(reader: RunReader) -> list[str]:
+    last = last_signs(reader)
+    reopened = [event for event in reader.events() if event.kind == "run-reopened"]
+    ways = Counter(str(event.data.get("before")) for event in reopened)
+    if not reopened:
+        return []
+    gaps = sum(between_s(last[event.seq], event.time_utc) for event in reopened)
+    told = ", ".join(f"{name} {count}×" for name, count in ways.items())
+    return [f"interrupted {told}; {gap_text(gaps)} between the last record before and the going on, together"]
+
+
+def _reflectors(reader: RunReader) -> list[str]:
+    points = reader.points()
+    lines = []
+    for name in dict.fromkeys(row["reflector"] for row in points):
+        own = [row for row in points if row["reflector"] == name]
+        segments = len({row["segment"] for row in own})
+        lines.append(f"{name!s:<11} {len(own)} distances in {segments} segment(s)")
+    lost = sum(event.kind == "beam-lost" for event in reader.events())
+    return [*lines, f"beam lost   {lost}×"] if lost else lines
+
+
+def _alignments(rows: Sequence[dict[str, Any]]) -> list[str]:
+    lines = []
+    for quantity in dict.fromkeys(str(row.get("quantity")) for row in rows):
+        own = [row for row in rows if str(row.get("quantity")) == quantity]
+        before, after = own[0], own[-1]
+        unit = before.get("unit", "")
+        lines.append(
+            f"alignment   {quantity}: {before['value']:+.3g} {unit} before, {after['value']:+.3g} {unit} after "
+            f"{len(own)} round(s)"
+        )
+    return lines
+
+
+def _others(reader: RunReader) -> list[str]:
+    """Return closures, drift and whatever else was observed: how often, and the largest change in µm."""
+    rows = [row for row in reader.records() if row["kind"] not in {"alignment", "screw"}]
+    lines = []
+    for kind in dict.fromkeys(str(row["kind"]) for row in rows):
+        own = [row for row in rows if row["kind"] == kind]
+        text = f"{kind:<11} {len(own)}×"
+        found = [change for row in own if (change := _change_um(row)) is not None]
+        if found:
+            text += f", largest change {max(found, key=abs):+.1f} µm"
+        lines.append(text)
+    return lines
+
+
+def _change_um(row: dict[str, Any]) -> float | None:
+    for key, scale in (("drift_um", 1.0), ("change_um", 1.0), ("difference_um", 1.0), ("difference_mm", 1e3)):
+        if isinstance(row.get(key), int | float):
+            return float(row[key]) * scale
+    return None
+
+
+def _results(reader: RunReader) -> list[str]:
+    return [
+        f"result      {step.title}: {json.dumps(step.result, ensure_ascii=False)}"
+        for step in reader.steps()
+        if step.row_count == 0 and step.result and step.step_id == _RESULT
+    ]

@@ -1,0 +1,132 @@
+"""What was stored, in words."""
+
+from collections.abc import Callable, Mapping
+from datetime import datetime
+from typing import Any
+
+from app.commands.progress import duration_text
+from app.store.reader import StoredEvent
+
+Data = Mapping[str, Any]
+
+_SHORT_S = 10.0
+_LONGEST = 160
+
+
+def gap_text(seconds: float) -> str:
+    """Return a duration as people read it, short ones to a tenth of a second."""
+    return f"{seconds:.1f} s" if seconds < _SHORT_S else duration_text(seconds)
+
+
+def between_s(first_utc: str, last_utc: str) -> float:
+    """Return the time between two ISO 8601 times, s."""
+    return (datetime.fromisoformat(last_utc) - datetime.fromisoformat(first_utc)).total_seconds()
+
+
+def event_text(event: StoredEvent) -> str:
+    """Return what happened, as a sentence; empty when another line of the story tells it."""
+    tell = _WORDS.get(event.kind)
+    return tell(event.data) if tell else plain(event.kind, event.data)
+
+
+def plain(kind: str, data: Data) -> str:
+    """Return anything that was stored, by its names."""
+    parts = ", ".join(f"{key} {_value(value)}" for key, value in data.items() if value not in (None, ""))
+    text = f"{kind}: {parts}" if parts else kind
+    return text if len(text) <= _LONGEST else text[: _LONGEST - 1] + "…"
+
+
+def device_text(facts: Data) -> str:
+    """Return who answered."""
+    told = (
+        facts.get("model"),
+        facts.get("firmware"),
+        f"no. {facts['serial']}" if facts.get("serial") else "",
+    )
+    return " ".join(str(part) for part in told if part)
+
+
+def _value(value: Any) -> str:
+    return f"{value:.6g}" if isinstance(value, float) else str(value)
+
+
+def _state(data: Data) -> str:
+    return f"{data['state']}: {data['reason']}" if data.get("reason") else str(data["state"])
+
+
+def _beam_lost(data: Data) -> str:
+    where = f" {data['reflector']}" if data.get("reflector") else ""
+    if isinstance(data.get("point"), int):
+        where += f", on the way to point {data['point'] + 1}"
+    elif data.get("where"):
+        where += f", {data['where']}"
+    known = ("reflector", "point", "where", "segment", "cause")
+    rest = {key: value for key, value in data.items() if key not in known}
+    text = f"BEAM LOST:{where}; segment {data.get('segment')} ends"
+    if data.get("cause"):
+        text += f"; cause: {data['cause']}"
+    return text + (f" ({plain('', rest).removeprefix(': ')})" if rest else "")
+
+
+def _entry(data: Data) -> str:
+    point, targets = int(data.get("point", 0)) + 1, data.get("targets")
+    return f"{data.get('reflector')}: the arm enters at point {point}, by {targets} targets"
+
+
+def _dropped(data: Data) -> str:
+    rows = data.get("rows")
+    kept = f"; {rows} row(s) were not kept" if rows else ""
+    return f"attempt {data.get('attempt')} at {data.get('step_id')} dropped: {data.get('error')}{kept}"
+
+
+def _control(data: Data) -> str:
+    by = data.get("by") or "nobody"
+    before = f", before: {data['before']}" if data.get("before") else ""
+    return f"control {data.get('what')}: {by}{before}"
+
+
+def _client_lost(data: Data) -> str:
+    client, who = data.get("client"), data.get("who")
+    return f"front end {client} ({who}) lost: {data.get('reason')}; the run is told to {data.get('policy')}"
+
+
+def _ended(data: Data) -> str:
+    text = f"ENDED {data.get('status')}, exit code {data.get('exit_code')}"
+    text += f": {data['text']}" if data.get("text") else ""
+    cut = data.get("wire_lines_cut")
+    return text + (f"; {cut} lines are missing in wire.log, which was full" if cut else "")
+
+
+def _warning(data: Data) -> str:
+    text = str(data.get("text"))
+    # The banner stands above the story.
+    return "" if text.startswith("SIMULATED") else f"WARNING: {text}"
+
+
+def _moved(data: Data) -> str:
+    return (
+        f"reflectors or interferometer MOVED since {str(data.get('since_utc'))[:19]}: the run never goes on"
+    )
+
+
+_WORDS: Mapping[str, Callable[[Data], str]] = {
+    "state": _state,
+    "warning": _warning,
+    "error": lambda data: f"ERROR: {data.get('text')}",
+    "ready": lambda data: f"drives on, override {_value(data.get('override_percent'))} %",
+    "override": lambda data: f"override lowered to {_value(data.get('percent'))} %",
+    "zero": lambda data: (
+        f"count zeroed (no. {data.get('number')}), dead path {float(data.get('dead_path_mm', 0.0)):.2f} mm"
+    ),
+    "beam-lost": _beam_lost,
+    "entry": _entry,
+    "step-dropped": _dropped,
+    "control": _control,
+    "client-lost": _client_lost,
+    "run-ended": _ended,
+    "reflectors-moved": _moved,
+    "hands": lambda data: plain("the emulated operator's hands", data),
+    "close-failed": lambda data: plain("NOT CLOSED", data),
+    # These are told with what belongs to them.
+    "asked": lambda _data: "",
+}
