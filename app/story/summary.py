@@ -21,16 +21,16 @@ def summary(reader: RunReader) -> list[str]:
     if not meta.get("simulated"):
         lines = []
     lines += [
-        f"procedure   {meta.get('procedure')} on cell {meta.get('cell')}, operator {meta.get('operator')}",
-        f"params      {json.dumps(meta.get('params', {}), ensure_ascii=False)}",
-        f"aim         from {meta.get('aim')}",
+        f"procedure       {meta.get('procedure')} on cell {meta.get('cell')}, operator {meta.get('operator')}",
+        f"params          {json.dumps(meta.get('params', {}), ensure_ascii=False)}",
+        f"aim             from {meta.get('aim')}",
     ]
-    lines += [f"{name:<11} {device_text(facts)}" for name, facts in (meta.get("devices") or {}).items()]
+    lines += [f"{name:<16}{device_text(facts)}" for name, facts in (meta.get("devices") or {}).items()]
     counts = ", ".join(f"{count} {name}" for name in _TABLES if (count := reader.count(name)))  # type: ignore[arg-type]
-    lines += [f"stored      {counts or 'nothing'}", *_interruptions(reader), *_reflectors(reader)]
+    lines += [f"stored          {counts or 'nothing'}", *_interruptions(reader), *_reflectors(reader)]
     lines += [*_alignments(reader.records("alignment")), *_others(reader), *_results(reader)]
     if not why_not_resumable(reader):
-        lines.append(f"to go on    catseye resume {reader.path.name}")
+        lines.append(f"to go on            catseye resume {reader.path.name}")
     return lines
 
 
@@ -42,7 +42,9 @@ def _interruptions(reader: RunReader) -> list[str]:
         return []
     gaps = sum(between_s(last[event.seq], event.time_utc) for event in reopened)
     told = ", ".join(f"{name} {count}×" for name, count in ways.items())
-    return [f"interrupted {told}; {gap_text(gaps)} between the last record before and the going on, together"]
+    return [
+        f"interrupted     {told}; {gap_text(gaps)} between the last record before and the going on, together"
+    ]
 
 
 def _reflectors(reader: RunReader) -> list[str]:
@@ -51,9 +53,9 @@ def _reflectors(reader: RunReader) -> list[str]:
     for name in dict.fromkeys(row["reflector"] for row in points):
         own = [row for row in points if row["reflector"] == name]
         segments = len({row["segment"] for row in own})
-        lines.append(f"{name!s:<11} {len(own)} distances in {segments} segment(s)")
+        lines.append(f"{name!s:<16}{len(own)} distances in {segments} segment(s)")
     lost = sum(event.kind == "beam-lost" for event in reader.events())
-    return [*lines, f"beam lost   {lost}×"] if lost else lines
+    return [*lines, f"beam lost       {lost}×"] if lost else lines
 
 
 def _alignments(rows: Sequence[dict[str, Any]]) -> list[str]:
@@ -63,7 +65,7 @@ def _alignments(rows: Sequence[dict[str, Any]]) -> list[str]:
         before, after = own[0], own[-1]
         unit = before.get("unit", "")
         lines.append(
-            f"alignment   {quantity}: {before['value']:+.3g} {unit} before, {after['value']:+.3g} {unit} after "
+            f"alignment       {quantity}: {before['value']:+.3g} {unit} before, {after['value']:+.3g} {unit} after "
             f"{len(own)} round(s)"
         )
     return lines
@@ -75,7 +77,7 @@ def _others(reader: RunReader) -> list[str]:
     lines = []
     for kind in dict.fromkeys(str(row["kind"]) for row in rows):
         own = [row for row in rows if row["kind"] == kind]
-        text = f"{kind:<11} {len(own)}×"
+        text = f"{kind:<16}{len(own)}×"
         found = [change for row in own if (change := _change_um(row)) is not None]
         if found:
             text += f", largest change {max(found, key=abs):+.1f} µm"
@@ -92,7 +94,7 @@ def _change_um(row: dict[str, Any]) -> float | None:
 
 def _results(reader: RunReader) -> list[str]:
     return [
-        f"result      {step.title}: {json.dumps(step.result, ensure_ascii=False)}"
+        f"result          {step.title}: {json.dumps(step.result, ensure_ascii=False)}"
         for step in reader.steps()
         if step.row_count == 0 and step.result and step.step_id == _RESULT
     ]

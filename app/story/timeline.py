@@ -8,8 +8,6 @@ from typing import Any
 from app.store.reader import RunReader, StoredEvent, StoredStep
 from app.story.words import between_s, device_text, event_text, gap_text, plain
 
-_TOLD_IN_THE_END = frozenset({"alignment", "closure", "drift", "overlap"})
-
 
 @dataclass(frozen=True)
 class Moment:
@@ -31,6 +29,7 @@ class _Entry:
     time_utc: str
     text: str
     step: StoredStep | None = None
+    rank: int = 0
 
     @property
     def group(self) -> str:
@@ -44,8 +43,8 @@ def timeline(reader: RunReader) -> list[Moment]:
     records = _rows_of(reader.records())
     entries = [*_event_entries(reader), *_prompt_entries(reader)]
     entries += [_Entry(step.done_utc, "", step) for step in reader.steps()]
-    # Sorting keeps the order of what has one time: events, then answers, then what they led to.
-    entries.sort(key=lambda entry: entry.time_utc)
+    # Of what has one time, events stay before answers and steps; a death comes last.
+    entries.sort(key=lambda entry: (entry.time_utc, entry.rank))
     moments: list[Moment] = []
     for group, found in groupby(entries, key=lambda entry: entry.group):
         together = list(found)
@@ -99,11 +98,8 @@ def last_signs(reader: RunReader) -> dict[int, str]:
 def _death(event: StoredEvent, last: dict[int, str]) -> list[_Entry]:
     if event.data.get("before") != "died":
         return []
-    return [
-        _Entry(
-            last.get(event.seq, event.time_utc), "DIED: nothing was stored after this, the run was not closed"
-        )
-    ]
+    time_utc = last.get(event.seq, event.time_utc)
+    return [_Entry(time_utc, "DIED: nothing was stored after this, the run was not closed", rank=1)]
 
 
 def _opened(meta: dict[str, Any]) -> str:
@@ -116,9 +112,10 @@ def _opened(meta: dict[str, Any]) -> str:
 
 def _reopened(event: StoredEvent, last_utc: str) -> str:
     software: Any = event.data.get("software") or {}
+    after = gap_text(between_s(last_utc, event.time_utc))
     text = (
-        f"RESUMED by {event.data.get('operator', 'an unknown operator')} on {software.get('host', 'an unknown host')} "
-        f"with catseye {software.get('catseye', '?')}, {gap_text(between_s(last_utc, event.time_utc))} after it "
+        f"RESUMED by {event.data.get('operator', 'an unknown operator')} on "
+        f"{software.get('host', 'an unknown host')} with catseye {software.get('catseye', '?')}, {after} after it "
         f"{_was(str(event.data.get('before')))}"
     )
     if event.data.get("configuration_file"):
