@@ -405,6 +405,8 @@ class RunContext:
 
     async def _ask(self, prompt: Prompt, watch: Callable[[], Awaitable[Live]] | None) -> str:
         asked_utc = self._clock.now_utc().isoformat()
+        # The table of prompts takes answered ones; a question that a process dies over is known by this.
+        await self._store.event("asked", {"id": prompt.id, "text": prompt.text, "asked_utc": asked_utc})
         self._announcer.say(
             "prompt",
             id=prompt.id,

@@ -131,8 +131,11 @@ def _devices(present: Any, before: Any) -> list[str]:
     if not isinstance(present, dict):
         return []
     if present == before:
-        return ["devices: the same answer as before"]
-    return [f"{name}: {device_text(facts)}" for name, facts in present.items()]
+        return ["the same devices answer as before"]
+    if before is None:
+        return [f"devices answer: {', '.join(present)}"]
+    changed = {name: facts for name, facts in present.items() if facts != before.get(name)}
+    return [f"{name} is now {device_text(facts)}" for name, facts in changed.items()]
 
 
 def _prompt_entries(reader: RunReader) -> list[_Entry]:
