@@ -9,9 +9,8 @@ from typing import NoReturn
 from app.cell.load import load_cell
 from app.commands.engine import detach
 from app.commands.hosting import serve_and_run
-from app.commands.output import emit, emit_json, say, table
-from app.commands.progress import duration_text
-from app.engine.dry_run import DryRunContext
+from app.commands.output import emit, say
+from app.commands.rehearsal import tell_rehearsal
 from app.procedure_list import load_procedure, parse_params
 from app.running import PlannedRun, plan_run, rehearse
 from app.runs_folder import runs_folder
@@ -76,7 +75,7 @@ def conduct(
 ) -> None:
     """Rehearse a plan, or run it and end the process with the run's exit code."""
     if dry_run:
-        _tell_rehearsal(planned, asyncio.run(rehearse(planned)), as_json)
+        tell_rehearsal(planned, asyncio.run(rehearse(planned)), as_json=as_json)
         return
     # What is there now stays until the end; a collector that walks through it again delays readings by 40 ms.
     gc.collect()
@@ -85,41 +84,3 @@ def conduct(
     if not as_json:
         emit(str(outcome.path))
     sys.exit(int(outcome.exit_code))
-
-
-def _tell_rehearsal(planned: PlannedRun, context: DryRunContext, as_json: bool) -> None:
-    steps = [
-        {
-            "step": step.step_id,
-            "title": step.title,
-            "moves": step.moves,
-            "measurements": step.measurements,
-            "duration_s": round(step.duration_s, 3),
-            "end": [round(value, 4) for value in step.end],
-        }
-        for step in context.steps
-    ]
-    if as_json:
-        emit_json({"procedure": planned.procedure.name, "total_s": context.total_s, "steps": steps})
-    else:
-        header = ["step", "moves", "points", "s", "J1 deg", "J2 deg", "J3 mm", "J4 deg"]
-        rows = [
-            [
-                step.step_id,
-                step.moves,
-                step.measurements,
-                f"{step.duration_s:.2f}",
-                *(f"{v:.3f}" for v in step.end),
-            ]
-            for step in context.steps
-        ]
-        emit(table(header, rows))
-    for kind, data in context.notes:
-        if kind == "warning":
-            say(f"warning: {data.get('text')}")
-    moves = sum(step.moves for step in context.steps)
-    points = sum(step.measurements for step in context.steps)
-    say(
-        f"{len(steps)} steps, {moves} moves, {points} distances, about {duration_text(context.total_s)} at "
-        f"{planned.bench.arm.override_percent:g} % override; every limit of the cell file holds; nothing was moved"
-    )

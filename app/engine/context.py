@@ -437,7 +437,7 @@ class RunContext:
 
 def _measured_points(file: str) -> Sequence[MeasuredPoint]:
     try:
-        path = Path(file.strip()).expanduser()
+        path = Path(file.strip()).expanduser().absolute()
     except RuntimeError as error:
         raise UsageError(f"{file}: {error}; type the whole path") from error
     return read_measured_csv(path)

@@ -204,6 +204,9 @@ class DryRunContext:
             return
         poses = self._model.sampled(self.pose, way)
         self._lost = self._lost or not self._model.returns(poses, self._zeroed.reflector).all()
+        if not np.ptp(poses[:, :2], axis=0).any():
+            # Whoever turns J4 alone means to aim beside the reflector, or to find its edge.
+            return
         miss_mm = float(self._model.miss_mm(poses, self._zeroed.reflector).max())
         self._way_miss_mm = max(self._way_miss_mm or 0.0, miss_mm)
 

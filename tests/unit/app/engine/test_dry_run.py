@@ -138,6 +138,21 @@ async def test_the_miss_of_a_way_counts_only_when_a_distance_is_measured_over_it
     assert dry.excess == [dry.steps[0]]
 
 
+async def test_a_turn_of_j4_alone_is_no_miss_but_can_lose_the_beam(dry: DryRunContext) -> None:
+    async def turn() -> Row:
+        await dry.zero(100.0)
+        for j4_deg in (0.3, -0.3, 0.0):
+            await dry.move((0.0, 0.0, 0.0, j4_deg))
+            assert (await dry.measure(0.5, 0.5, 1)).beam_ok
+        await dry.move((0.0, 0.0, 0.0, 0.8))
+        await dry.move(HOME)
+        assert (await dry.beam()).beam_lost
+        return {}
+
+    await dry.step("turn", "J4 inside the return window", turn)
+    assert (dry.steps[0].miss_mm, dry.excess) == (None, [])
+
+
 async def test_heights_are_checked_too() -> None:
     low = DryRunContext(replace(LIMITS, j3_mm=(-1.0, 1.0)), BENCH)
     with pytest.raises(LimitError, match=r"J3 = 5 mm is outside -1 … 1 mm"):
