@@ -3,6 +3,7 @@
 import asyncio
 import logging
 from collections.abc import Awaitable, Callable
+from typing import TypeVar
 
 from pymodbus import FramerType
 from pymodbus.client import AsyncModbusSerialClient, AsyncModbusTcpClient
@@ -27,6 +28,20 @@ _EXCEPTIONS = {
     11: "gateway target does not answer: check device_id and the wiring behind the gateway",
 }
 _SHOWN_BYTES = 80
+
+T = TypeVar("T")
+
+
+async def _cancellable(call: Awaitable[T]) -> T:
+    """Await the library, which up to Python 3.11 drops a cancellation that comes together with its result."""
+    task = asyncio.ensure_future(call)
+    try:
+        await asyncio.wait({task})
+    except asyncio.CancelledError:
+        task.cancel()
+        await asyncio.gather(task, return_exceptions=True)
+        raise
+    return task.result()
 
 
 _Client = AsyncModbusTcpClient | AsyncModbusSerialClient
@@ -80,7 +95,7 @@ class RegisterClient:
             return
         await self.close()
         client = self._new_client()
-        if not await client.connect():
+        if not await self._connects(client):
             advice = (
                 "the device path, and that no other program holds the port"
                 if isinstance(self._target, SerialEndpoint)
@@ -94,6 +109,14 @@ class RegisterClient:
             # An answer without a number must have passed before the next question is asked.
             await asyncio.sleep(self._timeout_s)
         self._in_doubt = False
+
+    async def _connects(self, client: _Client) -> bool:
+        try:
+            return await _cancellable(client.connect())
+        except asyncio.CancelledError:
+            # It may have come just then.
+            client.close()
+            raise
 
     def _new_client(self) -> _Client:
         target = self._target
@@ -216,7 +239,7 @@ class RegisterClient:
             # Until the answer is there; whoever is cancelled meanwhile leaves an answer behind.
             self._in_doubt = True
             try:
-                answer = await call(client)
+                answer = await _cancellable(call(client))
             except ModbusException as exc:
                 raise await self._lost(what, exc) from None
             self._in_doubt = False

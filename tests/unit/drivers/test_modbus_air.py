@@ -243,6 +243,22 @@ async def test_an_answer_to_an_older_request_is_never_taken() -> None:
         await client.close()
 
 
+async def test_a_cancellation_that_comes_with_the_answer_is_not_lost() -> None:
+    def cancel(direction: str, _data: bytes) -> None:
+        if direction == "rx":
+            asking.cancel()
+
+    async with modbus_server(registers_of_the_sheet) as port:
+        client = RegisterClient(TcpEndpoint("127.0.0.1", port), sink=cancel)
+        asking = asyncio.create_task(client.read(3, 0, 2))
+        await asyncio.wait({asking})
+        assert asking.cancelled()
+        # The next question is answered on a new connection.
+        asking = asyncio.create_task(asyncio.sleep(0, []))
+        assert await client.read(3, 0, 2) == [0x7AE1, 0x41F4]
+        await client.close()
+
+
 async def test_client_with_too_few_registers_is_a_protocol_error() -> None:
     async with modbus_server(lambda r: frame(r, bytes.fromhex("03 02 7AE1"))) as port:
         client = RegisterClient(TcpEndpoint("127.0.0.1", port))
