@@ -15,7 +15,10 @@ SIGNIFICANCE = 0.01
 _COVERAGE = 0.95
 
 _PARALLEL = 0.15
-"""Beams whose directions (as lines) determine the spread worse than this do not determine it at all."""
+"""Beams with a worse conditioning do not determine the spread of a position."""
+
+GOOD_CONDITIONING = 0.3
+"""Beams with a better conditioning determine it without magnifying the uncertainty of the variances much."""
 
 
 @dataclass(frozen=True)
@@ -64,11 +67,13 @@ class InPlane:
     Attributes:
         covariance_um2: of x and y, µm², shape (2, 2).
         rp_um: l̄ + 3 S_l of a normal distribution with this covariance, µm.
+        u_rp_um: its standard uncertainty from the degrees of freedom, µm; the assumption is not part of it.
         assumption: what had to be assumed; empty with three beams or more.
     """
 
     covariance_um2: Floats
     rp_um: float
+    u_rp_um: float
     assumption: str
 
 
@@ -167,34 +172,63 @@ def in_plane(direction_rad: Floats, s_um: Floats, dof: Ints) -> InPlane:
         raise InsufficientPointsError(
             "one beam tells nothing across itself: measure with two reflectors or more"
         )
-    variance = s_um**2
-    design = np.column_stack([np.ones(s_um.size), np.cos(2 * direction_rad), np.sin(2 * direction_rad)])
-    two = direction_rad.size == 2
-    _require_apart(design, two=two)
-    a, b, c = _roundest(design, variance) if two else _fitted(design, variance, dof)
-    if a <= math.hypot(b, c):
-        listed = ", ".join(f"{s:.1f}" for s in s_um)
+    smallest = conditioning(direction_rad)
+    if smallest < _PARALLEL:
         raise UnidentifiableError(
-            f"no spread of a position has the standard deviations {listed} µm along these beams; something other "
-            "than the arm's repeatability differs between the reflectors: look at drift, or measure more cycles",
+            "the beams are too nearly parallel to tell the spread of a position: choose poses from which the "
+            "reflectors stand in clearly different directions",
             [["covariance of x and y"]],
         )
-    covariance = np.array([[a + b, c], [c, a - b]])
+    design, variance = _design(direction_rad), s_um**2
+    a, b, c = _elements(design, variance, dof)
+    if a < math.hypot(b, c) or (a == math.hypot(b, c) and a > 0.0):
+        listed = ", ".join(f"{s:.1f}" for s in s_um)
+        raise UnidentifiableError(
+            f"no spread of a position has the standard deviations {listed} µm along these beams; they differ by more "
+            "than their directions explain: look at their drift, or measure more cycles",
+            [["covariance of x and y"]],
+        )
     assumption = (
         "two beams determine two of the three elements of the covariance; of all spreads that fit, this is the "
         "roundest"
     )
-    return InPlane(covariance, _normal_rp(a, math.hypot(b, c)), assumption if two else "")
+    return InPlane(
+        covariance_um2=np.array([[a + b, c], [c, a - b]]),
+        rp_um=_normal_rp(a, math.hypot(b, c)),
+        u_rp_um=_u_rp(design, variance, dof),
+        assumption=assumption if direction_rad.size == 2 else "",
+    )
 
 
-def _require_apart(design: Floats, *, two: bool) -> None:
-    smallest = float(np.linalg.svd(design, compute_uv=False)[-1])
-    if smallest < _PARALLEL:
-        raise UnidentifiableError(
-            "the beams are too nearly parallel to tell the spread of a position: choose poses from which the "
-            f"{'two reflectors' if two else 'reflectors'} stand in clearly different directions",
-            [["covariance of x and y"]],
-        )
+def conditioning(direction_rad: Floats) -> float:
+    """Return how well variances along beams determine a covariance: 0 if parallel, 1.2 for three beams 60° apart.
+
+    Args:
+        direction_rad: angles of the beams, rad, shape (k,), k >= 2.
+    """
+    return float(np.linalg.svd(_design(direction_rad), compute_uv=False)[-1])
+
+
+def _design(direction_rad: Floats) -> Floats:
+    return np.column_stack(
+        [np.ones(direction_rad.size), np.cos(2.0 * direction_rad), np.sin(2.0 * direction_rad)]
+    )
+
+
+def _elements(design: Floats, variance: Floats, dof: Ints) -> tuple[float, float, float]:
+    return _roundest(design, variance) if variance.size == 2 else _fitted(design, variance, dof)
+
+
+def _u_rp(design: Floats, variance: Floats, dof: Ints) -> float:
+    """Return what the uncertainties of the variances, each its own share sqrt(2 / dof), make of RP."""
+    square = 0.0
+    for k in range(variance.size):
+        change = np.zeros(variance.size)
+        change[k] = 1e-4 * variance[k]
+        ends = [_elements(design, variance + sign * change, dof) for sign in (1.0, -1.0)]
+        high, low = (_normal_rp(a, min(a, math.hypot(b, c))) for a, b, c in ends)
+        square += ((high - low) / 2e-4) ** 2 * 2.0 / float(dof[k])
+    return math.sqrt(square)
 
 
 def _roundest(design: Floats, variance: Floats) -> tuple[float, float, float]:
@@ -218,5 +252,7 @@ def _fitted(design: Floats, variance: Floats, dof: Ints) -> tuple[float, float, 
 def _normal_rp(mean_variance: float, difference: float) -> float:
     """Return E l + 3 sd l of the distance l from the mean, for principal variances mean ± difference."""
     largest, smallest = mean_variance + difference, mean_variance - difference
+    if largest <= 0.0:
+        return 0.0
     mean = math.sqrt(2.0 * largest / math.pi) * float(special.ellipe(1.0 - smallest / largest))
     return mean + 3.0 * math.sqrt(max(2.0 * mean_variance - mean**2, 0.0))

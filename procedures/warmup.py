@@ -19,6 +19,9 @@ from procedures.warmup_plan import Exercise, WarmupPlan, plan_warmup
 _COMPLETE = 0.95
 """Visits of a full window span this share of it: the next one would lie beyond it."""
 
+_FEWEST = 6
+"""Visits that a drift comes from at least, however long they took."""
+
 _MOST_VISITS = 3
 """So many times the visits that are expected: an end for benches whose time stands still."""
 
@@ -162,9 +165,10 @@ class _Watch:
 
     def _judge(self) -> None:
         last = self._series[-1].time_s
-        window = [seen for seen in self._series if seen.time_s >= last - self._plan.window_s]
+        recent = sum(seen.time_s >= last - self._plan.window_s for seen in self._series)
         complete = last - self._series[0].time_s >= _COMPLETE * self._plan.window_s
-        self.rate = drift_rate(*self._columns(window)) if complete else None
+        window = self._series[-max(recent, _FEWEST) :]
+        self.rate = drift_rate(*self._columns(window)) if complete and len(window) >= _FEWEST else None
         below = self.rate is not None and self.rate.bound_um_per_10min <= self._plan.limit_um_per_10min
         self._below = self._below + 1 if below else 0
 
@@ -256,8 +260,9 @@ def _not_warm(plan: WarmupPlan, watch: _Watch) -> str:
     rate = watch.rate
     if rate is None:
         return (
-            f"after {minutes:.0f} min the drift is not known: no {plan.window_s / 60:g} min passed without a "
-            "break of the beam; look for what breaks it, or choose a smaller amplitude_share or a shorter window_min"
+            f"after {minutes:.0f} min the drift is not known: {watch.visits} visit(s) since the beam was zeroed "
+            f"last do not fill window_min = {plan.window_s / 60:g} with {_FEWEST} visits; look for what breaks the "
+            "beam or slows the visits down, or choose a smaller amplitude_share or a longer duration_limit_min"
         )
     known = f"{rate.um_per_10min:+.1f} ± {rate.u_um_per_10min:.1f} µm in 10 min, the limit is {limit:g}"
     if rate.u_um_per_10min > 0.5 * limit:

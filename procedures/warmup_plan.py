@@ -14,6 +14,8 @@ _SHARES = (1.0, 0.8, 0.6, 0.4, 0.25, 0.15)
 _PLACES = (0.0, -0.3, 0.3, -0.6, 0.6)
 """Where a reference pose is tried, in half ranges from the middle of the nodes."""
 
+_FEWEST_IN_WINDOW = 6
+
 _NAMED = 0.9
 """An exercise smaller than this share of what was asked for is told."""
 
@@ -93,10 +95,10 @@ def plan_warmup(
             f"a drift over {window_s / 60:g} min and {checks} checks, one every {visit_s / 60:.1f} min, do not fit "
             f"into the time limit of {duration_limit_s / 60:g} min: raise duration_limit_min or lower window_min"
         )
-    if window_s < 4 * visit_s:
+    if window_s < _FEWEST_IN_WINDOW * visit_s:
         raise PlanError(
-            f"window_min = {window_s / 60:g} holds fewer than 4 visits, one every {visit_s / 60:.1f} min: make the "
-            "window longer, or cycle_min or amplitude_share smaller"
+            f"window_min = {window_s / 60:g} holds fewer than {_FEWEST_IN_WINDOW} visits, one every "
+            f"{visit_s / 60:.1f} min: make the window longer, or cycle_min or amplitude_share smaller"
         )
     warnings = () if share >= _NAMED else (_smaller(trip, exercise, share),)
     return WarmupPlan(
