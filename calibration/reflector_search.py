@@ -1,6 +1,6 @@
 """Places of the reflectors and the beam's zero direction from J4 angles that hit (Eq. 2, corrected)."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -8,7 +8,7 @@ from calibration.errors import InsufficientPointsError, UnidentifiableError
 from calibration.kinematics import forward, wrap_rad
 from calibration.least_squares import minimise
 from calibration.pointing import beam_direction
-from calibration.types import Floats, Ints
+from calibration.types import Bools, Floats, Ints
 
 
 @dataclass(frozen=True)
@@ -26,6 +26,12 @@ class Sightings:
     theta2_rad: Floats
     j4_rad: Floats
     reflector: Ints
+
+    def select(self, rows: Bools) -> "Sightings":
+        """Return the chosen sightings."""
+        return Sightings(
+            self.theta1_rad[rows], self.theta2_rad[rows], self.j4_rad[rows], self.reflector[rows]
+        )
 
 
 @dataclass(frozen=True)
@@ -53,6 +59,44 @@ class SearchResult:
     def u_theta40_rad(self) -> float:
         """Standard uncertainty of θ40, rad."""
         return float(np.sqrt(self.covariance[-1, -1]))
+
+    @property
+    def u_sighting_rad(self) -> float:
+        """Standard uncertainty of one sighting, from the scatter of all, rad."""
+        dof = self.residuals_rad.size - self.covariance.shape[0]
+        return float(np.sqrt(self.residuals_rad @ self.residuals_rad / dof))
+
+    def predicted_rad(self, xy_mm: Floats, reflector: int) -> float:
+        """Return the J4 angle plus θ1 and θ2 at which the beam hits a reflector from a position, rad."""
+        return float(beam_direction(xy_mm, self.reflectors_mm[reflector])) - self.theta40_rad
+
+    def with_sighting(self, xy_mm: Floats, reflector: int) -> "SearchResult":
+        """Return the result with the covariance that one more sighting of the same quality would leave.
+
+        Args:
+            xy_mm: where the J4 axis would stand, mm, shape (2,).
+            reflector: index of the reflector that would be looked at.
+        """
+        gradient = self._gradient(xy_mm, reflector)
+        seen = self.covariance @ gradient
+        variance = self.u_sighting_rad**2 + float(gradient @ seen)
+        if variance == 0.0:
+            return self
+        return replace(self, covariance=self.covariance - np.outer(seen, seen) / variance)
+
+    def u_prediction_rad(self, xy_mm: Floats, reflector: int) -> float:
+        """Return the standard uncertainty of one further sighting against its prediction, rad."""
+        gradient = self._gradient(xy_mm, reflector)
+        return float(np.sqrt(self.u_sighting_rad**2 + gradient @ self.covariance @ gradient))
+
+    def _gradient(self, xy_mm: Floats, reflector: int) -> Floats:
+        """Return the derivatives of a predicted angle, shape (unknowns,)."""
+        beam = self.reflectors_mm[reflector] - xy_mm
+        square = float(beam @ beam)
+        gradient = np.zeros(self.covariance.shape[0])
+        gradient[2 * reflector : 2 * reflector + 2] = -beam[1] / square, beam[0] / square
+        gradient[-1] = -1.0
+        return gradient
 
     def aim_uncertainty_mm(self, xy_mm: Floats, reflector: int) -> Floats:
         """Return the standard uncertainty of the beam's place at a reflector, mm, shape (...).

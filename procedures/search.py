@@ -1,41 +1,18 @@
 """Reflector search: places of the reflectors and the beam's zero direction (Remark 1, Eq. 2)."""
 
 import math
-from dataclasses import dataclass
+from typing import Literal
 
 import numpy as np
 from pydantic import BaseModel, ConfigDict, Field
 
-from calibration.errors import CalibrationError
-from calibration.reflector_search import SearchResult, Sightings, locate_reflectors
-from procedures.beam_scan import find_return, half_window_deg
+from calibration.reflector_search import SearchResult
 from procedures.bench import Bench
 from procedures.context import Context, Json, Row
 from procedures.errors import ReflectorNotFoundError
-from procedures.search_plan import SearchPlan, SearchPose, plan_search
-
-_FEWEST_SIGHTINGS = 3
-
-_COVERAGE = 2.0
-"""Twice the standard uncertainty of the aim has to leave room for the plan's own miss."""
-
-
-@dataclass(frozen=True)
-class _Sighting:
-    """A pose from which a reflector was found.
-
-    Attributes:
-        pose: the pose.
-        j4_deg: middle of the return window.
-    """
-
-    pose: SearchPose
-    j4_deg: float
-
-    @property
-    def offset_deg(self) -> float:
-        """What the rough aim was wrong by, -180...180."""
-        return (self.j4_deg - self.pose.j4_deg + 180.0) % 360.0 - 180.0
+from procedures.search_plan import Jogging, SearchPlan, SearchPose, plan_search
+from procedures.search_solution import FEWEST_SIGHTINGS, Assessment, assess, weakest
+from procedures.sighting import Announcement, Lookout
 
 
 class SearchParams(BaseModel):
@@ -43,9 +20,23 @@ class SearchParams(BaseModel):
 
     model_config = ConfigDict(frozen=True, extra="forbid", strict=True)
 
+    mode: Literal["automatic", "manual"] = Field(
+        "automatic",
+        description="automatic scans J4; manual asks the technician to jog it and shows the signal",
+    )
     poses: int = Field(8, ge=4, le=40, description="poses for each reflector")
+    most_poses: int | None = Field(
+        None,
+        ge=4,
+        le=120,
+        description="poses for each reflector with those added until the aim holds; three times poses when left out",
+    )
     half_range_deg: float = Field(6.0, gt=0.0, le=45.0, description="first scan to either side, deg")
     rough_place_mm: float = Field(20.0, gt=0.0, le=200.0, description="how far off a rough place may be, mm")
+    largest_jog_deg: float = Field(
+        2.0, gt=0.0, le=10.0, description="manual: largest turn of one answer, deg"
+    )
+    auto_centre: bool = Field(True, description="manual: the program centres the beam once it is back")
 
 
 class ReflectorSearch:
@@ -59,10 +50,18 @@ class ReflectorSearch:
 
     def plan(self, bench: Bench, params: SearchParams) -> SearchPlan:
         """Plan the search; see plan_search."""
-        return plan_search(bench, params.poses, params.half_range_deg, params.rough_place_mm)
+        manual = params.mode == "manual"
+        return plan_search(
+            bench,
+            params.poses,
+            params.half_range_deg,
+            params.rough_place_mm,
+            params.most_poses,
+            Jogging(params.largest_jog_deg, params.auto_centre) if manual else None,
+        )
 
     async def run(self, ctx: Context, plan: SearchPlan) -> None:
-        """Search for all reflectors.
+        """Search for all reflectors; poses are added until the aim holds over the whole plan.
 
         Args:
             ctx: the bench.
@@ -71,116 +70,85 @@ class ReflectorSearch:
         Raises:
             ReflectorNotFoundError: too few sightings, or an aim that would not hold over the plan.
         """
-        sightings: list[_Sighting] = []
+        lookout = Lookout(ctx, plan)
         for number, pose in enumerate(plan.poses):
-            found = await _sight(ctx, plan, pose, number, sightings)
-            if found is not None:
-                sightings.append(found)
+            await lookout.look(pose)
             ctx.progress(number + 1, len(plan.poses), f"search {pose.reflector.name}")
-        await ctx.step("solve", "Eq. 2 for all reflectors", lambda: _solve(ctx, plan, sightings))
+        told = await _look_further(ctx, plan, lookout)
+        await ctx.step("solve", "Eq. 2 for all reflectors", lambda: _solve(ctx, plan, lookout, told))
 
     async def teardown(self, ctx: Context) -> None:
         """Leave the arm where it stands."""
 
 
-async def _sight(
-    ctx: Context, plan: SearchPlan, pose: SearchPose, number: int, known: list[_Sighting]
-) -> _Sighting | None:
-    """Look for a reflector from one pose."""
-    step_id = f"sight/{pose.reflector.name}/{number:02d}"
-    title = f"{pose.reflector.name}: look from θ1 {pose.theta1_deg:g}°, θ2 {pose.theta2_deg:g}°"
-    result = await ctx.step(step_id, title, lambda: _look(ctx, plan, pose, known))
-    return _Sighting(pose, _number(result["j4_deg"])) if result["found"] else None
+async def _look_further(ctx: Context, plan: SearchPlan, lookout: Lookout) -> set[SearchPose]:
+    """Look from further poses until the aim holds or there is none left; stored sightings lead the same way again.
+
+    Returns:
+        Poses whose sightings were told to be left out.
+    """
+    spare = list(plan.further)
+    told: set[SearchPose] = set()
+    now = assess(plan, lookout.sightings)
+    while (pose := weakest(plan, now, spare)) is not None:
+        spare.remove(pose)
+        done = len(plan.poses) + len(plan.further) - len(spare)
+        index = plan.reflectors.index(pose.reflector)
+        aim_mm = now.aim_mm[index] if now.aim_mm else None
+        warnings = tuple(gone.text for gone in now.left_out if gone.pose not in told)
+        said = Announcement(warnings, pose.reflector.name, aim_mm, now.room_mm, done - 1)
+        await lookout.look(pose, said)
+        ctx.progress(done, done + 1, f"search {pose.reflector.name}, pose added")
+        told |= {gone.pose for gone in now.left_out}
+        now = assess(plan, lookout.sightings)
+    return told
 
 
-async def _look(ctx: Context, plan: SearchPlan, pose: SearchPose, known: list[_Sighting]) -> Row:
-    bench = plan.bench
-    same = [sighting.offset_deg for sighting in known if sighting.pose.reflector == pose.reflector]
-    expected = same or [sighting.offset_deg for sighting in known] or [0.0]
-    half_range = plan.later_half_range_deg if known else plan.half_range_deg
-    aim_deg = _on_a_branch(pose.j4_deg + sum(expected) / len(expected), bench.arm.j4_limits_deg)
-    start = (pose.theta1_deg, pose.theta2_deg, bench.arm.j3_mm, aim_deg)
-    half_window = half_window_deg(bench.optics.acceptance_mm, pose.beam_mm)
-    window = await find_return(ctx, start, half_range, half_window, bench.arm.j4_limits_deg)
-    if window is None:
-        await ctx.warn(
-            f"reflector {pose.reflector.name} not found within ±{half_range:g}° of J4 = {start[3]:.2f}° at "
-            f"θ1 = {pose.theta1_deg:g}°, θ2 = {pose.theta2_deg:g}°: check that the beam is free, and the rough "
-            "place and theta40_deg in the cell file"
-        )
-        return {"found": False}
-    row: Row = {
-        "reflector": pose.reflector.name,
-        "theta1_deg": pose.theta1_deg,
-        "theta2_deg": pose.theta2_deg,
-        "j4_deg": window.centre_deg,
-        "lower_deg": window.lower_deg,
-        "upper_deg": window.upper_deg,
-        "signal": window.signal,
-    }
-    ctx.record("search", row)
-    return {"found": True, "j4_deg": window.centre_deg}
+async def _solve(ctx: Context, plan: SearchPlan, lookout: Lookout, told: set[SearchPose]) -> Row:
+    now = assess(plan, lookout.sightings)
+    for gone in now.left_out:
+        if gone.pose not in told:
+            await ctx.warn(gone.text)
+    _require_sightings(plan, now)
+    if now.found is None:
+        raise ReflectorNotFoundError(now.trouble)
+    await _require_aim(ctx, plan, now)
+    return _result(plan, now.found, now)
 
 
-def _on_a_branch(j4_deg: float, limits_deg: tuple[float, float]) -> float:
-    """Return J4 by whole turns inside its limits; unchanged where none fits, and the scan starts beside it."""
-    low, high = limits_deg
-    fitting = [j4_deg + turn for turn in (0.0, 360.0, -360.0) if low <= j4_deg + turn <= high]
-    return fitting[0] if fitting else j4_deg
-
-
-async def _solve(ctx: Context, plan: SearchPlan, sightings: list[_Sighting]) -> Row:
-    bench = plan.bench
-    _require_sightings(plan, sightings)
-    rough = np.array([reflector.xy_mm for reflector in plan.reflectors])
-    start = math.radians(bench.optics.theta40_deg)
-    try:
-        found = locate_reflectors(
-            _table(plan, sightings), bench.arm.link1_mm, bench.arm.link2_mm, rough, start
-        )
-    except CalibrationError as error:
-        raise ReflectorNotFoundError(str(error)) from error
-    aim = [_worst_aim_mm(plan, found, index) for index in range(len(plan.reflectors))]
-    await _require_aim(ctx, plan, aim)
-    return _result(plan, found, aim)
-
-
-def _table(plan: SearchPlan, sightings: list[_Sighting]) -> Sightings:
-    rows = np.deg2rad([[s.pose.theta1_deg, s.pose.theta2_deg, s.j4_deg] for s in sightings])
-    index = np.array([plan.reflectors.index(s.pose.reflector) for s in sightings], dtype=np.int64)
-    return Sightings(rows[:, 0], rows[:, 1], rows[:, 2], index)
-
-
-def _worst_aim_mm(plan: SearchPlan, found: SearchResult, index: int) -> float:
-    """Return the largest standard uncertainty of the beam's place over the commands that see the reflector."""
-    return float(found.aim_uncertainty_mm(plan.command_positions_mm[index], index).max())
-
-
-def _require_sightings(plan: SearchPlan, sightings: list[_Sighting]) -> None:
+def _require_sightings(plan: SearchPlan, now: Assessment) -> None:
     for reflector in plan.reflectors:
-        count = sum(sighting.pose.reflector == reflector for sighting in sightings)
-        if count < _FEWEST_SIGHTINGS:
+        count = now.count(reflector)
+        if count < FEWEST_SIGHTINGS:
             raise ReflectorNotFoundError(
-                f"reflector {reflector.name} was found from {count} pose(s), {_FEWEST_SIGHTINGS} are needed: check "
+                f"reflector {reflector.name} was found from {count} pose(s), {FEWEST_SIGHTINGS} are needed: check "
                 "that it stands where the cell file says, that the beam is level and free, or widen "
                 f"half_range_deg (now {plan.half_range_deg:g}°)"
             )
 
 
-async def _require_aim(ctx: Context, plan: SearchPlan, aim_mm: list[float]) -> None:
+async def _require_aim(ctx: Context, plan: SearchPlan, now: Assessment) -> None:
     optics = plan.bench.optics
-    for reflector, uncertainty in zip(plan.reflectors, aim_mm, strict=True):
-        if _COVERAGE * uncertainty + optics.max_miss_mm > optics.acceptance_mm:
+    for index, reflector in enumerate(plan.reflectors):
+        if not now.holds(index):
             raise ReflectorNotFoundError(
-                f"the aim at reflector {reflector.name} is known to {uncertainty:.2f} mm only (k = 1); with the "
-                f"plan's miss of {optics.max_miss_mm:g} mm the beam would leave the acceptance of "
-                f"{optics.acceptance_mm:g} mm: search from more poses (param poses) or lower max_miss_mm"
+                f"the aim at reflector {reflector.name} is known to {now.aim_mm[index]:.2f} mm only (k = 1) after "
+                f"{now.count(reflector)} sightings; with the plan's miss of {optics.max_miss_mm:g} mm the beam would "
+                f"leave the acceptance of {optics.acceptance_mm:g} mm: search from more poses (param poses or "
+                "most_poses) or lower max_miss_mm"
             )
-    worst = max(aim_mm)
-    await ctx.event("aim", worst_uncertainty_mm=worst, acceptance_mm=optics.acceptance_mm)
+    worst = max(now.aim_mm)
+    await ctx.event(
+        "aim",
+        worst_uncertainty_mm=worst,
+        acceptance_mm=optics.acceptance_mm,
+        room_mm=now.room_mm,
+        poses=len(now.kept),
+        holds=True,
+    )
 
 
-def _result(plan: SearchPlan, found: SearchResult, aim_mm: list[float]) -> Row:
+def _result(plan: SearchPlan, found: SearchResult, now: Assessment) -> Row:
     rms = math.degrees(float(np.sqrt(np.mean(found.residuals_rad**2))))
     places: list[Json] = [
         {
@@ -189,7 +157,8 @@ def _result(plan: SearchPlan, found: SearchResult, aim_mm: list[float]) -> Row:
             "y_mm": float(found.reflectors_mm[i, 1]),
             "u_x_mm": float(found.u_reflectors_mm[i, 0]),
             "u_y_mm": float(found.u_reflectors_mm[i, 1]),
-            "u_aim_mm": aim_mm[i],
+            "u_aim_mm": now.aim_mm[i],
+            "sightings": now.count(reflector),
         }
         for i, reflector in enumerate(plan.reflectors)
     ]
@@ -198,10 +167,5 @@ def _result(plan: SearchPlan, found: SearchResult, aim_mm: list[float]) -> Row:
         "theta40_deg": math.degrees(found.theta40_rad),
         "u_theta40_deg": math.degrees(found.u_theta40_rad),
         "rms_deg": rms,
+        "left_out": [gone.text for gone in now.left_out],
     }
-
-
-def _number(value: object) -> float:
-    if isinstance(value, (int, float)):
-        return float(value)
-    raise TypeError(f"a stored step result holds {value!r} where an angle belongs")

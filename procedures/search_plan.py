@@ -41,6 +41,19 @@ class SearchPose:
 
 
 @dataclass(frozen=True)
+class Jogging:
+    """The technician turns J4 until the beam is back.
+
+    Attributes:
+        largest_deg: largest turn of one answer.
+        auto_centre: once the beam is back the program centres it.
+    """
+
+    largest_deg: float
+    auto_centre: bool
+
+
+@dataclass(frozen=True)
 class SearchPlan:
     """The whole search.
 
@@ -48,6 +61,8 @@ class SearchPlan:
         bench: what it was made from.
         reflectors: what is looked for.
         poses: in order.
+        further: poses to look from if the aim would not hold, each with a free way to and from all others.
+        jogging: how the technician looks for the beam; None for scans.
         half_range_deg: how far J4 turns to either side at the first pose.
         later_half_range_deg: the same once a reflector has been seen and θ40 is known roughly.
         command_positions_mm: for each reflector, where the arm stands at the commands that see it, shape (n, 2).
@@ -56,13 +71,20 @@ class SearchPlan:
     bench: Bench
     reflectors: tuple[Reflector, ...]
     poses: tuple[SearchPose, ...]
+    further: tuple[SearchPose, ...]
+    jogging: Jogging | None
     half_range_deg: float
     later_half_range_deg: float
     command_positions_mm: tuple[Floats, ...]
 
 
 def plan_search(
-    bench: Bench, poses: int = 8, half_range_deg: float = 6.0, rough_place_mm: float = 20.0
+    bench: Bench,
+    poses: int = 8,
+    half_range_deg: float = 6.0,
+    rough_place_mm: float = 20.0,
+    most_poses: int | None = None,
+    jogging: Jogging | None = None,
 ) -> SearchPlan:
     """Choose poses spread over the workspace for every reflector.
 
@@ -71,15 +93,21 @@ def plan_search(
         poses: poses for each reflector, at least 4.
         half_range_deg: how far off the beam's zero direction and the rough places together may be, deg.
         rough_place_mm: how far off a rough place may be, mm; sets the range of the later scans.
+        most_poses: poses for each reflector with those that are added until the aim holds; None: three times poses.
+        jogging: how the technician looks for the beam; None for scans.
 
     Raises:
         PlanError: a reflector can be seen from too few nodes, or two reflectors stand in one direction.
     """
     if poses < 4:
         raise PlanError(f"a search needs at least 4 poses a reflector, not {poses}")
+    most = 3 * poses if most_poses is None else most_poses
+    if most < poses:
+        raise PlanError(f"most_poses = {most} is below poses = {poses}: raise it or ask for fewer poses")
     nodes = np.deg2rad([[one, two] for one in bench.nodes1_deg for two in bench.nodes2_deg])
     candidates = _grid(bench)
     chosen: list[SearchPose] = []
+    further: list[SearchPose] = []
     positions = []
     for reflector in bench.reflectors:
         positions.append(_positions(_seen(nodes, bench, reflector), bench))
@@ -91,13 +119,39 @@ def plan_search(
                 f"others at only {len(usable)} of {len(candidates)} poses, {poses} are needed: check its place, the "
                 "column and its field, or ask for fewer poses or a smaller half_range_deg"
             )
-        chosen += [
-            _aimed_pose(pose, bench, reflector) for pose in usable[_spread(_positions(usable, bench), poses)]
-        ]
+        order = usable[_spread(_positions(usable, bench), min(most, len(usable)))]
+        chosen += [_aimed_pose(pose, bench, reflector) for pose in order[:poses]]
+        spare = [_pose(pose, bench, reflector, bench.arm.j4_limits_deg) for pose in order[poses:]]
+        further += [pose for pose in spare if pose is not None]
     require_free_way(np.array([[pose.theta1_deg, pose.theta2_deg] for pose in chosen]), bench)
     nearest = min(pose.beam_mm for pose in chosen)
     later = min(half_range_deg, float(np.rad2deg(2.0 * rough_place_mm / nearest)))
-    return SearchPlan(bench, bench.reflectors, tuple(chosen), half_range_deg, later, tuple(positions))
+    return SearchPlan(
+        bench,
+        bench.reflectors,
+        tuple(chosen),
+        _freely_reached(further, chosen, bench),
+        jogging,
+        half_range_deg,
+        later,
+        tuple(positions),
+    )
+
+
+def _freely_reached(
+    further: list[SearchPose], chosen: list[SearchPose], bench: Bench
+) -> tuple[SearchPose, ...]:
+    """Return the poses that have a free way to and from all others: nobody knows yet in which order they come."""
+    kept: list[SearchPose] = []
+    for pose in further:
+        here = (pose.theta1_deg, pose.theta2_deg)
+        stops = [stop for other in (*chosen, *kept) for stop in ((other.theta1_deg, other.theta2_deg), here)]
+        try:
+            require_free_way(np.array(stops), bench)
+        except PlanError:
+            continue
+        kept.append(pose)
+    return tuple(kept)
 
 
 def looking_poses(

@@ -264,15 +264,15 @@ async def test_the_limit_of_the_aim_counts_the_miss_that_the_plan_allows_itself(
     def error(one: float, two: float) -> float:
         return 0.02 * math.sin(37.0 * one + 11.0 * two)
 
-    context = await searched(IdealContext(TRUE_PLACES, TRUE_THETA40, j4_error_deg=error))
+    context = await searched(IdealContext(TRUE_PLACES, TRUE_THETA40, j4_error_deg=error), most_poses=8)
     worst = number(context.events[0][1]["worst_uncertainty_mm"])
     room = 1.0 - 2.0 * worst
     assert 0.2 < room < 1.0
     tight = with_optics(bench(), max_miss_mm=room + 0.01)
     with pytest.raises(ReflectorNotFoundError, match="lower max_miss_mm"):
-        await searched(IdealContext(TRUE_PLACES, TRUE_THETA40, j4_error_deg=error), tight)
+        await searched(IdealContext(TRUE_PLACES, TRUE_THETA40, j4_error_deg=error), tight, most_poses=8)
     loose = with_optics(bench(), max_miss_mm=room - 0.01)
-    await searched(IdealContext(TRUE_PLACES, TRUE_THETA40, j4_error_deg=error), loose)
+    await searched(IdealContext(TRUE_PLACES, TRUE_THETA40, j4_error_deg=error), loose, most_poses=8)
 
 
 def test_a_single_reflector_can_be_searched() -> None:
