@@ -31,6 +31,7 @@ class EngineClient:
 
     Attributes:
         closed: why the connection is closed; None while it is open.
+        inbox: events that wait to be read.
         snapshot: what the engine said at the beginning.
         name: by which the engine knows this client.
     """
@@ -40,7 +41,7 @@ class EngineClient:
         self.name = ""
         self._reader, self._writer = streams
         self._clock = clock
-        self._events = Mailbox()
+        self.inbox = Mailbox()
         self._waiting: dict[int, asyncio.Future[Message]] = {}
         self._count = 0
         self.closed: str | None = None
@@ -77,7 +78,7 @@ class EngineClient:
         """Yield what happens, until the connection is closed."""
         while True:
             try:
-                event = await self._events.take()
+                event = await self.inbox.take()
             except EOFError:
                 return
             yield event
@@ -134,7 +135,7 @@ class EngineClient:
     def _take(self, message: Message) -> None:
         number = message.get("re")
         if "event" in message:
-            self._events.put(message)
+            self.inbox.put(message)
         elif isinstance(number, int) and number in self._waiting and not self._waiting[number].done():
             self._waiting[number].set_result(message)
         elif number is None:
@@ -149,7 +150,7 @@ class EngineClient:
         for future in self._waiting.values():
             if not future.done():
                 future.set_exception(ServiceError(reason))
-        self._events.close()
+        self.inbox.close()
         self._writer.transport.abort()
 
 

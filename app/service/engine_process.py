@@ -180,6 +180,7 @@ class EngineProcess:
         else:
             self.hub.idle_state = State.COMPLETE if outcome.status == "complete" else State.STOPPED
         self._facts()
+        self.hub.say("idle", state=self.hub.idle_state)
         return outcome
 
     def _failed(self, error: Exception, opened: "asyncio.Future[Message]") -> None:

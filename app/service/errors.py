@@ -12,6 +12,8 @@ class RefusedError(CatseyeError):
         code: exit code that the refusal leads to.
     """
 
+    exit_code = ExitCode.USAGE
+
     def __init__(self, text: str, code: ExitCode = ExitCode.USAGE) -> None:
         super().__init__(text)
         self.code = code

@@ -143,7 +143,8 @@ class Session:
         if future.cancelled():
             self._refuse(request, RefusedError("the engine ended", ExitCode.TERMINATED))
         elif error := future.exception():
-            self._refuse(request, RefusedError(str(error), exit_code_of(error)))
+            code = error.code if isinstance(error, RefusedError) else exit_code_of(error)
+            self._refuse(request, RefusedError(str(error), code))
         else:
             self._say({"re": request.id, "ok": True, **future.result()})
 

@@ -1,0 +1,217 @@
+"""Who steers a run, and what becomes of it when that client is lost."""
+
+import pytest
+
+from app.engine.states import State
+from app.service.errors import RefusedError
+from app.service.hub import Policy
+from tests.unit.app.service.benches import ServiceBench, close, event_of, settled
+
+
+async def test_the_first_who_asks_gets_control_and_everybody_hears_of_it() -> None:
+    async with ServiceBench().running() as bench, bench.clients("Ada", "Ben") as (ada, ben):
+        await ada.take_control()
+        told = await event_of(ben, "control", what="taken")
+        assert told["by"] == f"Ada ({ada.name})"
+        with pytest.raises(RefusedError, match=r"Ada .* holds control"):
+            await ben.take_control()
+        await ben.take_control(force=True)
+        assert (await event_of(ada, "control", what="taken by force"))["by"] == f"Ben ({ben.name})"
+        with pytest.raises(RefusedError, match="needs control"):
+            await ada.release()
+        await ben.request("hand-over", to=ada.name)
+        await ada.release()
+        assert [note["what"] for note in bench.noted("control")] == [
+            "taken",
+            "taken by force",
+            "handed over",
+            "released",
+        ]  # fmt: skip - one story
+        assert bench.noted("client-lost") == []
+
+
+async def test_control_is_handed_to_clients_that_are_there_only() -> None:
+    async with ServiceBench().running() as bench, bench.client() as ada:
+        await ada.take_control()
+        with pytest.raises(RefusedError, match=f"there is no client 'ghost'; there are {ada.name}"):
+            await ada.request("hand-over", to="ghost")
+        assert bench.hub.controlled
+
+
+async def test_the_console_holds_control_until_it_is_taken_by_force() -> None:
+    async with ServiceBench().running() as bench, bench.client("Ben") as ben:
+        bench.hub.console = "Ada"
+        with pytest.raises(RefusedError, match=r"Ada \(console\) holds control"):
+            await ben.take_control()
+        await ben.take_control(force=True)
+        assert bench.noted("control")[0]["before"] == "Ada (console)"
+        await ben.release()
+        assert bench.hub.snapshot()["control"] == {"client": "console", "who": "Ada"}
+
+
+@pytest.mark.parametrize("op", ["unhold", "clear", "release"])
+async def test_what_steers_needs_control(op: str) -> None:
+    async with ServiceBench().running() as bench, bench.client() as client:
+        with pytest.raises(RefusedError, match="needs control"):
+            await client.request(op)
+        assert bench.state() == "EXECUTE"
+
+
+@pytest.mark.parametrize(
+    ("op", "fields"),
+    [
+        ("answer", {"prompt": "p", "text": "yes"}),
+        ("override", {"percent": 5.0}),
+        ("start", {"procedure": "open-loop"}),
+        ("resume", {"run": "x"}),
+        ("hand-over", {"to": "test-1"}),
+    ],
+)
+async def test_what_steers_with_words_needs_control(op: str, fields: dict[str, str | float]) -> None:
+    async with ServiceBench().running() as bench, bench.client() as client:
+        with pytest.raises(RefusedError, match="needs control"):
+            await client.request(op, **fields)
+
+
+@pytest.mark.parametrize(
+    ("op", "states"),
+    [("hold", ["HOLDING"]), ("stop", ["STOPPING", "STOPPED"]), ("abort", ["ABORTING", "ABORTED"])],
+)
+async def test_anybody_may_make_it_safe(op: str, states: list[str]) -> None:
+    async with ServiceBench().running() as bench, bench.clients("Ada", "Ben") as (ada, ben):
+        await ada.take_control()
+        await ben.request(op)
+        for state in states:
+            told = await event_of(ada, "state", state=state)
+        assert op == "hold" or bench.robot.calls == ["stop"]
+        assert "Ben" in str(told["reason"]) or told["state"] in {"STOPPED", "ABORTED"}
+
+
+async def test_a_held_run_goes_on_for_whoever_has_control() -> None:
+    async with ServiceBench().running() as bench, bench.client() as client:
+        await client.take_control()
+        with pytest.raises(RefusedError, match="not held, it is in state EXECUTE"):
+            await client.request("unhold")
+        await client.request("hold")
+        await client.request("hold")
+        await client.request("unhold")
+        assert bench.state() == "EXECUTE"
+
+
+async def test_a_hold_before_anything_moves_is_refused_with_the_reason() -> None:
+    async with ServiceBench().running(State.STARTING) as bench, bench.client() as client:
+        with pytest.raises(RefusedError, match="nothing moves"):
+            await client.request("hold")
+        await client.request("stop")
+        await bench.control.halted()
+        with pytest.raises(RefusedError, match="has ended"):
+            await client.request("stop")
+
+
+async def test_a_run_that_serves_itself_starts_and_clears_nothing() -> None:
+    async with ServiceBench().running() as bench, bench.client() as client:
+        await client.take_control()
+        for op in ("clear", "shutdown"):
+            with pytest.raises(RefusedError, match="serves one run"):
+                await client.request(op)
+
+
+@pytest.mark.parametrize(
+    ("policy", "state"), [("continue", "EXECUTE"), ("hold", "HOLDING"), ("stop", "STOPPED")]
+)
+async def test_a_lost_client_with_control_means_what_the_cell_says(policy: Policy, state: str) -> None:
+    async with ServiceBench().running() as bench, bench.client("Ben") as ben:
+        bench.hub.policy = policy
+        async with bench.client("Ada") as ada:
+            await ada.take_control()
+        lost = await event_of(ben, "client-lost")
+        await settled()
+        assert bench.state() == state
+        assert bench.noted("client-lost") == [
+            {"client": "test-2", "who": "Ada", "reason": "it closed the connection", "policy": policy}
+        ]
+        assert lost["policy"] == policy
+        assert len(bench.warnings) == (policy == "continue")
+        assert (bench.robot.calls == ["stop"]) == (policy == "stop")
+        if policy == "hold":
+            await ben.take_control()
+            await ben.request("unhold")
+            assert bench.state() == "EXECUTE"
+
+
+async def test_a_client_lost_before_the_devices_are_ready_holds_the_run_when_they_are() -> None:
+    async with ServiceBench().running(State.STARTING) as bench:
+        async with bench.client("Ada") as ada:
+            await ada.take_control()
+        await settled()
+        assert bench.state() == "STARTING"
+        bench.control.started()
+        await settled()
+        assert bench.state() == "HOLDING"
+        # It is held once: whoever lets it go on is there.
+        bench.control.unhold("Ben")
+        await settled()
+        assert bench.state() == "EXECUTE"
+
+
+async def test_a_watcher_and_one_who_gave_control_back_may_vanish() -> None:
+    async with ServiceBench().running() as bench:
+        async with bench.clients("Ada", "Ben") as (ada, _):
+            await ada.take_control()
+            await ada.release()
+        await settled()
+        assert bench.state() == "EXECUTE"
+        assert bench.noted("client-lost") == []
+
+
+async def test_a_silent_client_with_control_is_lost_and_one_that_pings_is_not() -> None:
+    async with ServiceBench().running() as bench, bench.client("Ben") as ben:
+        silent = await bench.raw()
+        assert (await silent.ask("hello", client="mute", who="Ada"))["ok"]
+        assert (await silent.ask("control"))["ok"]
+        for _ in range(4):
+            # Ben's client pings by itself.
+            bench.clock.advance(2.0)
+            await settled(50)
+        assert bench.state() == "EXECUTE"
+        bench.clock.advance(2.5)
+        await settled()
+        assert bench.state() == "HOLDING"
+        assert bench.noted("client-lost")[0]["reason"] == "it said nothing for 10 s"
+        await ben.take_control()
+        for _ in range(20):
+            bench.clock.advance(2.0)
+            await settled(50)
+        assert len(bench.noted("client-lost")) == 1
+        close(silent)
+
+
+async def test_the_end_of_a_run_loses_nobody() -> None:
+    bench = ServiceBench()
+    async with bench.running(), bench.client("Ada") as ada:
+        await ada.take_control()
+        bench.control.done()
+        await bench.server.end()
+    assert bench.noted("client-lost") == []
+
+
+async def test_an_override_is_lowered_before_the_next_motion_and_never_raised() -> None:
+    async with ServiceBench().running() as bench, bench.client() as client:
+        await client.take_control()
+        for percent in (20.0, 50.0):
+            with pytest.raises(RefusedError, match="only ever lowered"):
+                await client.request("override", percent=percent)
+        assert (await client.request("override", percent=8.0))["until_the_next_motion"] == 20.0
+        assert bench.robot.calls == []
+        await bench.gate.require((0.0, 0.0, 0.0, 0.0))
+        assert bench.robot.calls == ["override 8"]
+        with pytest.raises(RefusedError, match="the override is 8 %"):
+            await client.request("override", percent=8.0)
+
+
+async def test_an_override_waits_for_the_devices() -> None:
+    async with ServiceBench().running() as bench, bench.client() as client:
+        bench.handle.gate = None
+        await client.take_control()
+        with pytest.raises(RefusedError, match="not ready yet"):
+            await client.request("override", percent=8.0)

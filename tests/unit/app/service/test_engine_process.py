@@ -1,0 +1,203 @@
+"""An engine between its runs: what it starts, what it refuses, and how it ends."""
+
+import asyncio
+import os
+import signal
+from collections.abc import AsyncIterator
+from contextlib import asynccontextmanager
+from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
+
+import pytest
+
+from app.engine.host import run_procedure
+from app.errors import UsageError
+from app.exitcode import ExitCode
+from app.service import engine_process
+from app.service.address import find_socket
+from app.service.client import EngineClient, connect
+from app.service.engine_process import EngineProcess
+from app.service.errors import RefusedError
+from app.service.messages import Start, decode_request
+from procedures.context import Context, Prompt
+from tests.unit.app.engine.fakes import FakeBench, Script
+from tests.unit.app.service.benches import event_of
+
+DOOR = Prompt("door", "confirm", "Close the door.")
+
+
+@pytest.fixture
+def bench(tmp_path: Path, runtime: Path, monkeypatch: pytest.MonkeyPatch) -> FakeBench:
+    """Return a scripted bench on which the engine's runs take place; its procedure asks one question."""
+    assert runtime.is_dir()
+    bench = FakeBench(tmp_path / "runs")
+    bench.root.mkdir()
+
+    async def body(ctx: Context) -> None:
+        await ctx.ask(DOOR)
+        await ctx.move((10.0, 0.0, 0.0, 0.0))
+
+    def plan(loaded: Any, procedure: str, *_: Any) -> SimpleNamespace:
+        if procedure == "unknown":
+            raise UsageError("there is no procedure 'unknown'")
+        return SimpleNamespace(loaded=loaded, clock_speed=1.0)
+
+    async def carry_out(_planned: Any, _root: Path, publish: Any, **options: Any) -> Any:
+        chosen = {"answerer": options["answerer"], "on_open": options["on_open"]}
+        request = bench.request(Script(body), **chosen)
+        return await run_procedure(request, bench.build, bench.clock, publish, options["install_signals"])
+
+    cell = SimpleNamespace(cell=SimpleNamespace(engine=SimpleNamespace(on_client_lost="stop")))
+    monkeypatch.setattr(engine_process, "load_cell", lambda _path: cell)
+    monkeypatch.setattr(engine_process, "parse_params", lambda *_: None)
+    monkeypatch.setattr(engine_process, "plan_run", plan)
+    monkeypatch.setattr(engine_process, "carry_out", carry_out)
+    # A procedure's name stands for the procedure here; it has no parameters.
+    monkeypatch.setattr(engine_process, "load_procedure", _Named)
+    return bench
+
+
+class _Named(str):
+    """A procedure's name with the attribute that parameters are checked by."""
+
+    params_type = None
+
+
+@asynccontextmanager
+async def serving(root: Path, **options: Any) -> AsyncIterator["asyncio.Task[ExitCode]"]:
+    """Serve while the context is entered; whoever enters ends the engine."""
+    ready = asyncio.Event()
+    task = asyncio.create_task(EngineProcess(Path("cell.toml"), root).serve(ready.set, **options))
+    try:
+        async with asyncio.timeout(5):
+            await ready.wait()
+            yield task
+            await task
+    finally:
+        task.cancel()
+        await asyncio.gather(task, return_exceptions=True)
+
+
+@asynccontextmanager
+async def engine_client(root: Path) -> AsyncIterator[EngineClient]:
+    path = find_socket(root)
+    assert path is not None
+    async with connect(path, "test", "Ada") as client:
+        await client.take_control()
+        yield client
+
+
+async def test_a_client_starts_one_run_after_another_and_ends_the_engine(bench: FakeBench) -> None:
+    async with serving(bench.root) as engine, engine_client(bench.root) as client:
+        assert client.snapshot["state"] == "IDLE"
+        for _ in range(2):
+            opened = await client.request("start", procedure="script")
+            with pytest.raises(RefusedError, match="a run is under way"):
+                await client.request("start", procedure="script")
+            with pytest.raises(RefusedError, match="a run is under way"):
+                await client.request("shutdown")
+            assert find_socket(Path(str(opened["path"]))) is not None
+            # Nobody but a client is there to answer, so the question waits.
+            await event_of(client, "prompt", id="door")
+            await client.answer("door", "yes")
+            assert (await event_of(client, "run-ended"))["status"] == "complete"
+            await event_of(client, "idle", state="COMPLETE")
+        assert bench.robot.calls.count("move") == 2
+        await client.request("shutdown")
+        assert await engine == ExitCode.DONE
+    assert find_socket(bench.root) is None
+
+
+async def test_a_run_that_cannot_be_planned_is_refused_with_its_code(bench: FakeBench) -> None:
+    async with serving(bench.root), engine_client(bench.root) as client:
+        with pytest.raises(RefusedError, match="no procedure 'unknown'") as refused:
+            await client.request("start", procedure="unknown")
+        assert refused.value.code == ExitCode.USAGE
+        await client.request("shutdown")
+
+
+async def test_after_an_abort_nothing_starts_until_it_is_cleared(bench: FakeBench) -> None:
+    async with serving(bench.root), engine_client(bench.root) as client:
+        with pytest.raises(RefusedError, match="nothing to clear"):
+            await client.request("clear")
+        await client.request("start", procedure="script")
+        await event_of(client, "prompt")
+        with pytest.raises(RefusedError, match="for after an abort"):
+            await client.request("clear")
+        await client.request("abort")
+        assert (await event_of(client, "run-ended"))["exit_code"] == ExitCode.INTERRUPTED
+        await event_of(client, "idle")
+        with pytest.raises(RefusedError, match=r"last run was aborted \(Ada .* clear the abort") as refused:
+            await client.request("start", procedure="script")
+        assert refused.value.code == ExitCode.SAFETY
+        await client.request("clear")
+        await event_of(client, "state", state="CLEARING")
+        await event_of(client, "state", state="STOPPED")
+        await client.request("start", procedure="script")
+        await client.request("stop")
+        await event_of(client, "run-ended")
+        await event_of(client, "idle")
+        await client.request("shutdown")
+
+
+async def test_a_lost_client_means_what_the_cell_of_the_run_says(bench: FakeBench) -> None:
+    async with serving(bench.root), engine_client(bench.root) as ben:
+        await ben.release()
+        async with engine_client(bench.root) as ada:
+            await ada.request("start", procedure="script")
+            await event_of(ben, "prompt")
+        assert (await event_of(ben, "client-lost"))["policy"] == "stop"
+        assert (await event_of(ben, "run-ended"))["status"] == "stopped"
+        await event_of(ben, "idle")
+        await ben.request("shutdown")
+
+
+@pytest.mark.parametrize(
+    ("number", "code"), [(signal.SIGTERM, ExitCode.TERMINATED), (signal.SIGINT, ExitCode.INTERRUPTED)]
+)
+async def test_an_idle_engine_ends_with_a_signal_but_outlives_its_terminal(
+    bench: FakeBench, number: signal.Signals, code: ExitCode
+) -> None:
+    async with serving(bench.root) as engine:
+        for harmless in (signal.SIGHUP, signal.SIGUSR1):
+            os.kill(os.getpid(), harmless)
+        await asyncio.sleep(0.01)
+        assert not engine.done()
+        os.kill(os.getpid(), number)
+        assert await engine == code
+
+
+async def test_a_termination_aborts_the_run_and_seals_its_record(bench: FakeBench) -> None:
+    async with serving(bench.root) as engine, engine_client(bench.root) as client:
+        await client.request("start", procedure="script")
+        await event_of(client, "prompt")
+        os.kill(os.getpid(), signal.SIGTERM)
+        assert (await event_of(client, "run-ended"))["status"] == "aborted"
+        assert await engine == ExitCode.TERMINATED
+
+
+async def test_an_engine_that_nobody_comes_to_ends(bench: FakeBench) -> None:
+    async with serving(bench.root, wait_for_client_s=0.0) as engine:
+        assert await engine == ExitCode.TIMEOUT
+
+
+async def test_one_run_for_whoever_attaches(bench: FakeBench) -> None:
+    began: asyncio.Queue[str] = asyncio.Queue()
+    engine = EngineProcess(Path("cell.toml"), bench.root)
+    request = decode_request(b'{"v": 1, "id": 1, "op": "start", "procedure": "script"}')
+    assert isinstance(request, Start)
+
+    def opened(path: Path) -> None:
+        began.put_nowait(path.name)
+
+    task = asyncio.create_task(engine.run_once(request, opened, lambda: began.put_nowait("ready")))
+    name = await began.get()
+    assert await began.get() == "ready"
+    async with engine_client(bench.root / name) as client:
+        if client.snapshot["prompt"] is None:
+            await event_of(client, "prompt")
+        await client.answer("door", "yes")
+        assert (await event_of(client, "run-ended"))["status"] == "complete"
+    assert (await task).path.name == name
+    assert began.empty()

@@ -1,0 +1,118 @@
+"""What waits for a slow client, what is replaced, what is dropped, and what never is."""
+
+import pytest
+
+from app.service.mailbox import Mailbox, MailboxFullError
+from app.service.messages import Message
+from tests.unit.app.service.benches import ServiceBench, close, settled
+
+
+def point(number: int) -> Message:
+    return {"v": 1, "event": "point", "step": str(number)}
+
+
+def live(name: str, value: float) -> Message:
+    return {"v": 1, "event": "state", "kind": "live", "data": {"name": name, "value": value}}
+
+
+async def taken(mailbox: Mailbox) -> list[Message]:
+    mailbox.close()
+    found = []
+    while True:
+        try:
+            found.append(await mailbox.take())
+        except EOFError:
+            return found
+
+
+async def test_only_the_newest_live_value_of_a_name_and_the_newest_progress_wait() -> None:
+    mailbox = Mailbox()
+    for value in range(1000):
+        mailbox.put(live("offset", value))
+        mailbox.put(live("signal", -value))
+        mailbox.put({"event": "progress", "done": value})
+    assert await taken(mailbox) == [
+        live("offset", 999),
+        live("signal", -999),
+        {"event": "progress", "done": 999},
+    ]
+
+
+async def test_points_beyond_the_capacity_are_dropped_and_counted() -> None:
+    mailbox = Mailbox(capacity=3)
+    for number in range(10):
+        mailbox.put(point(number))
+    assert await taken(mailbox) == [{"v": 1, "event": "dropped", "count": 7}, point(0), point(1), point(2)]
+
+
+async def test_what_may_not_be_dropped_takes_the_place_of_a_point() -> None:
+    mailbox = Mailbox(capacity=2)
+    mailbox.put(point(0))
+    mailbox.put({"event": "warning"})
+    mailbox.put({"event": "error"})
+    assert await taken(mailbox) == [
+        {"v": 1, "event": "dropped", "count": 1},
+        {"event": "warning"},
+        {"event": "error"},
+    ]
+
+
+def test_a_mailbox_full_of_what_may_not_be_dropped_says_so() -> None:
+    mailbox = Mailbox(capacity=2)
+    for kind in ("prompt", "answer"):
+        mailbox.put({"event": kind})
+    with pytest.raises(MailboxFullError):
+        mailbox.put({"re": 1, "ok": True})
+
+
+async def test_a_client_that_reads_late_gets_every_point_or_its_count() -> None:
+    async with ServiceBench().running() as bench:
+        client = await bench.raw(buffer_bytes=4096)
+        assert (await client.ask("hello", client="slow", who="Ada"))["ok"]
+        for number in range(3000):
+            bench.publish("point", step=str(number), point={"displacement_mm": 0.1})
+            await settled(1)
+        bench.publish("error", text="last", exit_code=1)
+        received, dropped = 0, 0
+        while True:
+            message = await client.read()
+            received += message["event"] == "point"
+            dropped += message.get("count", 0)
+            if message["event"] == "error":
+                break
+        assert dropped > 1000
+        assert received + dropped == 3000
+        close(client)
+
+
+async def test_a_client_that_never_reads_is_disconnected_and_counts_as_lost() -> None:
+    async with ServiceBench().running() as bench, bench.client("Ben") as watcher:
+        client = await bench.raw(buffer_bytes=4096)
+        assert (await client.ask("hello", client="stuck", who="Ada"))["ok"]
+        assert (await client.ask("control"))["ok"]
+        for _ in range(3000):
+            bench.publish("warning", text="w" * 100, data={})
+            # The watcher reads meanwhile.
+            await settled(4)
+            while len(watcher.inbox):
+                await watcher.inbox.take()
+        await settled()
+        [lost] = bench.noted("client-lost")
+        assert lost["who"] == "Ada"
+        assert "does not read" in str(lost["reason"])
+        assert bench.state() == "HOLDING"
+        assert (await watcher.request("ping"))["ok"]
+        close(client)
+
+
+async def test_a_stop_from_a_client_that_does_not_read_acts_at_once() -> None:
+    async with ServiceBench().running() as bench:
+        client = await bench.raw(buffer_bytes=4096)
+        assert (await client.ask("hello", client="stuck", who="Ada"))["ok"]
+        for number in range(2000):
+            bench.publish("point", step=str(number))
+        client.send("stop")
+        await settled()
+        assert bench.state() in {"STOPPING", "STOPPED"}
+        assert bench.robot.calls == ["stop"]
+        close(client)

@@ -1,0 +1,139 @@
+"""What is a message, and what becomes of anything else."""
+
+import json
+from contextlib import suppress
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from app.service.errors import BadMessageError
+from app.service.messages import MAX_LINE_BYTES, decode_request
+from tests.unit.app.service.benches import ServiceBench, close, settled
+
+
+@pytest.mark.parametrize(
+    ("line", "text"),
+    [
+        (b"hold\n", "no JSON"),
+        (b"\xff\xfe\n", "no JSON"),
+        (b"\n", "no JSON"),
+        (b"[" * 50_000, "no JSON"),
+        (b"[1]\n", "a JSON object"),
+        (b'{"id": 1, "op": "ping"}\n', "version null and this catseye speaks version 1"),
+        (b'{"v": 2, "id": 1, "op": "ping"}\n', "version 2 and this catseye speaks version 1"),
+        (b'{"v": true, "id": 1, "op": "ping"}\n', "version true and this catseye speaks version 1"),
+        (b'{"v": 1, "id": 1, "op": "pong"}\n', "does not match any of the expected tags"),
+        (b'{"v": 1, "id": 1}\n', "discriminator"),
+        (b'{"v": 1, "op": "ping"}\n', "id"),
+        (b'{"v": 1, "id": 1, "op": "ping", "more": 1}\n', "more"),
+        (b'{"v": 1, "id": 1, "op": "override", "percent": "5"}\n', "percent"),
+        (b'{"v": 1, "id": 1, "op": "override", "percent": NaN}\n', "percent"),
+        (b'{"v": 1, "id": 1, "op": "hello", "client": "x", "who": "a\\nb"}\n', "who"),
+        (b'{"v": 1, "id": 1, "op": "hello", "client": "x", "who": "\\ud800"}\n', "who"),
+        (b'{"v": 1, "id": 1, "op": "start", "procedure": "x", "speed": 0}\n', "speed"),
+    ],
+)
+def test_what_is_no_request_is_told_why(line: bytes, text: str) -> None:
+    with pytest.raises(BadMessageError) as caught:
+        decode_request(line)
+    assert text in str(caught.value)
+
+
+@given(st.binary(max_size=200) | st.text(max_size=200).map(str.encode))
+@settings(max_examples=60, deadline=None)
+def test_garbage_raises_one_kind_of_error(line: bytes) -> None:
+    with pytest.raises(BadMessageError):
+        decode_request(line)
+
+
+_JSON = st.recursive(
+    st.none() | st.booleans() | st.integers() | st.floats() | st.text(max_size=10),
+    lambda inner: st.lists(inner, max_size=3) | st.dictionaries(st.text(max_size=8), inner, max_size=3),
+    max_leaves=8,
+)
+_OPS = st.sampled_from(["hello", "control", "hand-over", "override", "start", "resume", "answer", "stop"])
+
+
+@given(
+    _OPS, st.dictionaries(st.sampled_from(["client", "who", "to", "percent", "text", "run"]), _JSON), _JSON
+)
+@settings(max_examples=60, deadline=None)
+def test_wrong_fields_raise_nothing_else(op: str, fields: dict[str, object], number: object) -> None:
+    line = json.dumps({"v": 1, "id": number, "op": op, **fields}).encode()
+    with suppress(BadMessageError):
+        assert decode_request(line).op == op
+
+
+async def test_garbage_is_answered_and_the_conversation_goes_on() -> None:
+    async with ServiceBench().running() as bench:
+        client = await bench.raw()
+        client.write(b"garbage\n")
+        assert (await client.read())["ok"] is False
+        client.write(b'{"v": 7, "id": "x", "op": "stop"}\n')
+        refused = await client.read()
+        assert refused["re"] == "x"
+        assert "version 7" in refused["error"]
+        assert bench.control.ending is None
+        assert (await client.ask("ping"))["ok"] is True
+        close(client)
+
+
+async def test_a_line_without_end_is_answered_and_the_client_let_go() -> None:
+    async with ServiceBench().running() as bench, bench.client() as other:
+        client = await bench.raw()
+        client.write(b"x" * (3 * MAX_LINE_BYTES))
+        [refused] = await client.rest()
+        assert "longer than 65536 bytes" in refused["error"]
+        assert (await other.request("ping"))["ok"] is True
+        close(client)
+
+
+async def test_nothing_but_safety_is_done_for_a_client_that_did_not_say_hello() -> None:
+    async with ServiceBench().running() as bench:
+        client = await bench.raw()
+        assert "hello first" in (await client.ask("control"))["error"]
+        assert (await client.ask("hold"))["ok"] is True
+        assert bench.state() == "HOLDING"
+        await settled()
+        client.send("ping", 5)
+        # No event of the hold came in between: events are for clients that are known.
+        assert (await client.read())["re"] == 5
+        close(client)
+
+
+async def test_hello_is_said_once_and_answered_with_the_state_of_things() -> None:
+    async with ServiceBench().running() as bench:
+        bench.publish("run-started", procedure="script", title="Scripted")
+        bench.publish("progress", done=1.0, total=4.0, text="x", elapsed_s=1.0, remaining_s=3.0)
+        bench.publish("state", state="EXECUTE", kind="live", data={"name": "offset", "value": 0.1})
+        bench.publish("prompt", id="door", kind="confirm", text="Close the door.", motion=False)
+        async with bench.clients("Ada", "Ben") as (ada, ben):
+            seen = ben.snapshot
+            assert (seen["run"], seen["procedure"], seen["state"]) == ("run-1", "script", "EXECUTE")
+            assert seen["simulated"] is True
+            assert seen["prompt"]["id"] == "door"
+            assert seen["progress"]["done"] == 1.0
+            assert seen["live"]["data"]["value"] == 0.1
+            assert seen["control"] is None
+            assert seen["engine"].startswith("catseye ")
+            assert seen["protocol"] == 1
+            assert [each["who"] for each in seen["clients"]] == ["Ada", "Ben"]
+            assert seen["you"] == ben.name != ada.name
+            with pytest.raises(Exception, match="and once"):
+                await ada.request("hello", client="x", who="y")
+
+
+async def test_every_event_of_the_run_comes_with_the_version() -> None:
+    async with ServiceBench().running() as bench, bench.client() as client:
+        bench.publish("warning", text="the beam is weak", data={})
+        async for event in client.events():
+            assert event == {
+                "v": 1,
+                "t": "now",
+                "event": "warning",
+                "run": "run-1",
+                "text": "the beam is weak",
+                "data": {},
+            }  # fmt: skip - the event as it is on the line
+            break
