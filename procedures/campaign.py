@@ -1,5 +1,6 @@
 """The measurement of one reflector: its points, its closure visits, and what is known after each row."""
 
+import math
 from collections.abc import Awaitable, Callable
 from dataclasses import dataclass
 
@@ -21,6 +22,19 @@ from procedures.visits import Visit
 class _Distance:
     segment: int
     displacement_mm: float
+
+
+@dataclass(frozen=True)
+class _Reference:
+    """What a reference pose gave, as counted from the present zero.
+
+    Attributes:
+        displacement_mm: there and then.
+        overlaps: how many losses of the beam lie between; each adds the scatter of its overlap.
+    """
+
+    displacement_mm: float
+    overlaps: int
 
 
 class ReflectorCampaign:
@@ -128,11 +142,13 @@ class ReflectorCampaign:
         """Drive to the reference pose, measure there, and drive back."""
         follower, visits = self._follower, self._part.visits
         here, reference = visits[closure.after], visits[closure.reference]
-        known = self._distances.get(closure.reference)
+        known = self._reference(closure)
         if follower.at is not here or not await follower.undisturbed():
             return await self._no_closure("the arm does not stand where the trip begins")
-        if known is None or not follower.counting or known.segment != follower.segment:
-            return await self._no_closure("the count began anew since the reference pose was measured")
+        if known is None or not follower.counting:
+            return await self._no_closure(
+                "the count began anew since the reference pose was measured, without an overlap"
+            )
         found = await follower.track(closure.out, reference) or await follower.measure(
             reference, f"{self._name}/closure/{closure.number:02d}"
         )
@@ -146,20 +162,27 @@ class ReflectorCampaign:
             follower.at = None
         return result
 
+    def _reference(self, closure: Closure) -> "_Reference | None":
+        """Return what the reference pose gave, as counted from the present zero."""
+        known = self._distances.get(closure.reference)
+        carried = None if known is None else self._recovery.carried(known.segment)
+        if known is None or carried is None:
+            return None
+        return _Reference(known.displacement_mm + carried[0], carried[1])
+
     async def _no_closure(self, reason: str) -> Row:
         await self._ctx.event("closure-left-out", reflector=self._name, reason=reason)
         return {"measured": False, "segment": self._follower.segment, "reason": reason}
 
     async def _drifted(
-        self, closure: Closure, reference: Visit, known: _Distance, measured: Measurement | None
+        self, closure: Closure, reference: Visit, known: _Reference, measured: Measurement | None
     ) -> Row:
         if measured is None:
             return await self._no_closure("its readings did not settle")
         segment = self._follower.segment
-        drift_um, limit_um = (
-            (measured.displacement_mm - known.displacement_mm) * 1e3,
-            self._rules.drift_limit_mm * 1e3,
-        )
+        drift_um = (measured.displacement_mm - known.displacement_mm) * 1e3
+        # Each overlap is a difference of two distances, as the drift itself is.
+        limit_um = self._rules.drift_limit_mm * 1e3 * math.sqrt(1.0 + known.overlaps)
         row = point_row(self._name, segment, reference.command, self._follower.sent, measured)
         self._ctx.record(
             "records",
@@ -169,6 +192,7 @@ class ReflectorCampaign:
                 "number": closure.number,
                 "point": reference.command.index,
                 "reference_displacement_mm": known.displacement_mm,
+                "overlaps": known.overlaps,
                 "drift_um": drift_um,
             },
         )
@@ -177,7 +201,7 @@ class ReflectorCampaign:
             await self._ctx.warn(
                 f"reflector {self._name}: the distance at the reference pose "
                 f"({title_of(self._name, reference.command)}) has drifted by {drift_um:+.0f} µm, the limit is "
-                f"{limit_um:g} µm: warm the arm up (warmup), keep air and room steady, and see that reflector and "
+                f"{limit_um:.0f} µm: warm the arm up (warmup), keep air and room steady, and see that reflector and "
                 "interferometer are clamped; what was measured meanwhile carries that drift"
             )
         return {"measured": True, "segment": segment, "drift_um": drift_um}

@@ -79,6 +79,25 @@ class Recovery:
         self._follower = follower
         self._attempts = attempts
         self._told_not_subdivided = False
+        self._ties: dict[int, tuple[int, float]] = {}
+
+    def carried(self, segment: int) -> tuple[float, int] | None:
+        """Return what a displacement of an earlier segment has to be changed by to count from the present zero.
+
+        Args:
+            segment: of the displacement.
+
+        Returns:
+            The change, mm, and the number of overlaps that it rests on; None when a gap was not overlapped.
+        """
+        present, change_mm, overlaps = self._follower.segment, 0.0, 0
+        while present != segment:
+            if present not in self._ties:
+                return None
+            present, difference_mm = self._ties[present]
+            change_mm += difference_mm
+            overlaps += 1
+        return change_mm, overlaps
 
     async def obtain(self, visit: Visit, before: Visit | None, step_id: str) -> Measurement | LeftOut:
         """Measure a point.
@@ -190,6 +209,7 @@ class Recovery:
 
     async def _tie(self, old: Good, measured: Measurement) -> None:
         follower = self._follower
+        self._ties[follower.segment] = (old.segment, measured.displacement_mm - old.displacement_mm)
         shift_mm = math.radians(follower.sent[3] - old.j4_deg) * old.visit.beam_mm
         row = point_row(self._reflector.name, follower.segment, old.visit.command, follower.sent, measured)
         self._ctx.record(

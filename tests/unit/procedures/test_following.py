@@ -8,7 +8,8 @@ import pytest
 
 from procedures.bench import Bench, Following
 from procedures.motion_time import way_time_s
-from procedures.open_loop_plan import Visit, plan_open_loop
+from procedures.open_loop_plan import plan_open_loop
+from procedures.visits import Visit
 from tests.unit.procedures.benches import PLACES, bench, miss_along
 
 
