@@ -1,15 +1,16 @@
-"""A stored validation path as a measurement: passes averaged."""
+"""A stored validation path as a measurement: positions averaged over passes, or distances."""
 
 from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
 
+from app.distance_validation import DistancePath
 from app.errors import UsageError
 from app.store.reader import RunReader
 from app.validation import PathMeasurement, established_rows
-from calibration.points import Commands
-from calibration.types import Floats
+from calibration.points import Commands, Points
+from calibration.types import Bools, Floats, Ints
 
 
 def path_measurement(reader: RunReader, take_up_deg: float) -> PathMeasurement:
@@ -20,11 +21,14 @@ def path_measurement(reader: RunReader, take_up_deg: float) -> PathMeasurement:
         take_up_deg: travel after which a direction of approach holds.
 
     Raises:
-        UsageError: the run holds no path, or its passes differ in length.
+        UsageError: the run holds no path, or distances along one.
     """
-    rows = reader.path_rows()
-    if not rows:
-        raise UsageError(f"{reader.path.name} holds no path; it takes a run of validation-path")
+    rows = _rows(reader)
+    if holds_distances(rows):
+        raise UsageError(
+            f"{reader.path.name} holds distances along a path, not positions: it was measured with "
+            "instrument=interferometer"
+        )
     passes: dict[int, list[Mapping[str, Any]]] = {}
     for row in rows:
         passes.setdefault(int(str(row.get("pass_number", 0))), []).append(row)
@@ -32,22 +36,92 @@ def path_measurement(reader: RunReader, take_up_deg: float) -> PathMeasurement:
     return _mean(whole, take_up_deg)
 
 
+def distance_path(reader: RunReader, take_up_deg: float) -> DistancePath:
+    """Return the distances of a stored validation path, all passes.
+
+    Args:
+        reader: a run of validation-path that was measured by the interferometer.
+        take_up_deg: travel after which a direction of approach holds.
+
+    Raises:
+        UsageError: the run holds no path, or positions along one.
+    """
+    rows = _rows(reader)
+    if not holds_distances(rows):
+        raise UsageError(
+            f"{reader.path.name} holds positions along a path, not distances: an independent instrument measured it"
+        )
+    commands = _commands(rows)
+    places = [(str(row["reflector"]), int(row["segment"])) for row in rows]
+    names, dead_paths = tuple(dict.fromkeys(name for name, _ in places)), tuple(dict.fromkeys(places))
+    points = Points(
+        commands=commands,
+        reflector=np.array([names.index(name) for name, _ in places], dtype=np.int64),
+        dead_path=np.array([dead_paths.index(place) for place in places], dtype=np.int64),
+        displacement_mm=_column(rows, "displacement_mm"),
+        sigma_mm=None,
+        reflector_names=names,
+        dead_paths=dead_paths,
+    )
+    established = _established(rows, commands, float(np.deg2rad(take_up_deg)))
+    return DistancePath(points, _command_mm(rows), _travel(rows), established)
+
+
+def holds_distances(rows: Sequence[Mapping[str, Any]]) -> bool:
+    """Return whether the rows of a path are distances; otherwise they are positions."""
+    return bool(rows) and rows[0].get("displacement_mm") is not None
+
+
+def _rows(reader: RunReader) -> list[dict[str, Any]]:
+    rows = reader.path_rows()
+    if not rows:
+        raise UsageError(f"{reader.path.name} holds no path; it takes a run of validation-path")
+    return list(rows)
+
+
+def _commands(rows: Sequence[Mapping[str, Any]]) -> Commands:
+    return Commands(
+        np.deg2rad(_column(rows, "theta1_deg")),
+        np.deg2rad(_column(rows, "theta2_deg")),
+        _column(rows, "direction1").astype(np.int64),
+        _column(rows, "direction2").astype(np.int64),
+    )
+
+
+def _command_mm(rows: Sequence[Mapping[str, Any]]) -> Floats:
+    return np.stack([_column(rows, "x_mm"), _column(rows, "y_mm")], axis=1)
+
+
+def _established(rows: Sequence[Mapping[str, Any]], commands: Commands, take_up_rad: float) -> Bools:
+    """Return where a direction of approach holds; each pass begins with a take-up of its own."""
+    pass_number = _column(rows, "pass_number")
+    flags = np.zeros(len(rows), dtype=np.bool_)
+    for number in np.unique(pass_number):
+        flags[pass_number == number] = established_rows(commands.select(pass_number == number), take_up_rad)
+    return flags
+
+
+def _travel(rows: Sequence[Mapping[str, Any]]) -> Ints:
+    """Return 1 on the way there and -1 on the way back; points may be missing, so the ends tell them apart."""
+    travel = np.ones(len(rows), dtype=np.int64)
+    pass_number, y = _column(rows, "pass_number"), _column(rows, "y_mm")
+    for number in np.unique(pass_number):
+        own = np.flatnonzero(pass_number == number)
+        farthest = int(np.argmax(np.abs(y[own] - y[own[0]])))
+        travel[own[farthest + 1 :]] = -1
+    return travel
+
+
 def _mean(passes: Sequence[Sequence[Mapping[str, Any]]], take_up_deg: float) -> PathMeasurement:
     first = passes[0]
     measured = np.stack(
         [np.stack([_column(p, "x_meas_mm"), _column(p, "y_meas_mm")], axis=1) for p in passes]
     )
-    command = np.stack([_column(first, "x_mm"), _column(first, "y_mm")], axis=1)
     half = (len(first) + 1) // 2
-    commands = Commands(
-        np.deg2rad(_column(first, "theta1_deg")),
-        np.deg2rad(_column(first, "theta2_deg")),
-        _column(first, "direction1").astype(np.int64),
-        _column(first, "direction2").astype(np.int64),
-    )
+    commands = _commands(first)
     return PathMeasurement(
         commands=commands,
-        command_mm=command,
+        command_mm=_command_mm(first),
         travel=np.where(np.arange(len(first)) < half, 1, -1).astype(np.int64),
         measured_mm=measured.mean(axis=0),
         u_mm=_column(first, "u_mm") / np.sqrt(len(passes)),
@@ -56,4 +130,4 @@ def _mean(passes: Sequence[Sequence[Mapping[str, Any]]], take_up_deg: float) -> 
 
 
 def _column(rows: Sequence[Mapping[str, Any]], key: str) -> Floats:
-    return np.array([float(row[key]) for row in rows])
+    return np.array([np.nan if row[key] is None else float(row[key]) for row in rows])

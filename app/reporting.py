@@ -25,6 +25,7 @@ from app.identifying import (
     run_rows,
 )
 from app.material import with_reference_links
+from app.path_comparison import compare_path
 from app.report.content import (
     DeviceRecord,
     EnvironmentSummary,
@@ -70,10 +71,14 @@ def demo_truth(result: DemoResult) -> TruthTables:
 
 
 def run_report(reader: RunReader, root: Path, path: Path) -> None:
-    """Write the report of one run; a measurement is identified with both models."""
+    """Write the report of one run; a measurement is identified with both models, a path compared with both."""
     cell = cell_of_run(reader)
     results, notes = _identified(reader, root) if reader.points() else ([], [])
     parts = _run_parts([reader], cell)
+    if reader.count("path"):
+        compared = compare_path(reader, root)
+        results, notes = compared.results, compared.notes
+        parts |= {"validation": compared.validation, "distances": compared.distances}
     parts["warnings"] = [*parts["warnings"], *notes]
     bench = aimed_bench(reader, root)
     title = f"{reader.meta.get('procedure')} on {cell.name}"

@@ -20,7 +20,7 @@ class PathMeasurement:
         command_mm: command positions, shape (n, 2).
         travel: 1 on the way there, -1 on the way back, shape (n,).
         measured_mm: measured positions in the instrument's frame, shape (n, 2).
-        u_mm: standard uncertainty of each measured coordinate, shape (n,).
+        u_mm: standard uncertainty of each measured coordinate, shape (n,); NaN where the instrument states none.
         established: rows whose joints have moved at least the take-up angle since their last reversal, shape (n,);
             before that no direction of approach holds, and no bidirectional map says where the arm stands.
     """

@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 
 from app.cell.model import Cell
+from app.distance_validation import DistanceValidation
 from app.files.result_json import Result
 from app.validation import PathValidation
 from calibration.types import Floats
@@ -129,6 +130,7 @@ class ReportContent:
         results: identified models; of two of one kind the last counts.
         truth: what an emulated bench really is.
         validation: models on an independently measured path.
+        distances: models on a path that the interferometer measured.
         search: what searches found, as the search's last step returns it: `reflectors` (`name`, `x_mm`, `y_mm`,
             `u_x_mm`, `u_y_mm`, `u_aim_mm`), `theta40_deg`, `u_theta40_deg`, `rms_deg`.
         warnings: sentences of the plan: blind commands, planned breaks.
@@ -148,6 +150,7 @@ class ReportContent:
     results: Sequence[Result] = ()
     truth: TruthTables | None = None
     validation: PathValidation | None = None
+    distances: DistanceValidation | None = None
     search: Sequence[Mapping[str, Any]] = ()
     warnings: Sequence[str] = ()
     events: Sequence[str] = ()

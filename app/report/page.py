@@ -3,6 +3,7 @@
 from pathlib import Path
 
 from app.report.content import ReportContent
+from app.report.distance_section import distance_section
 from app.report.markup import Html, element, join
 from app.report.numbers import unbroken
 from app.report.path_section import path_section
@@ -60,6 +61,7 @@ def _sections(content: ReportContent) -> list[Html]:
         parameter_section(content),
         map_section(content),
         path_section(content),
+        distance_section(content),
         fit_section(content),
         layout_section(content),
         reflector_section(content),

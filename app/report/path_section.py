@@ -54,13 +54,24 @@ def _definitions(axis: PathAxis) -> str:
 
 def _measured(validation: PathValidation, axis: PathAxis) -> str:
     compared, rows = int(validation.compared.sum()), validation.compared.size
-    low, high = 1e3 * float(validation.path.u_mm.min()), 1e3 * float(validation.path.u_mm.max())
-    u = f"{low:.1f}" if math.isclose(low, high, abs_tol=0.05) else f"{low:.1f} to {high:.1f}"
     return (
-        f"Path {axis.title}; {rows} positions located by an independent instrument with a standard uncertainty of "
-        f"{u} µm a coordinate. {compared} rows compared, {rows - compared} left out; all models are compared over "
-        "the same rows."
+        f"Path {axis.title}; {rows} positions located by an independent instrument {_stated(validation)}. "
+        f"{compared} rows compared, {rows - compared} left out; all models are compared over the same rows."
     )
+
+
+def _stated(validation: PathValidation) -> str:
+    """Return what the instrument says about its uncertainty."""
+    stated = 1e3 * validation.path.u_mm[np.isfinite(validation.path.u_mm)]
+    if stated.size < validation.path.u_mm.size:
+        return (
+            "that states no uncertainty"
+            if not stated.size
+            else "that states an uncertainty for some of them only"
+        )
+    low, high = float(stated.min()), float(stated.max())
+    u = f"{low:.1f}" if math.isclose(low, high, abs_tol=0.05) else f"{low:.1f} to {high:.1f}"
+    return f"with a standard uncertainty of {u} µm a coordinate"
 
 
 def _comparison(validation: PathValidation) -> Html:

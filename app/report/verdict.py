@@ -6,6 +6,7 @@ from typing import Literal
 
 import numpy as np
 
+from app.distance_validation import DistanceValidation
 from app.files.result_json import Fit, LackOfFitPart, MapTable, Result
 from app.report.agreement import LIMIT, normalised_errors
 from app.report.content import MODEL_TITLES, ReportContent, TruthTables
@@ -37,7 +38,11 @@ def verdict(content: ReportContent) -> list[Statement]:
     if best.fit.null_directions:
         named = "; ".join(", ".join(names) for names in best.fit.null_directions)
         statements.append(Statement("bad", f"Not observable, and therefore without numbers: {named}."))
-    statements.append(_path_verdict(content.validation))
+    statements.append(
+        _path_verdict(content.validation)
+        if content.distances is None
+        else _distance_verdict(content.distances)
+    )
     if content.truth is not None and best.model == "error-map":
         statements.append(truth_verdict(best, content.truth))
     left_out = [f"{counted(len(best.fit.rejected), 'segment')} rejected" if best.fit.rejected else ""]
@@ -136,6 +141,16 @@ def _path_verdict(validation: PathValidation | None) -> Statement:
         f"ratio {validation.ratio:.2f} ({rows})."
     )
     return Statement("good" if validation.ratio < _BETTER else "bad", text)
+
+
+def _distance_verdict(distances: DistanceValidation) -> Statement:
+    last, first = distances.models[-1], distances.models[0]
+    rows = f"{int(distances.compared.sum())} of {distances.compared.size} rows compared"
+    where = f"On distances along a path the {MODEL_TITLES[last.model]} leaves {last.rms_um:.1f} µm rms"
+    if distances.ratio is None:
+        return Statement("note", f"{where} ({rows}).")
+    text = f"{where}, the {MODEL_TITLES[first.model]} {first.rms_um:.1f} µm: ratio {distances.ratio:.2f} ({rows})."
+    return Statement("good" if distances.ratio < _BETTER else "bad", text)
 
 
 def truth_verdict(result: Result, truth: TruthTables) -> Statement:

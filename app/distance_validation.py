@@ -1,0 +1,177 @@
+"""Models on a path that the interferometer measured: predicted against measured distances."""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from app.errors import UsageError
+from calibration.distance_model import DistanceModel, distance_model
+from calibration.errors import InsufficientPointsError
+from calibration.identification import Identification
+from calibration.layout import Layout
+from calibration.points import Points
+from calibration.prediction import inside_range
+from calibration.types import Bools, Floats, Ints
+
+_FEWEST = 3
+"""Distances of a segment: its dead path is fitted, so that one alone agrees with any model, and two with most."""
+
+
+@dataclass(frozen=True)
+class DistancePath:
+    """A path measured by distances to reflectors.
+
+    Attributes:
+        points: commands with directions of approach, and distances relative to the zero of each segment, n rows.
+        command_mm: command positions, shape (n, 2).
+        travel: 1 on the way there, -1 on the way back, shape (n,).
+        established: rows whose joints have moved at least the take-up angle since their last reversal, shape (n,).
+    """
+
+    points: Points
+    command_mm: Floats
+    travel: Ints
+    established: Bools
+
+
+@dataclass(frozen=True)
+class ModelOnDistances:
+    """One model on the path.
+
+    Attributes:
+        model: "conventional" or "error-map".
+        deviation_mm: predicted minus measured distance, one dead path fitted for each segment, shape (n,); NaN where
+            it is not compared.
+        u_mm: standard uncertainty of the prediction relative to its segment, shape (n,); NaN likewise.
+        dead_paths_mm: fitted dead paths by reflector and segment.
+    """
+
+    model: str
+    deviation_mm: Floats
+    u_mm: Floats
+    dead_paths_mm: dict[tuple[str, int], float]
+
+    @property
+    def rms_um(self) -> float:
+        """Rms of the deviations, µm."""
+        return 1e3 * float(np.sqrt(np.nanmean(self.deviation_mm**2)))
+
+    @property
+    def max_um(self) -> float:
+        """Largest deviation, µm."""
+        return 1e3 * float(np.nanmax(np.abs(self.deviation_mm)))
+
+    @property
+    def median_u_um(self) -> float:
+        """Median of the prediction's standard uncertainties, µm."""
+        return 1e3 * float(np.nanmedian(self.u_mm))
+
+
+@dataclass(frozen=True)
+class DistanceValidation:
+    """All models on the path.
+
+    Attributes:
+        path: what was measured.
+        compared: rows that every model is compared over, shape (n,).
+        models: one entry a model, in the order given.
+        rejected: sentences about segments that are too short.
+    """
+
+    path: DistancePath
+    compared: Bools
+    models: tuple[ModelOnDistances, ...]
+    rejected: tuple[str, ...]
+
+    @property
+    def ratio(self) -> float | None:
+        """Rms left by the last model over that left by the first, None for a single model."""
+        if len(self.models) < 2:
+            return None
+        return self.models[-1].rms_um / self.models[0].rms_um
+
+
+def validate_on_distances(path: DistancePath, identified: list[Identification]) -> DistanceValidation:
+    """Compare models with measured distances, all over the same rows.
+
+    Distances do not see a rotation of arm and reflectors about J1 together, so nothing is aligned; each segment has a
+    dead path of its own, which is fitted for each model.
+
+    Args:
+        path: what was measured.
+        identified: the models, the reference (conventional) first.
+
+    Raises:
+        UsageError: a model does not know a reflector of the path.
+        InsufficientPointsError: no segment has three rows to compare.
+    """
+    for one in identified:
+        _require_reflectors(one, path)
+    usable: Bools = np.logical_and.reduce(
+        [path.established, *(inside_range(one, path.points.commands) for one in identified)]
+    )
+    compared, rejected = _without_short_segments(path.points, usable)
+    if not compared.any():
+        raise InsufficientPointsError(
+            f"no segment of the path has {_FEWEST} distances inside the identified range and with an established "
+            "direction of approach: nothing can be compared"
+        )
+    models = tuple(_on_distances(path, one, compared) for one in identified)
+    return DistanceValidation(path, compared, models, rejected)
+
+
+def _require_reflectors(identified: Identification, path: DistancePath) -> None:
+    known = identified.layout.reflector_names
+    for name in path.points.reflector_names:
+        if name not in known:
+            raise UsageError(
+                f"the {identified.layout.model} model was identified without reflector {name}, to which the path was "
+                f"measured; it knows {', '.join(known)}: identify from points of {name} too, or measure the path to "
+                "one of those (param reflector)"
+            )
+
+
+def _without_short_segments(points: Points, usable: Bools) -> tuple[Bools, tuple[str, ...]]:
+    counts = np.bincount(points.dead_path[usable], minlength=len(points.dead_paths))
+    short = counts < _FEWEST
+    sentences = tuple(
+        f"segment {segment} of reflector {name} left out: {counts[i]} distance(s) to compare, fewer than {_FEWEST}"
+        for i, (name, segment) in enumerate(points.dead_paths)
+        if short[i]
+    )
+    return usable & ~short[points.dead_path], sentences
+
+
+def _on_distances(path: DistancePath, identified: Identification, compared: Bools) -> ModelOnDistances:
+    points = path.points.select(compared)
+    model, parameters = _transferred(identified, points)
+    length_less_count = model.residuals(parameters)
+    # Without weights the best dead path of a segment is the mean.
+    dead_paths = _means(points, length_less_count[:, None])[:, 0]
+    known = identified.layout.reflectors.stop
+    jacobian = model.jacobian(parameters)[:, :known]
+    relative = jacobian - _means(points, jacobian)[points.dead_path]
+    covariance = identified.covariance[:known, :known]
+    variance = np.einsum("ni,ni->n", relative @ covariance, relative)
+    deviation, u = np.full(compared.size, np.nan), np.full(compared.size, np.nan)
+    deviation[compared] = length_less_count - dead_paths[points.dead_path]
+    u[compared] = np.sqrt(np.maximum(variance, 0.0))
+    fitted = {key: float(value) for key, value in zip(points.dead_paths, dead_paths, strict=True)}
+    return ModelOnDistances(identified.layout.model, deviation, u, fitted)
+
+
+def _transferred(identified: Identification, points: Points) -> tuple[DistanceModel, Floats]:
+    """Return an identified arm with its reflectors, seen through other distances with dead paths of nothing."""
+    own = identified.layout
+    layout = Layout(own.model, own.nodes1_rad, own.nodes2_rad, own.reflector_names, points.dead_paths)
+    order = np.array([own.reflector_names.index(name) for name in points.reflector_names], dtype=np.int64)
+    seen = replace(points, reflector=order[points.reflector], reflector_names=own.reflector_names)
+    parameters = np.zeros(layout.size)
+    parameters[: own.reflectors.stop] = identified.parameters[: own.reflectors.stop]
+    return distance_model(layout, seen), parameters
+
+
+def _means(points: Points, values: Floats) -> Floats:
+    """Return the mean over the rows of each dead path, shape (dead paths, columns)."""
+    members = points.dead_path[:, None] == np.arange(len(points.dead_paths))
+    return np.asarray((members.T / members.sum(axis=0)[:, None]) @ values, dtype=np.float64)
