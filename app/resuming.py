@@ -132,7 +132,7 @@ def _is_link(key: str) -> bool:
 
 def _flat(value: Json, key: str = "") -> dict[str, Json]:
     """Return the leaves of a configuration by dotted key; [[tables]] are counted from 1, as people count."""
-    if isinstance(value, dict) and value:
+    if isinstance(value, dict):
         parts = [(f"{key}.{name}".lstrip("."), item) for name, item in value.items()]
     elif isinstance(value, list) and value and isinstance(value[0], dict):
         parts = [(f"{key}[{number}]", item) for number, item in enumerate(value, 1)]

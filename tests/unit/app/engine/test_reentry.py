@@ -1,0 +1,256 @@
+"""The way back into an interrupted run: what is compared, what is asked, and what the answers lead to."""
+
+import asyncio
+import signal
+from pathlib import Path
+
+import pytest
+
+from app.engine.host import RunOutcome, run_procedure
+from app.engine.operator import Answer, Answerer
+from app.exitcode import ExitCode
+from app.store.reader import RunReader
+from app.store.run_store import RunStore
+from drivers.errors import AlarmError
+from drivers.readings import Identity
+from procedures.context import Context, Prompt, Row
+from tests.unit.app.engine.fakes import AWAY, FakeAir, FakeBench, FakeRobot, Script
+
+CAUSE = "alarm 1: look under the arm"
+
+
+class Desk:
+    """A person who gives prepared answers and remembers the questions."""
+
+    def __init__(self, **answers: str) -> None:
+        self._answers = {name.replace("_", "/"): text for name, text in answers.items()}
+        self.asked: list[Prompt] = []
+
+    async def __call__(self, prompt: Prompt) -> Answer | None:
+        self.asked.append(prompt)
+        text = self._answers.get(prompt.id)
+        return None if text is None else Answer(text, "Ada")
+
+
+@pytest.fixture
+def bench(tmp_path: Path) -> FakeBench:
+    made = FakeBench(tmp_path / "runs")
+    made.make_real()
+    return made
+
+
+async def run(
+    bench: FakeBench,
+    resume: Path | None = None,
+    answerer: Answerer | None = None,
+    procedure: Script | None = None,
+) -> RunOutcome:
+    request = bench.request(procedure or two_moves(), arm="lab-1", resume=resume, answerer=answerer)
+    return await run_procedure(request, bench.build, bench.clock, bench.publish, bench.install)
+
+
+def two_moves() -> Script:
+    async def body(ctx: Context) -> None:
+        for number in (0, 1):
+            await ctx.step(f"p{number}", "a move", lambda: one(ctx))
+
+    async def one(ctx: Context) -> Row:
+        await ctx.move(AWAY)
+        return {"resumed": ctx.resumed}
+
+    return Script(body)
+
+
+async def interrupted(bench: FakeBench) -> Path:
+    """Return a run that an alarm aborted in its second step; the alarm is over."""
+
+    async def body(ctx: Context) -> None:
+        await ctx.step("p0", "a move", lambda: moved(ctx))
+        bench.robot.move_error = AlarmError(CAUSE, 1)
+        await ctx.step("p1", "a move", lambda: moved(ctx))
+
+    async def moved(ctx: Context) -> Row:
+        await ctx.move(AWAY)
+        return {}
+
+    outcome = await run(bench, procedure=Script(body))
+    assert outcome.status == "aborted"
+    bench.robot.move_error = None
+    bench.robot.calls.clear()
+    bench.published.clear()
+    return outcome.path
+
+
+async def stopped(bench: FakeBench) -> Path:
+    """Return a run that its operator stopped after its first step."""
+
+    async def body(ctx: Context) -> None:
+        await ctx.step("p0", "a move", lambda: moved(ctx))
+        bench.signal(signal.SIGINT)
+        bench.signal(signal.SIGINT)
+        await ctx.checkpoint()
+
+    async def moved(ctx: Context) -> Row:
+        await ctx.move(AWAY)
+        return {}
+
+    outcome = await run(bench, procedure=Script(body))
+    assert outcome.status == "stopped"
+    bench.robot.calls.clear()
+    bench.published.clear()
+    return outcome.path
+
+
+async def test_an_aborted_run_goes_on_when_a_person_has_cleared_it(bench: FakeBench) -> None:
+    path, desk = await interrupted(bench), Desk(clear="yes", resume_reflectors="untouched")
+    outcome = await run(bench, path, desk)
+    assert outcome.status == "complete"
+    assert [prompt.id for prompt in desk.asked] == ["clear", "resume/reflectors"]
+    assert CAUSE in desk.asked[0].text
+    assert desk.asked[0].motion
+    assert bench.states() == ["CLEARING", "STOPPED", "STARTING", "EXECUTE", "COMPLETE"]
+    reader = RunReader(path)
+    stored = [event.data["state"] for event in reader.events() if event.kind == "state"]
+    assert stored[stored.index("ABORTED") + 1] == "CLEARING"
+    assert [(p["id"], p["answer"], p["who"]) for p in reader.prompts()] == [
+        ("clear", "yes", "Ada"),
+        ("resume/reflectors", "untouched", "Ada"),
+    ]
+    assert [step.result for step in reader.steps()] == [{}, {"resumed": True}]
+    assert bench.robot.calls.count("move") == 1
+
+
+async def test_nothing_moves_before_the_answers(bench: FakeBench) -> None:
+    path, seen = await interrupted(bench), []
+
+    async def desk(prompt: Prompt) -> Answer | None:
+        seen.append((prompt.id, list(bench.robot.calls)))
+        return Answer("yes" if prompt.kind == "confirm" else "untouched", "Ada")
+
+    await run(bench, path, desk)
+    assert seen == [("clear", ["connect"]), ("resume/reflectors", ["connect"])]
+
+
+@pytest.mark.parametrize(
+    ("desk", "code"),
+    [(Desk(clear="no"), ExitCode.SAFETY), (Desk(), ExitCode.TIMEOUT)],
+    ids=["a person says no", "nobody is there"],
+)
+async def test_an_abort_that_is_not_cleared_is_asked_about_again(
+    bench: FakeBench, desk: Desk, code: ExitCode
+) -> None:
+    path = await interrupted(bench)
+    outcome = await run(bench, path, desk)
+    assert outcome.exit_code == code
+    assert "servo on" not in bench.robot.calls
+    assert "move" not in bench.robot.calls
+    assert "CLEARING" not in bench.states()
+    later = Desk(clear="yes", resume_reflectors="untouched")
+    assert (await run(bench, path, later)).status == "complete"
+    assert CAUSE in later.asked[0].text
+
+
+async def test_ctrl_c_ends_the_question_and_clears_nothing(bench: FakeBench) -> None:
+    path = await interrupted(bench)
+    asked = asyncio.Event()
+
+    async def desk(_prompt: Prompt) -> Answer | None:
+        asked.set()
+        await asyncio.Event().wait()
+        return None
+
+    task = asyncio.create_task(run(bench, path, desk))
+    await asked.wait()
+    bench.signal(signal.SIGINT)
+    outcome = await task
+    assert (outcome.status, outcome.exit_code) == ("stopped", ExitCode.INTERRUPTED)
+    assert "CLEARING" not in bench.states()
+    later = Desk(clear="yes", resume_reflectors="untouched")
+    assert (await run(bench, path, later)).status == "complete"
+    assert [prompt.id for prompt in later.asked] == ["clear", "resume/reflectors"]
+
+
+async def test_a_process_that_died_while_it_aborted_leaves_the_abort_to_be_cleared(bench: FakeBench) -> None:
+    path = await stopped(bench)
+    store = await RunStore.reopen(path, bench.clock, reserve_bytes=0)
+    await store.event("state", {"state": "ABORTING", "reason": "the door was opened"})
+    await store.abandon()
+    desk = Desk(clear="yes", resume_reflectors="untouched")
+    assert (await run(bench, path, desk)).status == "complete"
+    assert "the door was opened" in desk.asked[0].text
+
+
+async def test_a_cleared_abort_is_not_asked_about_again(bench: FakeBench) -> None:
+    path = await interrupted(bench)
+    again = Desk(clear="yes")
+    # Cleared, but nobody says what became of the reflectors.
+    assert (await run(bench, path, again)).exit_code == ExitCode.TIMEOUT
+    last = Desk(resume_reflectors="untouched")
+    assert (await run(bench, path, last)).status == "complete"
+    assert [prompt.id for prompt in last.asked] == ["resume/reflectors"]
+
+
+async def test_moved_reflectors_end_the_run_before_anything_moves(bench: FakeBench) -> None:
+    path, desk = await stopped(bench), Desk(resume_reflectors="moved")
+    outcome = await run(bench, path, desk)
+    assert (outcome.status, outcome.exit_code) == ("failed", ExitCode.REJECTED)
+    assert "search again" in outcome.text
+    assert "servo on" not in bench.robot.calls
+    assert "move" not in bench.robot.calls
+    reader = RunReader(path)
+    assert [event.kind for event in reader.events()].count("reflectors-moved") == 1
+    # The time is that of the last step: what was done before it may be told from what was done after.
+    assert reader.steps()[-1].done_utc[11:19] in desk.asked[0].text
+
+
+async def test_a_stopped_run_needs_no_clear(bench: FakeBench) -> None:
+    path, desk = await stopped(bench), Desk(resume_reflectors="untouched")
+    assert (await run(bench, path, desk)).status == "complete"
+    assert [prompt.id for prompt in desk.asked] == ["resume/reflectors"]
+    assert bench.states()[0] == "STARTING"
+
+
+class OtherRobot(FakeRobot):
+    """Another arm of the same model."""
+
+    async def connect(self) -> Identity:
+        await super().connect()
+        return Identity("fake", "1.0", "8", self.simulated)
+
+
+class OtherAir(FakeAir):
+    """Another sensor."""
+
+    async def connect(self) -> Identity:
+        return Identity("another", "2.0", "9", self.simulated)
+
+
+class SilentRobot(FakeRobot):
+    """The same arm with a driver that does not tell its serial number."""
+
+    async def connect(self) -> Identity:
+        await super().connect()
+        return Identity("fake", "1.0", "", self.simulated)
+
+
+async def test_another_robot_is_refused(bench: FakeBench) -> None:
+    path = await stopped(bench)
+    bench.robot = OtherRobot(bench.clock, simulated=False)
+    outcome = await run(bench, path, Desk(resume_reflectors="untouched"))
+    assert (outcome.status, outcome.exit_code) == ("failed", ExitCode.USAGE)
+    assert "serial 8, was 7" in outcome.text
+    assert bench.robot.calls == ["connect", "stop", "close"] or "move" not in bench.robot.calls
+
+
+async def test_another_air_sensor_is_told(bench: FakeBench) -> None:
+    path = await stopped(bench)
+    bench.air = OtherAir(bench.clock, simulated=False)
+    outcome = await run(bench, path, Desk(resume_reflectors="untouched"))
+    assert outcome.status == "complete"
+    assert any("environment is not as it was" in str(event["text"]) for event in bench.said("warning"))
+
+
+async def test_a_device_that_does_not_tell_its_number_is_not_another_one(bench: FakeBench) -> None:
+    path = await stopped(bench)
+    bench.robot = SilentRobot(bench.clock, simulated=False)
+    assert (await run(bench, path, Desk(resume_reflectors="untouched"))).status == "complete"
