@@ -1,7 +1,7 @@
 """What a procedure is given, on scripted instruments and a real store."""
 
 import asyncio
-from collections.abc import AsyncIterator, Sequence
+from collections.abc import AsyncIterator, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import NamedTuple
@@ -13,11 +13,13 @@ from app.engine.context import RunContext
 from app.engine.control import RunControl
 from app.engine.devices import Devices
 from app.engine.gate import JointLimits, MotionGate
+from app.engine.hands import Hands
 from app.engine.host import run_procedure
 from app.engine.operator import Answer, Operator
 from app.errors import (
     ConfigError,
     LimitError,
+    LinkFailedError,
     MeasurementRejectedError,
     PromptUnansweredError,
     SafetyError,
@@ -26,10 +28,19 @@ from app.exitcode import ExitCode
 from app.store.reader import RunReader
 from app.store.run_store import RunStore
 from drivers.readings import CounterStatus, Joints, RobotStatus
-from procedures.context import Context, Prompt, Row
+from procedures.context import Context, Json, Prompt, Row
 from tests.unit.app.engine.fakes import AWAY, HOME, LIMITS, FakeBench, FakeRobot, Script, point
 
 READY = RobotStatus(True, False, True, False, False, 20.0, 0, "")
+
+
+class Willing(Hands):
+    """Hands that do whatever they are told, or break."""
+
+    async def do(self, task: Mapping[str, Json]) -> dict[str, Json]:
+        if task["do"] == "break":
+            raise LinkFailedError("the screw is stuck")
+        return {"did": task["do"]}
 
 
 class Parts(NamedTuple):
@@ -51,7 +62,7 @@ async def parts(tmp_path: Path) -> AsyncIterator[Parts]:
     announcer = Announcer(store.path.name, bench.clock, bench.publish, lambda: None)
     devices = Devices(bench.robot, bench.counter, bench.air)
     gate = MotionGate(bench.robot, LIMITS, 20.0)
-    operator = Operator(bench.clock, {}, None, simulated=True)
+    operator = Operator(bench.clock, {}, None, simulated=True, hands=Willing("tcp://127.0.0.1:1"))
     ctx = RunContext(devices, store, control, bench.clock, gate, operator, announcer)
     yield Parts(bench, ctx, control, RunReader(store.path))
     await store.abandon()
@@ -323,6 +334,18 @@ async def test_an_unanswered_question_is_stored_too(parts: Parts) -> None:
     with pytest.raises(PromptUnansweredError, match="answers file"):
         await parts.ctx.ask(Prompt("name", "text", "Type the name."))
     assert parts.reader.prompts()[0]["answer"] is None
+
+
+async def test_what_hands_did_for_an_answer_is_in_the_run(parts: Parts) -> None:
+    await parts.ctx.ask(Prompt("stage/1", "confirm", "Turn.", task={"do": "turn"}))
+    hands = [event for event in parts.reader.events() if event.kind == "hands"]
+    assert [event.data for event in hands] == [{"prompt": "stage/1", "did": "turn"}]
+    with pytest.raises(LinkFailedError, match="stuck"):
+        await parts.ctx.ask(Prompt("stage/2", "confirm", "Turn.", task={"do": "break"}))
+    assert [(prompt["id"], prompt["answer"]) for prompt in parts.reader.prompts()] == [
+        ("stage/1", "yes"),
+        ("stage/2", None),
+    ]
 
 
 async def test_progress_estimates_from_the_runs_own_pace(parts: Parts) -> None:
