@@ -27,6 +27,9 @@ _WINDOW_SHARE = 0.8
 _ROUGH_MM = 30.0
 """What a rough place, and so a distance, may be wrong by; the pose keeps this much more than the shortest beam."""
 
+_NARROW = 0.4
+"""Share of the full window's width that a beam just inside of the acceptance still has."""
+
 _TRIES = 3
 """So often the turns begin anew when the beam is lost during them."""
 
@@ -221,23 +224,25 @@ class _Rounds:
         """Search the window: near where it has to be after the last turn, then everywhere."""
         plan, optics = self._plan, self._plan.bench.optics
         pose, half_window = plan.pose, half_window_deg(optics.acceptance_mm, plan.pose.beam_mm)
-        ranges = [(pose.j4_deg, plan.params.half_range_deg)]
+        everywhere = (pose.j4_deg, plan.params.half_range_deg)
+        # A beam that is too high or too low has a narrower window, between the steps of the first scan.
+        scans = [(*everywhere, half_window), (*everywhere, _NARROW * half_window)]
         if last is not None:
             # An offset that grows by c turns the aim by −c / D.
             shift_deg = -math.degrees((expected or 0.0) / pose.beam_mm)
-            ranges.insert(
-                0, (number_of(last, "j4_deg") + shift_deg, 3.0 * half_window + 2.5 * abs(shift_deg))
-            )
-        for j4_deg, half_range in ranges:
+            near_deg = 3.0 * half_window + 2.5 * abs(shift_deg)
+            scans.insert(0, (number_of(last, "j4_deg") + shift_deg, near_deg, half_window))
+        for j4_deg, half_range, stride in scans:
             start = (pose.theta1_deg, pose.theta2_deg, plan.bench.arm.j3_mm, j4_deg)
             limits = plan.bench.arm.j4_limits_deg
-            window = await find_return(self._ctx, start, half_range, half_window, limits, optics.signal_min)
+            window = await find_return(self._ctx, start, half_range, stride, limits, optics.signal_min)
             if window is not None:
                 return window
         raise BeamLostError(
             f"reflector {pose.reflector.name} does not return the beam within ±{plan.params.half_range_deg:g}° of "
             f"J4 = {pose.j4_deg:.2f}° at θ1 = {pose.theta1_deg:g}°, θ2 = {pose.theta2_deg:g}°: check that the beam "
-            "is level (beam-level) and free, the rough place and theta40_deg, or raise half_range_deg"
+            "is level and at this height (beam-level tells j3_mm) and free, the rough place and theta40_deg, or "
+            "raise half_range_deg"
         )
 
     async def _turns(self, window: ReturnWindow, where: str) -> list[tuple[int, Measurement]] | None:

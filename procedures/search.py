@@ -1,6 +1,7 @@
 """Reflector search: places of the reflectors and the beam's zero direction (Remark 1, Eq. 2)."""
 
 import math
+from collections.abc import Mapping
 from typing import Literal
 
 import numpy as np
@@ -90,7 +91,7 @@ async def _look_further(ctx: Context, plan: SearchPlan, lookout: Lookout) -> set
     spare = list(plan.further)
     told: set[SearchPose] = set()
     now = assess(plan, lookout.sightings)
-    while (pose := weakest(plan, now, spare)) is not None:
+    while (pose := weakest(plan, now, spare, lookout.looked)) is not None:
         spare.remove(pose)
         done = len(plan.poses) + len(plan.further) - len(spare)
         index = plan.reflectors.index(pose.reflector)
@@ -109,25 +110,25 @@ async def _solve(ctx: Context, plan: SearchPlan, lookout: Lookout, told: set[Sea
     for gone in now.left_out:
         if gone.pose not in told:
             await ctx.warn(gone.text)
-    _require_sightings(plan, now)
+    _require_sightings(plan, now, lookout.looked)
     if now.found is None:
         raise ReflectorNotFoundError(now.trouble)
-    await _require_aim(ctx, plan, now)
+    await _require_aim(ctx, plan, now, lookout.looked)
     return _result(plan, now.found, now)
 
 
-def _require_sightings(plan: SearchPlan, now: Assessment) -> None:
+def _require_sightings(plan: SearchPlan, now: Assessment, looked: Mapping[str, int]) -> None:
     for reflector in plan.reflectors:
         count = now.count(reflector)
         if count < FEWEST_SIGHTINGS:
             raise ReflectorNotFoundError(
                 f"reflector {reflector.name} was found from {count} pose(s), {FEWEST_SIGHTINGS} are needed: check "
                 "that it stands where the cell file says, that the beam is level and free, or widen "
-                f"half_range_deg (now {plan.half_range_deg:g}°)"
+                f"half_range_deg (now {plan.half_range_deg:g}°){_seldom(count, looked[reflector.name])}"
             )
 
 
-async def _require_aim(ctx: Context, plan: SearchPlan, now: Assessment) -> None:
+async def _require_aim(ctx: Context, plan: SearchPlan, now: Assessment, looked: Mapping[str, int]) -> None:
     optics = plan.bench.optics
     for index, reflector in enumerate(plan.reflectors):
         if not now.holds(index):
@@ -135,7 +136,7 @@ async def _require_aim(ctx: Context, plan: SearchPlan, now: Assessment) -> None:
                 f"the aim at reflector {reflector.name} is known to {now.aim_mm[index]:.2f} mm only (k = 1) after "
                 f"{now.count(reflector)} sightings; with the plan's miss of {optics.max_miss_mm:g} mm the beam would "
                 f"leave the acceptance of {optics.acceptance_mm:g} mm: search from more poses (param poses or "
-                "most_poses) or lower max_miss_mm"
+                f"most_poses) or lower max_miss_mm{_seldom(now.count(reflector), looked[reflector.name])}"
             )
     worst = max(now.aim_mm)
     await ctx.event(
@@ -146,6 +147,12 @@ async def _require_aim(ctx: Context, plan: SearchPlan, now: Assessment) -> None:
         poses=len(now.kept),
         holds=True,
     )
+
+
+def _seldom(count: int, looked: int) -> str:
+    if 2 * count >= looked:
+        return ""
+    return f"; it was seen from {count} of {looked} poses only: level the beam first (catseye run beam-level)"
 
 
 def _result(plan: SearchPlan, found: SearchResult, now: Assessment) -> Row:

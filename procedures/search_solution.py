@@ -1,7 +1,7 @@
 """What sightings give: places and θ40, how well the beam will be aimed, what does not fit, where to look next."""
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
 
@@ -93,22 +93,26 @@ def assess(plan: SearchPlan, sightings: Sequence[Sighting]) -> Assessment:
     return Assessment(tuple(kept), tuple(left_out), found, "", aim, room_mm)
 
 
-def weakest(plan: SearchPlan, now: Assessment, spare: Sequence[SearchPose]) -> SearchPose | None:
+def weakest(
+    plan: SearchPlan, now: Assessment, spare: Sequence[SearchPose], looked: Mapping[str, int]
+) -> SearchPose | None:
     """Return the pose to look from next; None when the aim holds everywhere or no pose would help.
 
     Of the reflectors whose aim does not hold the worst one is looked at, from where its worst aim gains most; without
-    a solution the one with the fewest sightings, from the pose farthest from all others. A reflector that nobody has
-    seen is not looked for again.
+    a solution the one with the fewest sightings, from the pose farthest from all others. A reflector that returned
+    the beam from fewer than half of the poses is not looked for again: more poses are not what it lacks.
 
     Args:
         plan: of the search.
         now: what the sightings so far give.
         spare: poses not yet looked from, each next one far from those before.
+        looked: how often each reflector was looked for, by name.
     """
     doubtful = [
         index
         for index, reflector in enumerate(plan.reflectors)
-        if now.count(reflector) > 0 and (not now.holds(index) or now.count(reflector) < FEWEST_SIGHTINGS)
+        if 2 * now.count(reflector) >= looked[reflector.name]
+        and (not now.holds(index) or now.count(reflector) < FEWEST_SIGHTINGS)
     ]
 
     def urgency(index: int) -> tuple[float, float]:

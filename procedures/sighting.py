@@ -1,6 +1,7 @@
 """Looking for a reflector from one pose: by a scan of J4, or by a technician who jogs it."""
 
 import math
+from collections import Counter
 from dataclasses import dataclass
 from statistics import median
 
@@ -42,14 +43,15 @@ class Lookout:
 
     Attributes:
         sightings: found so far, in order.
+        looked: how often each reflector was looked for.
     """
 
     def __init__(self, ctx: Context, plan: SearchPlan) -> None:
         self.sightings: list[Sighting] = []
+        self.looked: Counter[str] = Counter()
         self._ctx = ctx
         self._plan = plan
         self._nests = Nests(ctx, plan.bench)
-        self._looks = 0
         self._visits: list[str] = []
 
     async def look(self, pose: SearchPose, said: "Announcement | None" = None) -> None:
@@ -59,8 +61,8 @@ class Lookout:
             pose: from where.
             said: why the pose was added, told when the step runs.
         """
-        name, number = pose.reflector.name, self._looks
-        self._looks += 1
+        name, number = pose.reflector.name, self.looked.total()
+        self.looked[name] += 1
         if not self._visits or self._visits[-1] != name:
             self._visits.append(name)
         visit = self._visits.count(name)
