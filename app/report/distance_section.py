@@ -7,7 +7,7 @@ from app.report.content import MODEL_TITLES, ReportContent
 from app.report.drawing import figure
 from app.report.figures.distance_deviation import distance_figure
 from app.report.markup import Html, bullets, paragraphs, section, table
-from app.report.numbers import counted, fixed
+from app.report.numbers import counted, fixed, plain
 
 
 def distance_section(content: ReportContent) -> Html:
@@ -36,7 +36,7 @@ def _measured(distances: DistanceValidation) -> str:
     points, compared = distances.path.points, int(distances.compared.sum())
     x, y = distances.path.command_mm.T
     return (
-        f"Path X = {np.mean(x):g} mm, Y = {y.min():g} … {y.max():g} mm; {len(points)} distances to "
+        f"Path X = {plain(np.mean(x))} mm, Y = {plain(y.min())} … {plain(y.max())} mm; {len(points)} distances to "
         f"{', '.join(points.reflector_names)} in {counted(len(points.dead_paths), 'segment')}. {compared} compared, "
         f"{len(points) - compared} left out (beyond the nodes, just reversed, or in a short segment); all models are "
         "compared over the same rows. Distances see the error along the beam only."
