@@ -1,0 +1,197 @@
+"""The story of a scripted run: interrupted, resumed, with everything that may happen in it."""
+
+from pathlib import Path
+
+import pytest
+
+from app.store.reader import RunReader
+from app.store.run_store import RunStore
+from app.story.summary import summary
+from app.story.timeline import timeline
+from procedures.context import Json, Row, Table
+from tests.unit.app.engine.fakes import ManualClock, point
+
+DEVICES: dict[str, Json] = {
+    "robot": {"model": "RH-3FRH5515", "firmware": "A1", "serial": "17", "simulated": True},
+    "interferometer": {"model": "counter", "firmware": "1.0", "serial": "", "simulated": True},
+}
+
+
+class Author:
+    """Writes a run, a second passing before each entry."""
+
+    def __init__(self, root: Path) -> None:
+        self.clock = ManualClock()
+        self._root = root
+        self.store: RunStore
+
+    async def open(self, **meta: Json) -> None:
+        about: dict[str, Json] = {"cell": "lab-1", "operator": "Ada", "aim": "cell file", "simulated": True}
+        given: dict[str, Json] = {"devices": DEVICES, **about, **meta}
+        self.store = await RunStore.create(self._root, "open-loop", given, self.clock, reserve_bytes=0)
+
+    async def die(self) -> None:
+        await self.store.abandon()
+
+    async def reopen(self, after_s: float) -> None:
+        self.clock.advance(after_s)
+        about: dict[str, Json] = {"operator": "Bob"}
+        self.store = await RunStore.reopen(self.store.path, self.clock, about, reserve_bytes=0)
+
+    async def event(self, kind: str, **data: Json) -> None:
+        self.clock.advance(1.0)
+        await self.store.event(kind, data)
+
+    async def answer(self, prompt_id: str, text: str, answer: str | None, who: str | None) -> None:
+        self.clock.advance(1.0)
+        asked = self.clock.now_utc().isoformat()
+        await self.store.event("asked", {"id": prompt_id, "text": text, "asked_utc": asked})
+        self.clock.advance(4.0)
+        await self.store.prompt(prompt_id, "choice", text, asked, answer, who)
+
+    async def points(self, first: int, last: int, segment: int) -> None:
+        for number in range(first, last + 1):
+            started = self.clock.now_utc().isoformat()
+            self.clock.advance(1.0)
+            rows: list[tuple[Table, Row]] = [("points", {**point(number), "segment": segment})]
+            await self.store.append_step(
+                f"P1/{number:04d}", 1, f"point {number}", {}, rows, started_utc=started
+            )
+
+    async def record(self, step_id: str, title: str, **row: Json) -> None:
+        self.clock.advance(1.0)
+        await self.store.append_step(step_id, 1, title, {}, [("records", row)])
+
+    @property
+    def reader(self) -> RunReader:
+        return RunReader(self.store.path)
+
+
+@pytest.fixture
+async def author(tmp_path: Path) -> Author:
+    made = Author(tmp_path)
+    await made.open()
+    return made
+
+
+def told(author: Author) -> list[str]:
+    return [moment.text for moment in timeline(author.reader)]
+
+
+async def test_a_run_that_died_and_went_on_is_told_in_order(author: Author) -> None:
+    await author.event("devices", devices=DEVICES)
+    await author.event("warning", text="SIMULATED: every device is an emulator")
+    await author.event("state", state="EXECUTE", reason="devices are ready")
+    await author.event("zero", number=1, dead_path_mm=279.947)
+    await author.points(0, 36, 0)
+    await author.die()
+    await author.reopen(125.0)
+    await author.event("devices", devices=DEVICES)
+    await author.answer("resume/reflectors", "Has it been moved?", "untouched", "Bob")
+    await author.event("zero", number=1, dead_path_mm=280.0)
+    await author.points(37, 39, 1)
+    await author.event("state", state="COMPLETE", reason="the procedure has come to its end")
+    await author.store.finish("complete", 0)
+    lines = told(author)
+    assert lines[0].startswith("opened by Ada on ")
+    host = lines[0].removeprefix("opened by Ada on ").partition(" with ")[0]
+    assert lines[1:] == [
+        "devices answer: robot, interferometer",
+        "EXECUTE: devices are ready",
+        "count zeroed (no. 1), dead path 279.95 mm",
+        "P1: points 1…37 measured, segment 0, in 37 s",
+        "DIED: nothing was stored after this, the run was not closed",
+        f"RESUMED by Bob on {host} with catseye 0.1.0, 2 min 05 s after it died",
+        "the same devices answer as before",
+        "QUESTION resume/reflectors: Has it been moved?",
+        "ANSWER resume/reflectors: “untouched”, Bob, after 4.0 s",
+        "count zeroed (no. 1), dead path 280.00 mm",
+        "P1: points 38…40 measured, segment 1, in 3.0 s",
+        "COMPLETE: the procedure has come to its end",
+        "ENDED complete, exit code 0",
+    ]
+    times = [moment.time_utc for moment in timeline(author.reader)]
+    assert times == sorted(times)
+
+
+async def test_what_goes_wrong_is_told_with_its_cause(author: Author) -> None:
+    await author.points(0, 0, 0)
+    await author.event("beam-lost", reflector="P1", point=1, segment=0, cause="blocked", by="the column")
+    await author.event("warning", text="beam lost: look what stands in it")
+    await author.event("state", state="HELD", reason="Ada asks for a hold")
+    await author.event("client-lost", client="tui", who="Ada", reason="closed", policy="hold")
+    await author.event("control", what="taken", by="Bob", before="Ada")
+    await author.store.drop_step("P1/0001", 1, {"error": "Interrupted: Ctrl-C", "rows": 2})
+    await author.event("error", text="the operator stopped the run", type="InterruptedRunError")
+    await author.store.finish("stopped", 130, "the operator stopped the run")
+    assert told(author)[1:] == [
+        "P1: point 1 measured, segment 0, in 1.0 s",
+        "BEAM LOST: P1, on the way to point 2; segment 0 ends; cause: blocked (by the column)",
+        "WARNING: beam lost: look what stands in it",
+        "HELD: Ada asks for a hold",
+        "front end tui (Ada) lost: closed; the run is told to hold",
+        "control taken: Bob, before: Ada",
+        "attempt 1 at P1/0001 dropped: Interrupted: Ctrl-C; 2 row(s) were not kept",
+        "ERROR: the operator stopped the run",
+        "ENDED stopped, exit code 130: the operator stopped the run",
+    ]
+
+
+async def test_a_question_that_the_process_died_over_is_told(author: Author) -> None:
+    asked = author.clock.now_utc().isoformat()
+    await author.event("asked", id="stage/1", text="Turn the screw.", asked_utc=asked)
+    await author.die()
+    assert told(author)[1:] == ["QUESTION stage/1: Turn the screw. (never answered)"]
+
+
+async def test_a_question_without_an_answer_is_told_once(author: Author) -> None:
+    await author.answer("stage/1", "Turn the screw.", None, None)
+    assert told(author)[1:] == [
+        "QUESTION stage/1: Turn the screw.",
+        "QUESTION stage/1 stayed without an answer",
+    ]
+    await author.die()
+
+
+async def test_alignments_are_told_before_and_after(author: Author) -> None:
+    first: dict[str, Json] = {
+        "kind": "alignment",
+        "quantity": "offset",
+        "unit": "mm",
+        "round": 1,
+        "instruction": "",
+    }
+    await author.record("stage/1/measure", "offset, round 1", **{**first, "value": 0.43, "u": 0.02})
+    await author.record(
+        "stage/1/turn", "turn", kind="screw", screw="stage", turns=0.86, text="0.86 turns clockwise"
+    )
+    last: dict[str, Json] = {**first, "round": 2, "instruction": "0.86 turns clockwise"}
+    await author.record("stage/2/measure", "offset, round 2", **{**last, "value": -0.03, "u": 0.02})
+    assert "alignment, round 1: offset +0.43 ± 0.02 mm" in told(author)
+    assert "0.86 turns clockwise" in told(author)
+    assert "alignment, round 2: offset -0.03 ± 0.02 mm after: 0.86 turns clockwise" in told(author)
+    line = next(line for line in summary(author.reader) if line.startswith("alignment"))
+    assert line.split(maxsplit=1)[1] == "offset: +0.43 mm before, -0.03 mm after 2 round(s)"
+    await author.die()
+
+
+async def test_an_event_of_another_program_is_told_by_its_names(author: Author) -> None:
+    await author.event("tea", sugar=2, milk=None, warm_c=61.23456789)
+    assert told(author)[1:] == ["tea: sugar 2, warm_c 61.2346"]
+    await author.die()
+
+
+async def test_the_summary_counts_lives_distances_and_segments(author: Author) -> None:
+    await author.points(0, 4, 0)
+    await author.die()
+    await author.reopen(3.0)
+    await author.points(5, 6, 1)
+    await author.store.finish("stopped", 130)
+    lines = {line[:16].strip(): line[16:] for line in summary(author.reader)}
+    assert "SIMULATED: every" in lines
+    assert lines["robot"] == "RH-3FRH5515 A1 no. 17"
+    assert lines["stored"] == "7 steps, 7 points"
+    assert lines["interrupted"].startswith("died 1×; 3.0 s")
+    assert lines["P1"] == "7 distances in 2 segment(s)"
+    # This run does not say what it was planned with, so it cannot go on.
+    assert "to go on" not in lines
