@@ -151,7 +151,7 @@ class Prompt:
         safe_answer: taken when the time is over; None leaves the prompt unanswered (an error).
         task: what hands have to do on the bench before the answer, as data: `{"do": "turn-screw", "screw": "stage",
             "turns": 0.86}` (clockwise is positive) or `{"do": "place-reflector", "reflector": "P2"}`; None for a mere
-            question. An emulated bench carries it out.
+            question. "yes", or the first of the choices, says that it is done; an emulated bench has it done then.
         motion: the arm moves after "yes": front ends take that answer by a key of its own.
     """
 
