@@ -1,0 +1,340 @@
+"""Engines and their clients as processes: who dies, who goes on, and what the arm does meanwhile."""
+
+import contextlib
+import fcntl
+import json
+import os
+import pty
+import select
+import signal
+import socket
+import stat
+import subprocess
+import sys
+import tempfile
+import termios
+import threading
+import time
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from app.service.address import find_socket
+from tests.system.command import Emulated, catseye, emulated, environment, start
+
+SPEED = "40"
+ONE_REFLECTOR = ("--param", 'reflectors=["P1"]')
+_SMALL = {
+    "theta1_deg = [-140.0, -120.0, -100.0, -80.0, -60.0, -40.0, -20.0, 0.0, 20.0, 40.0, 60.0]": (
+        "theta1_deg = [-60.0, -40.0, -20.0]"
+    ),
+    "theta2_deg = [0.0, 20.0, 40.0, 60.0, 80.0, 100.0, 120.0, 140.0]": "theta2_deg = [40.0, 60.0]",
+}
+_LIMIT_S = 30
+
+
+@pytest.fixture(scope="module")
+def bench(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Emulated]:
+    with (
+        tempfile.TemporaryDirectory(dir="/tmp") as runtime,
+        pytest.MonkeyPatch.context() as patch,
+        emulated(tmp_path_factory.mktemp("service"), "--speed", SPEED, edit=_SMALL) as running,
+    ):
+        patch.setenv("XDG_RUNTIME_DIR", runtime)
+        yield running
+
+
+def detached(bench: Emulated, *options: str) -> Path:
+    """Start a measurement that runs on by itself, kill the starter, and return the run."""
+    starter = start(
+        "run",
+        "open-loop",
+        "--cell",
+        bench.cell,
+        "--search",
+        "none",
+        "--speed",
+        SPEED,
+        *ONE_REFLECTOR,
+        "--detach",
+        *options,
+        cwd=bench.cell.parent,
+    )  # fmt: skip - a command line
+    assert starter.stdout is not None
+    path = Path(starter.stdout.readline().strip())
+    starter.kill()
+    starter.communicate(timeout=_LIMIT_S)
+    return path
+
+
+def joined(bench: Emulated, run: Path, *options: str) -> subprocess.Popen[str]:
+    """Attach a program."""
+    return subprocess.Popen(
+        [sys.executable, "-m", "app", "attach", str(run), "--json", *options],
+        cwd=bench.cell.parent,
+        env=environment(),
+        stdin=subprocess.PIPE,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+    )
+
+
+def told(client: subprocess.Popen[str], event: str, **fields: object) -> dict[str, Any]:
+    """Wait until a client is told something."""
+    assert client.stdout is not None
+    watchdog = threading.Timer(_LIMIT_S, client.kill)
+    watchdog.start()
+    try:
+        for line in client.stdout:
+            message: dict[str, Any] = json.loads(line)
+            if message.get("event", "snapshot") == event and fields.items() <= message.items():
+                return message
+    finally:
+        watchdog.cancel()
+        watchdog.join()
+    assert client.stderr is not None
+    raise AssertionError(f"it ended without {event} {fields}: {client.stderr.read()}")
+
+
+def ended(process: subprocess.Popen[str]) -> int:
+    process.communicate(timeout=_LIMIT_S)
+    return process.returncode
+
+
+def motions(bench: Emulated) -> int:
+    entries = bench.ask(op="log", device="robot")["entries"]
+    return sum(entry["kind"] == "motion" for entry in entries)
+
+
+def while_the_arm_moves(bench: Emulated) -> None:
+    """Return in the middle of a motion."""
+    end_s = time.monotonic() + _LIMIT_S
+    while not bench.ask(op="state")["moving"]:
+        assert time.monotonic() < end_s
+
+
+def nothing_moves(bench: Emulated) -> None:
+    """Check for several times the length of a motion that none begins."""
+    before = motions(bench)
+    assert before > 0
+    for _ in range(10):
+        time.sleep(0.05)
+        assert bench.ask(op="state")["moving"] is False
+    assert motions(bench) == before
+
+
+def story(bench: Emulated, run: Path) -> dict[str, Any]:
+    shown = catseye("show", str(run), "--json", cwd=bench.cell.parent)
+    found: dict[str, Any] = json.loads(shown.stdout)
+    return found
+
+
+def test_a_killed_client_leaves_the_arm_held_and_another_goes_on(bench: Emulated) -> None:
+    run = detached(bench)
+    path = find_socket(run)
+    assert path is not None
+    assert stat.S_IMODE(path.stat().st_mode) == 0o600
+    assert stat.S_IMODE(path.parent.stat().st_mode) == 0o700
+    steering, watching = joined(bench, run, "--control"), joined(bench, run)
+    told(watching, "snapshot")
+    told(steering, "step-done")
+    while_the_arm_moves(bench)
+    steering.kill()
+    ended(steering)
+    assert "is lost" in told(watching, "state", state="HOLDING")["reason"]
+    told(watching, "state", state="HELD")
+    nothing_moves(bench)
+    with at_a_terminal(bench, "attach", str(run), "--control") as terminal:
+        terminal.shows("HELD; control: you")
+        terminal.type("g\n")
+        terminal.shows("run complete")
+        assert terminal.process.wait(_LIMIT_S) == 0
+    assert told(watching, "run-ended")["status"] == "complete"
+    assert ended(watching) == 0
+    found = story(bench, run)
+    assert found["status"] == "complete"
+    kinds = [event["kind"] for event in found["events"]]
+    assert kinds.count("client-lost") == 1
+    assert kinds.count("control") == 3
+    over = catseye("attach", str(run), cwd=bench.cell.parent)
+    assert over.returncode == 2
+    assert "is complete: see it with: catseye show" in over.stderr
+
+
+class Terminal:
+    """A terminal with a command on it; closing it is what a closed window does."""
+
+    def __init__(self, bench: Emulated, *arguments: str) -> None:
+        self.descriptor, slave = pty.openpty()
+        self._open = True
+        self.process = subprocess.Popen(
+            [sys.executable, "-m", "app", *arguments],
+            cwd=bench.cell.parent,
+            env=environment(),
+            stdin=slave,
+            stdout=slave,
+            stderr=slave,
+            preexec_fn=_own_terminal,
+        )
+        os.close(slave)
+
+    def close(self) -> None:
+        if self._open:
+            self._open = False
+            os.close(self.descriptor)
+
+    def end(self) -> None:
+        self.close()
+        self.process.kill()
+        self.process.wait(_LIMIT_S)
+
+    def type(self, text: str) -> None:
+        os.write(self.descriptor, text.encode())
+
+    def shows(self, text: str) -> str:
+        """Wait until it shows a text; return everything up to then."""
+        seen, end_s = "", time.monotonic() + _LIMIT_S
+        while text not in seen:
+            assert time.monotonic() < end_s, seen
+            if select.select([self.descriptor], [], [], 0.5)[0]:
+                seen += os.read(self.descriptor, 4096).decode(errors="replace")
+        return seen
+
+
+def _own_terminal() -> None:
+    os.setsid()
+    fcntl.ioctl(0, termios.TIOCSCTTY, 0)
+
+
+@contextlib.contextmanager
+def at_a_terminal(bench: Emulated, *arguments: str) -> Iterator[Terminal]:
+    terminal = Terminal(bench, *arguments)
+    try:
+        yield terminal
+    finally:
+        terminal.end()
+
+
+def test_a_closed_terminal_leaves_the_arm_held_and_a_stop_ends_it(bench: Emulated) -> None:
+    run = detached(bench)
+    watching = joined(bench, run)
+    told(watching, "snapshot")
+    with at_a_terminal(bench, "attach", str(run), "--control") as terminal:
+        terminal.shows("control: you")
+        while_the_arm_moves(bench)
+        terminal.close()
+        terminal.process.wait(_LIMIT_S)
+    assert "is lost" in told(watching, "state", state="HOLDING")["reason"]
+    told(watching, "state", state="HELD")
+    nothing_moves(bench)
+    with at_a_terminal(bench, "attach", str(run), "--control") as terminal:
+        terminal.shows("HELD; control: you")
+        terminal.type("s\n")
+        terminal.shows("run stopped")
+        assert terminal.process.wait(_LIMIT_S) == 130
+    assert ended(watching) == 130
+    over = catseye("attach", str(run), cwd=bench.cell.parent)
+    assert over.returncode == 2
+    assert "is over, its state is stopped: go on with it with: catseye resume" in over.stderr
+
+
+def test_a_client_that_stands_still_does_not_hold_the_run_up(bench: Emulated) -> None:
+    run = detached(bench)
+    stalled, watching = joined(bench, run), joined(bench, run)
+    told(stalled, "snapshot")
+    told(watching, "snapshot")
+    stalled.send_signal(signal.SIGSTOP)
+    assert told(watching, "run-ended")["status"] == "complete"
+    assert ended(watching) == 0
+    stalled.send_signal(signal.SIGCONT)
+    # What it missed waited for it in its own connection.
+    assert ended(stalled) == 0
+
+
+def test_what_cannot_be_started_is_told_by_the_starter(bench: Emulated) -> None:
+    options = ("--cell", bench.cell, "--detach")
+    wrong = catseye("run", "open-loop", *options, "--param", "nope=1", cwd=bench.cell.parent)
+    assert (wrong.returncode, wrong.stdout) == (2, "")
+    assert "nope" in wrong.stderr
+    nobody = bench.cell.parent / "nobody.toml"
+    text = bench.cell.read_text()
+    with socket.socket() as free:
+        free.bind(("127.0.0.1", 0))
+        port = free.getsockname()[1]
+        robot = next(line for line in text.splitlines() if line.startswith("endpoint"))
+        nobody.write_text(text.replace(robot, f'endpoint = "tcp://127.0.0.1:{port}"', 1))
+        unreachable = catseye(
+            "run",
+            "open-loop",
+            "--cell",
+            nobody,
+            "--search",
+            "none",
+            "--detach",
+            "--json",
+            cwd=bench.cell.parent,
+        )
+    assert unreachable.returncode == 3, unreachable.stderr
+    assert "robot" in unreachable.stderr
+    assert Path(json.loads(unreachable.stdout)["path"]).is_dir()
+
+
+class Lines:
+    """A client that is nothing but a socket."""
+
+    def __init__(self, path: str) -> None:
+        self._socket = socket.socket(socket.AF_UNIX)
+        self._socket.settimeout(_LIMIT_S)
+        self._socket.connect(path)
+        self._lines = self._socket.makefile("rb")
+
+    def close(self) -> None:
+        self._lines.close()
+        self._socket.close()
+
+    def ask(self, op: str, **fields: object) -> dict[str, Any]:
+        self._socket.sendall(json.dumps({"v": 1, "id": op, "op": op, **fields}).encode() + b"\n")
+        return self.until(re=op)
+
+    def until(self, **fields: object) -> dict[str, Any]:
+        for line in self._lines:
+            message: dict[str, Any] = json.loads(line)
+            if fields.items() <= message.items():
+                return message
+        raise AssertionError(f"the engine closed the connection before {fields}")
+
+
+def test_an_engine_starts_stops_and_resumes_runs_for_its_clients(bench: Emulated) -> None:
+    engine = start("engine", "--cell", bench.cell, cwd=bench.cell.parent)
+    try:
+        assert engine.stdout is not None
+        ready = json.loads(engine.stdout.readline())
+        with contextlib.closing(Lines(ready["socket"])) as client:
+            hello = client.ask("hello", client="test", who="Ada")
+            assert hello["snapshot"]["state"] == "IDLE"
+            assert "needs control" in client.ask("start", procedure="open-loop")["error"]
+            client.ask("control")
+            chosen = {"params": {"reflectors": ["P1"]}, "search": "none", "speed": float(SPEED)}
+            started = client.ask("start", procedure="open-loop", **chosen)
+            assert started["ok"], started
+            client.until(event="step-done")
+            client.ask("stop")
+            assert client.until(event="run-ended")["status"] == "stopped"
+            client.until(event="idle")
+            resumed = client.ask("resume", run=started["run"])
+            assert resumed["ok"], resumed
+            assert resumed["run"] == started["run"]
+            while (event := client.until(run=started["run"]))["event"] != "run-ended":
+                if event["event"] == "prompt":
+                    answer = "yes" if event["kind"] == "confirm" else event["choices"][0]
+                    client.ask("answer", prompt=event["id"], text=answer)
+            assert event["status"] == "complete"
+            client.until(event="idle")
+            client.ask("shutdown")
+        assert ended(engine) == 0
+    finally:
+        engine.kill()
+        engine.communicate()
