@@ -29,8 +29,12 @@ NODES = {
 """The smallest plan with three reflectors whose maps can be identified with room to spare."""
 
 KILLED = -signal.SIGKILL
-SAME = 1e-6
-"""Of distances (mm) and maps (mdeg) on a bench without measuring errors."""
+SAME_MM = 2e-6
+"""Of distances on a bench without measuring errors: the counter tells nanometres, and two of them are subtracted."""
+
+SAME_MAP = 0.01
+"""Of maps on that bench, in units of their combined standard uncertainty. The aim misses by up to 0.2 mm, which leaves
+residuals of 0.06 µm rms (10 µm are stated), and the dead path that an interruption adds takes another share of them."""
 
 WORST_NORMALISED = 4.0
 """Of differences between two identified maps in units of their combined standard uncertainty."""
@@ -105,10 +109,6 @@ def worst_normalised(one: dict[str, Any], other: dict[str, Any]) -> float:
     )
 
 
-def worst_difference(one: dict[str, Any], other: dict[str, Any]) -> float:
-    return max(abs(a - b) for (a, _), (b, _) in zip(estimates(one), estimates(other), strict=True))
-
-
 def tell(text: str) -> None:
     print(f"\n{text}", flush=True)  # noqa: T201  # the figure
 
@@ -139,7 +139,7 @@ def test_killed_at_every_named_place_on_a_bench_without_errors(quiet_bench: Emul
     reference, _ = uninterrupted(quiet_bench)
     expected = identified(reference.reader, tmp_path)
     moments = random.Random(SEED)
-    worst_mm = worst_mdeg = 0.0
+    worst_mm = worst = 0.0
     for name in POINTS:
         story = Story(quiet_bench)
         if name in {"unsealed", "reopened", "prompt-open"}:
@@ -152,13 +152,13 @@ def test_killed_at_every_named_place_on_a_bench_without_errors(quiet_bench: Emul
             until_complete(story)
         require_whole(story, reference.reader)
         worst_mm = max(worst_mm, *map(abs, differences_mm(story.reader, reference.reader)))
-        worst_mdeg = max(worst_mdeg, worst_difference(identified(story.reader, tmp_path), expected))
+        worst = max(worst, worst_normalised(identified(story.reader, tmp_path), expected))
     tell(
         f"{len(POINTS)} named places: distances differ from the uninterrupted run's by at most {worst_mm:.1e} mm, "
-        f"maps by {worst_mdeg:.1e} mdeg"
+        f"maps by {worst:.1e} of their combined standard uncertainties"
     )
-    assert worst_mm < SAME
-    assert worst_mdeg < SAME
+    assert worst_mm <= SAME_MM
+    assert worst < SAME_MAP
 
 
 @pytest.mark.timeout(3600)
