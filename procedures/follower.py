@@ -133,14 +133,19 @@ class Follower:
         self.extra_s += sum(driving_time_s(a, ((b,),), self._bench) for a, b in pairwise((here, *way)))
         self.at = visit
 
-    async def begin_segment(self, visit: Visit) -> Loss | None:
-        """Zero the count at the node where the arm stands; a beam that is missing or weak is looked for nearby."""
+    async def begin_segment(self, visit: Visit, *, centre: bool) -> Loss | None:
+        """Zero the count at the node where the arm stands; a beam that is missing or weak is looked for nearby.
+
+        Args:
+            visit: at whose node the arm stands.
+            centre: look for the middle of the return in any case.
+        """
         status = await self._ctx.beam()
         if not status.laser_ready:
             await self._ctx.wait_until(LASER.text, self._laser_ready)
             status = await self._ctx.beam()
-        weak_or_gone = not status.beam_ok or status.signal < self._bench.optics.signal_min
-        if weak_or_gone and await self._scan(visit.node) is None:
+        good = status.beam_ok and status.signal >= self._bench.optics.signal_min
+        if (centre or not good) and await self._scan(visit.node) is None:
             return Loss(self._gone(visit.node))
         try:
             await self._ctx.zero(visit.beam_mm)

@@ -15,9 +15,9 @@ _AGREEMENT = 0.25
 class AimCorrection:
     """Offset of J4 from the plan's aim, for one reflector.
 
-    An offset that a scan has found serves as long as the beam is kept: going back to the plan's aim would break it
-    again. A new start elsewhere begins with an offset only if two scans in a row found the same: one alone may come
-    from a passing disturbance.
+    An offset that a scan has found serves as long as the beam is kept, since going back to the plan's aim would break
+    it again, and for the next start, which is near. A later start elsewhere begins with an offset only if two scans in
+    a row found the same: one alone may hold at its own pose only.
 
     Attributes:
         present_deg: offset of all targets now.
@@ -27,6 +27,7 @@ class AimCorrection:
         self.present_deg = 0.0
         self._kept_deg = 0.0
         self._last_deg: float | None = None
+        self._just_found = False
 
     def found(self, offset_deg: float, half_window_deg: float) -> None:
         """Take in the offset that a scan has found."""
@@ -34,10 +35,13 @@ class AimCorrection:
         if last is not None and abs(offset_deg - last) <= _AGREEMENT * half_window_deg:
             self._kept_deg = offset_deg
         self.present_deg = offset_deg
+        self._just_found = True
 
     def restart(self) -> None:
         """Begin elsewhere without the beam."""
-        self.present_deg = self._kept_deg
+        if not self._just_found:
+            self.present_deg = self._kept_deg
+        self._just_found = False
 
     def applied(self, target: Joints, j4_limits_deg: tuple[float, float]) -> Joints:
         """Return a target with J4 corrected, unless a limit of J4 forbids that."""

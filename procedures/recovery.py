@@ -80,6 +80,7 @@ class Recovery:
         self._attempts = attempts
         self._told_not_subdivided = False
         self._ties: dict[int, tuple[int, float]] = {}
+        self._off_aim = False
 
     def carried(self, segment: int) -> tuple[float, int] | None:
         """Return what a displacement of an earlier segment has to be changed by to count from the present zero.
@@ -143,6 +144,7 @@ class Recovery:
         segment = follower.segment
         cause = await follower.diagnose(loss, visit)
         follower.counting = False
+        self._off_aim = cause.name == "aim"
         await self._ctx.event(
             "beam-lost",
             reflector=self._reflector.name,
@@ -187,7 +189,7 @@ class Recovery:
         follower = self._follower
         if follower.at is not visit or not await follower.undisturbed():
             await follower.enter(visit)
-        return await follower.begin_segment(visit)
+        return await follower.begin_segment(visit, centre=self._off_aim)
 
     async def _overlap(self, step_id: str) -> Loss | None:
         """Go back to the last good pose, begin a segment and measure there once more."""

@@ -165,17 +165,17 @@ def across_mm(plan: OpenLoopPlan, point: object, dy_mm: float) -> float:
 async def test_a_reflector_that_is_pushed_aside_shows_by_how_much_and_is_warned_of() -> None:
     plan = small_plan()
     context = TroubledContext(places={"P2": PLACES["P2"]})
-    context.before_measuring = moves_the_reflector(context, 6, 1.6)
+    context.before_measuring = moves_the_reflector(context, 6, 2.4)
     await ran(context, plan)
     assert len(points(context)) == COUNT
     first, overlap = events(context, "beam-lost")[0], overlaps(context)[0]
     assert first["cause"] == "aim"
-    assert first["off_mm"] == pytest.approx(across_mm(plan, first["point"], 1.6), abs=0.05)
-    assert overlap["across_mm"] == pytest.approx(across_mm(plan, overlap["point"], 1.6), abs=0.05)
+    assert first["off_mm"] == pytest.approx(across_mm(plan, first["point"], 2.4), abs=0.05)
+    assert overlap["across_mm"] == pytest.approx(across_mm(plan, overlap["point"], 2.4), abs=0.05)
     (moved,) = (text for text in context.warnings if "has been moved:" in text)
     assert "search again (reflector-search) and start a new run" in moved
-    # J4 keeps what it was corrected by: the points that follow are measured without losing the beam again.
-    assert len(causes(context)) <= 3
+    # J4 keeps what it was corrected by while the beam is kept, so not every point loses it again.
+    assert len(causes(context)) < 8
 
 
 async def test_a_weak_signal_is_aimed_anew_without_losing_the_count() -> None:
