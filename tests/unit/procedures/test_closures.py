@@ -1,7 +1,6 @@
 """Closure visits: planned trips that keep the beam, and the drift that they show."""
 
 import math
-from dataclasses import replace
 from functools import cache
 from itertools import pairwise
 from typing import Any
@@ -199,6 +198,6 @@ async def test_stored_closures_are_not_repeated() -> None:
 async def test_the_limit_is_a_parameter() -> None:
     params = OpenLoopParams(reflectors=["P2"], drift_limit_um=5.0, recovery_attempts=7)
     plan = OpenLoop().plan(bench(*NODES), params)
-    assert (plan.rules.drift_limit_mm, plan.rules.recovery_attempts) == (pytest.approx(0.005), 7)
+    assert plan.rules.drift_limit_mm == pytest.approx(0.005)
+    assert plan.rules.recovery_attempts == 7
     assert len(plan.reflectors[0].closures) == 2
-    assert replace(plan, rules=plan.rules) == plan

@@ -88,7 +88,7 @@ async def test_a_run_stops_when_both_maps_are_known_well_enough() -> None:
     context = await ran(stopping_at(plan, limit))
     assert 0 < len(points(context)) < 3 * COUNT
     (stop,) = (data for kind, data in context.events if kind == "early-stop")
-    assert f"known to {limit:g} mdeg" in stop["text"]
+    assert f"known to {limit:g} mdeg" in str(stop["text"])
     last = known(context)[-1]
     assert max(last["u_theta1_mdeg"], last["u_theta2_mdeg"]) <= limit
     done, total, text = context.told[-1]
@@ -109,7 +109,7 @@ async def test_stored_points_count_for_the_map_but_are_not_told_again() -> None:
     plan = plan_of("P1", "P2")
     whole = await ran(plan)
     kept = dict(list(whole.stored.items())[:-6])
-    later = await ran(plan, TroubledContext(stored=kept, resumed=True))
+    later = await ran(plan, TroubledContext(stored=dict(kept), resumed=True))
     assert 1 <= len(known(later)) <= 2
     before, now = known(whole)[-1], known(later)[-1]
     # A further segment costs a little of what is known.
@@ -120,7 +120,7 @@ async def test_the_pace_counts_from_the_first_step_that_runs_now() -> None:
     plan = plan_of("P1", "P2")
     whole = await ran(plan)
     kept = dict(list(whole.stored.items())[:20])
-    later = await ran(plan, TroubledContext(stored=kept, resumed=True))
+    later = await ran(plan, TroubledContext(stored=dict(kept), resumed=True))
     done, total, _ = later.told[0]
     part = plan.reflectors[0]
     expected = {f"P1/{visit.command.index:04d}": visit.duration_s for visit in part.visits}
@@ -157,7 +157,7 @@ async def test_a_single_reflector_is_asked_for_before_it_is_needed() -> None:
 async def test_a_resumed_run_asks_for_it_again_only_where_points_are_left() -> None:
     whole = await ran(carried(), TroubledContext(answers={"place/P1": "yes", "place/P2": "yes"}))
     kept = dict(list(whole.stored.items())[: COUNT + 3])
-    later = TroubledContext(stored=kept, answers={"place/P2": "yes"}, resumed=True)
+    later = TroubledContext(stored=dict(kept), answers={"place/P2": "yes"}, resumed=True)
     await ran(carried(), later)
     assert [prompt.id for prompt in later.prompts] == ["place/P2"]
 
