@@ -24,6 +24,7 @@ from app.errors import ConfigError
 from app.instruments import device_builder
 from app.plan_digest import plan_digest
 from app.procedure_list import Runnable
+from app.store.reader import RunReader
 from drivers.clock import SystemClock
 from procedures.bench import Bench
 from procedures.context import Json
@@ -128,9 +129,15 @@ async def carry_out(
 
 
 async def rehearse(planned: PlannedRun) -> DryRunContext:
-    """Run a planned procedure without any device and return what it would do."""
+    """Run a planned procedure without any device and return what it would do; what is done already is left out."""
     bench = planned.bench
-    context = DryRunContext(joint_limits(bench), bench, pose=(0.0, 0.0, bench.arm.j3_mm, 0.0))
+    steps = [] if planned.resume is None else RunReader(planned.resume).steps()
+    context = DryRunContext(
+        joint_limits(bench),
+        bench,
+        pose=(0.0, 0.0, bench.arm.j3_mm, 0.0),
+        done={step.step_id: step.result for step in steps},
+    )
     await planned.procedure.run(context, planned.plan)
     await planned.procedure.teardown(context)
     return context

@@ -1,6 +1,6 @@
 """The same procedure without instruments: what it would do, how long it takes, whether limits hold."""
 
-from collections.abc import Awaitable, Callable, Sequence
+from collections.abc import Awaitable, Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from datetime import UTC, datetime, timedelta
 
@@ -90,6 +90,7 @@ class DryRunContext:
         bench: tells how long moves take and where the beam goes.
         pose: where the arm stands; set it to where it starts.
         held: where the arm stood still for an independent instrument.
+        done: results of steps that an interrupted run has done; they are not rehearsed.
         steps: the step table, filled while the procedure runs.
         prompts: the questions that were asked.
         notes: events and warnings, as (kind, data).
@@ -104,6 +105,7 @@ class DryRunContext:
     notes: list[tuple[str, dict[str, Json]]] = field(default_factory=list)
     rows: list[tuple[Table, Row]] = field(default_factory=list)
     held: list[Joints] = field(default_factory=list)
+    done: Mapping[str, Row] = field(default_factory=dict)
     _account: _Account = field(default_factory=_Account)
     _in_step: bool = False
     _lost: bool = False
@@ -117,8 +119,8 @@ class DryRunContext:
 
     @property
     def resumed(self) -> bool:
-        """A rehearsal begins at the beginning."""
-        return False
+        """A rehearsal begins at the beginning, unless some steps are done."""
+        return bool(self.done)
 
     @property
     def total_s(self) -> float:
@@ -135,6 +137,8 @@ class DryRunContext:
         """Run a step and add its line to the table."""
         if self._in_step:
             raise RuntimeError(f"step {step_id} begins inside another one; steps do not nest")
+        if step_id in self.done:
+            return self.done[step_id]
         before = self._account
         self._account = replace(before, speeds=AT_REST, miss_mm=None)
         self._in_step = True

@@ -33,9 +33,11 @@ SAME_MM = 2e-6
 """Of distances on a bench without measuring errors: the counter tells nanometres, and two of them are subtracted."""
 
 SAME_MAP = 0.01
-"""Of maps on that bench, in units of their combined standard uncertainty. The arm's own errors let the aim miss by some
-tenths of a millimetre, which leaves residuals of 0.06 µm rms (10 µm are stated); the dead path that an interruption adds
-takes another share of them."""
+"""Of maps on that bench, in units of their combined standard uncertainty.
+
+The arm's own errors let the aim miss a little, which leaves residuals of 0.06 µm rms (10 µm are stated); the dead path
+that an interruption adds takes another share of them.
+"""
 
 WORST_NORMALISED = 4.0
 """Of differences between two identified maps in units of their combined standard uncertainty."""

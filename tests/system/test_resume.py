@@ -1,5 +1,6 @@
 """A run that is killed, at any moment and at every named place, goes on to the same result."""
 
+import json
 import random
 import signal
 from collections.abc import Iterator
@@ -103,6 +104,11 @@ def test_an_aborted_run_goes_on_when_its_operator_has_cleared_it(
     assert story.live(kill_on="step-done", number=signal.SIGTERM).returncode == 143
     assert story.reader.status == "aborted"
     assert read_manifest(story.reader.path) is not None
+    rehearsed = catseye("resume", str(story.path), "--dry-run", "--json", cwd=story.folder)
+    steps = {step["step"] for step in json.loads(rehearsed.stdout)["steps"]}
+    done = {step.step_id for step in story.reader.steps()}
+    assert done
+    assert steps == {step.step_id for step in reference.steps()} - done
     # It loses its manifest to go on; a process that dies there leaves it to the next one.
     assert story.live(crash="unsealed").returncode == KILLED
     last = story.live()
