@@ -49,7 +49,7 @@ bench: .venv/installed  ## the figures of the README, side by side with their pe
 soak: .venv/installed  ## ten minutes of a stream with 1000 samples a second
 	CATSEYE_STREAM_S=600 $(BIN)/python -m pytest -c pyproject.toml tests/benchmarks/test_stream.py -s -q --timeout 900
 
-campaigns: .venv/installed  ## long runs: the paper's whole plan with each way of following the reflector
+campaigns: .venv/installed  ## long runs: the paper's whole plan, ways of following, killed runs
 	$(BIN)/python -m pytest -c pyproject.toml tests/campaigns -s -q
 
 seeds: .venv/installed  ## the demo with seeds 1 to 7: what the error map leaves of the conventional model's error

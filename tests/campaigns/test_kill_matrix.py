@@ -35,8 +35,8 @@ SAME_MM = 2e-6
 SAME_MAP = 0.01
 """Of maps on that bench, in units of their combined standard uncertainty.
 
-The arm's own errors let the aim miss a little, which leaves residuals of 0.06 µm rms (10 µm are stated); the dead path
-that an interruption adds takes another share of them.
+The arm's own errors let the aim miss a little, which leaves residuals of 0.06 µm rms (10 µm are stated); the dead
+path that an interruption adds takes another share of them.
 """
 
 WORST_NORMALISED = 4.0
