@@ -2,6 +2,7 @@
 
 import math
 import re
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from itertools import pairwise
 
@@ -9,7 +10,9 @@ import numpy as np
 import pytest
 
 from calibration.errors import OutOfReachError
-from procedures.errors import PlanLimitError
+from procedures.bench import Bench
+from procedures.context import MeasuredPoint, Prompt
+from procedures.errors import MeasuredFileError, PlanError, PlanLimitError
 from procedures.motion_time import move_time_s
 from procedures.path_plan import PathPlan, plan_path, states_of_approach
 from procedures.validation_path import PathParams, ValidationPath
@@ -154,3 +157,104 @@ def test_moves_last_as_long_as_their_slowest_joint() -> None:
     travel = np.array([[100.0, 0.0, 0.0], [0.0, -2.0, 0.0], [0.0, 0.0, 0.0], [12.5, 0.0, -400.0]])
     # 50 deg/s: 0.25 s up, 0.25 s down, 87.5 deg between; below full speed 2·sqrt(2/200); 200 deg/s: 1 s up and down.
     assert move_time_s(arm, travel) == pytest.approx([2.25, 0.2, 0.0, 3.0])
+
+
+Answers = dict[str, str | Callable[[Prompt], str]]
+
+
+def without_tracker() -> Bench:
+    return replace(bench(), tracker=False)
+
+
+def test_the_cells_instrument_measures_unless_another_is_chosen() -> None:
+    assert plan_path(bench()).instrument == "tracker"
+    assert plan_path(without_tracker()).instrument == "interferometer"
+    assert plan_path(without_tracker(), instrument="file").instrument == "file"
+    with pytest.raises(
+        PlanError, match=r"no \[tracker\]: add one.*instrument=interferometer.*instrument=file"
+    ):
+        plan_path(without_tracker(), instrument="tracker")
+
+
+async def test_an_interrupted_run_comes_back_to_the_path_from_the_proper_side() -> None:
+    first = IdealContext()
+    await ValidationPath().run(first, small())
+    again = IdealContext(
+        stored=dict(list(first.stored.items())[:5]), resumed=True, pose=(30.0, 90.0, 12.5, 0.0)
+    )
+    await ValidationPath().run(again, small())
+    point = small().points[4]
+    before, there = again.moves[:2]
+    assert there[:2] == pytest.approx((point.theta1_deg, point.theta2_deg))
+    assert (there[0] - before[0]) * point.direction1 == pytest.approx(1.0)
+    assert (there[1] - before[1]) * point.direction2 == pytest.approx(1.0)
+
+
+def held(plan: PathPlan) -> list[MeasuredPoint]:
+    """Return what an instrument in a frame of its own sees."""
+    points = plan.points * plan.passes
+    return [
+        MeasuredPoint(line, None, None, (p.x_mm, p.y_mm), p.x_mm + 70.0, p.y_mm - 3.0, None)
+        for line, p in enumerate(points, 2)
+    ]
+
+
+def for_a_file(*, confirm_each: bool = False) -> PathPlan:
+    return plan_path(
+        bench(),
+        y_from_mm=-20.0,
+        y_to_mm=20.0,
+        step_mm=20.0,
+        passes=2,
+        instrument="file",
+        hold_time_s=3.0,
+        confirm_each=confirm_each,
+    )
+
+
+async def test_the_arm_stands_still_at_each_point_and_the_file_gives_the_positions() -> None:
+    plan = for_a_file()
+    context = IdealContext(answers={"measured-file": "t.csv"}, files={"t.csv": held(plan)})
+    await ValidationPath().run(context, plan)
+    assert [duration for _, duration in context.pauses] == [3.0] * 12
+    for (pose, _), point in zip(context.pauses, plan.points * 2, strict=True):
+        assert arm_xy(pose[0], pose[1]) == pytest.approx((point.x_mm, point.y_mm))
+    rows = [row for table, row in context.rows if table == "path"]
+    assert [(row["y_meas_mm"], row["pass_number"]) for row in rows] == [
+        (point.y_mm - 3.0, number) for number in range(2) for point in plan.points
+    ]
+    assert context.stored["measured-file"] == {"file": "t.csv", "points": 12}
+
+
+async def test_a_file_that_cannot_be_used_is_asked_for_again() -> None:
+    plan = for_a_file()
+    complaint = "a:3: x_meas_mm = 'nan' is not a finite number"
+    files: dict[str, Sequence[MeasuredPoint] | str] = {"a": complaint, "b": held(plan)[1:], "c": held(plan)}
+        "a": "a:3: x_meas_mm = 'nan' is not a finite number",
+        "b": held(plan)[1:],
+        "c": held(plan),
+    }
+    answers: Answers = {"measured-file": "a", "measured-file/2": "b", "measured-file/3": "c"}
+    context = IdealContext(answers=answers, files=files)
+    await ValidationPath().run(context, plan)
+    assert context.warnings[0] == complaint
+    assert context.warnings[1].startswith("b: holds 11 points and the path has 12")
+    assert context.warnings[1] in context.prompts[2].text
+    assert sum(table == "path" for table, _ in context.rows) == 12
+    answers = {"measured-file": "a"}
+    answers |= {f"measured-file/{number}": "a" for number in range(2, 11)}
+    hopeless = IdealContext(answers=answers, files=files)
+    with pytest.raises(MeasuredFileError, match=r"10 files could not be used.*catseye resume"):
+        await ValidationPath().run(hopeless, plan)
+
+
+async def test_each_point_waits_for_the_operators_word() -> None:
+    plan = for_a_file(confirm_each=True)
+    words: Answers = {f"point/{p}/{n:04d}": "yes" for p in range(2) for n in range(6)}
+    words |= {"point/0/0002": "no", "point/0/0002/2": "yes", "measured-file": "t.csv"}
+    context = IdealContext(answers=words, files={"t.csv": held(plan)})
+    await ValidationPath().run(context, plan)
+    third = [pose for pose, _ in context.pauses][2:4]
+    assert third[0] == third[1]
+    assert len(context.pauses) == 13
+    assert all(prompt.motion for prompt in context.prompts if prompt.id.startswith("point/"))

@@ -1,0 +1,117 @@
+"""An instrument's file against the path that was driven: order, unit, places."""
+
+import math
+import re
+from collections.abc import Callable
+from dataclasses import replace
+
+import pytest
+
+from procedures.context import MeasuredPoint
+from procedures.errors import MeasuredFileError
+from procedures.measured_path import matched_rows
+from procedures.path_plan import plan_path
+from procedures.tracked_path import PathPoint
+from tests.unit.procedures.benches import bench
+
+POINTS = plan_path(bench(), y_from_mm=-300.0, y_to_mm=300.0, step_mm=50.0).points
+TURN = math.radians(30.0)
+
+
+def seen(point: PathPoint) -> tuple[float, float]:
+    """Return a point as an instrument sees it that stands elsewhere; the arm is 0.3 mm off."""
+    x, y = point.x_mm + 0.3, point.y_mm - 0.1
+    return (
+        1000.0 + x * math.cos(TURN) - y * math.sin(TURN),
+        -2000.0 + x * math.sin(TURN) + y * math.cos(TURN),
+    )
+
+
+def places(scale: float = 1.0) -> list[MeasuredPoint]:
+    return [
+        MeasuredPoint(line, None, None, (p.x_mm, p.y_mm), scale * seen(p)[0], scale * seen(p)[1], 0.01)
+        for line, p in enumerate(POINTS, 2)
+    ]
+
+
+def joints() -> list[MeasuredPoint]:
+    return [
+        MeasuredPoint(
+            line, (p.theta1_deg + 0.004, p.theta2_deg), (p.direction1, p.direction2), None, *seen(p), None
+        )
+        for line, p in enumerate(POINTS, 2)
+    ]
+
+
+def refused(points: list[MeasuredPoint], passes: int = 1) -> str:
+    with pytest.raises(MeasuredFileError) as caught:
+        matched_rows("t.csv", POINTS, passes, points)
+    return str(caught.value)
+
+
+@pytest.mark.parametrize("form", [places, joints])
+def test_rows_take_commands_from_the_path_and_places_from_the_file(
+    form: Callable[[], list[MeasuredPoint]],
+) -> None:
+    rows = matched_rows("t.csv", POINTS, 1, form())
+    assert len(rows) == 26
+    for row, point in zip(rows, POINTS, strict=True):
+        assert (row["x_mm"], row["y_mm"], row["theta1_deg"]) == (point.x_mm, point.y_mm, point.theta1_deg)
+        assert (row["direction1"], row["direction2"]) == (point.direction1, point.direction2)
+        assert (row["x_meas_mm"], row["y_meas_mm"]) == seen(point)
+        assert row["u_mm"] == (0.01 if form is places else None)
+    twice = matched_rows("t.csv", POINTS, 2, form() + form())
+    assert [row["pass_number"] for row in twice] == [0] * 26 + [1] * 26
+
+
+def test_another_number_of_points_is_told() -> None:
+    assert "t.csv: holds 25 points and the path has 26 (1 pass(es) of 26" in refused(places()[1:])
+    assert "the path has 52 (2 pass(es)" in refused(places(), passes=2)
+
+
+def test_points_of_another_path_or_order_are_told_with_their_line() -> None:
+    swapped = places()
+    swapped[3], swapped[4] = replace(swapped[4], line=5), replace(swapped[3], line=6)
+    assert "t.csv:5: the command is (200, -100) mm and point 4 of this path is (200, -150) mm" in refused(
+        swapped
+    )
+    turned = joints()
+    turned[7] = replace(turned[7], directions=(-POINTS[7].direction1, POINTS[7].direction2))
+    assert "t.csv:9: the command is θ1" in refused(turned)
+    assert "directions (" in refused(turned)
+
+
+@pytest.mark.parametrize(
+    ("scale", "unit"),
+    [(1e3, "µm"), (1e-3, "in m:"), (1 / 25.4, "inches"), (25.4, "taken for inches"), (0.1, "cm")],
+)
+def test_another_unit_of_the_measured_positions_is_named(scale: float, unit: str) -> None:
+    text = refused(places(scale))
+    assert "t.csv: the measured positions are spread" in text
+    assert unit in text
+
+
+def test_another_unit_of_the_commands_is_named() -> None:
+    metres = [
+        replace(row, command_mm=(p.x_mm / 1e3, p.y_mm / 1e3)) for row, p in zip(places(), POINTS, strict=True)
+    ]
+    assert "the commands in x_mm, y_mm seem to be in m" in refused(metres)
+    radians = [
+        replace(row, theta_deg=(math.radians(p.theta1_deg), math.radians(p.theta2_deg)))
+        for row, p in zip(joints(), POINTS, strict=True)
+    ]
+    assert "theta1_deg, theta2_deg seem to be in rad" in refused(radians)
+
+
+def test_positions_that_are_not_those_of_the_path_are_told() -> None:
+    wide = refused(places(1.3))
+    assert "spread 1.3 times as far" in wide
+    assert "they are not those of this path" in wide
+    shifted = places()
+    rolled = [*shifted[1:], shifted[0]]
+    shifted = [
+        replace(row, x_meas_mm=other.x_meas_mm, y_meas_mm=other.y_meas_mm)
+        for row, other in zip(shifted, rolled, strict=True)
+    ]
+    # The way there is a step ahead and the way back a step behind: no shift makes up for that.
+    assert re.search(r"t\.csv:\d+: the measured position lies \d\d\.\d mm from its command", refused(shifted))
