@@ -2,15 +2,13 @@
 
 from itertools import pairwise
 
-import numpy as np
-
-from procedures.beam_scan import find_return, half_window_deg
+from procedures.beam_geometry import beam_mm, look_around_deg, window_deg
+from procedures.beam_scan import find_return
 from procedures.bench import Bench, Reflector
 from procedures.context import Context, Measurement
 from procedures.devices import Joints
 from procedures.diagnosis import (
     INTERRUPTED,
-    LASER,
     MOVED_BY_HAND,
     NOT_SUBDIVIDED,
     Cause,
@@ -27,8 +25,7 @@ from procedures.re_aim import AimCorrection, brighten
 from procedures.settled import settled_measurement
 from procedures.visits import Leg, Visit, driving_time_s, measuring_time_s
 
-_HALF_RANGE_DEG = 0.5
-"""How far J4 is turned to either side to find a beam again."""
+_LASER = "the laser is not ready; look at its lamp. The run goes on by itself when it is"
 
 
 class Follower:
@@ -142,7 +139,7 @@ class Follower:
         """
         status = await self._ctx.beam()
         if not status.laser_ready:
-            await self._ctx.wait_until(LASER.text, self._laser_ready)
+            await self._ctx.wait_until(_LASER, self._laser_ready)
             status = await self._ctx.beam()
         good = status.beam_ok and status.signal >= self._bench.optics.signal_min
         if (centre or not good) and await self._scan(visit.node) is None:
@@ -203,12 +200,13 @@ class Follower:
         if found_deg is None:
             return self._gone(planned)
         off_deg = found_deg - before_deg
-        if abs(off_deg) <= self._half_window_deg(planned):
+        if abs(off_deg) <= window_deg(planned, self._bench, self._reflector):
             return INTERRUPTED
-        return off_aim(off_deg, self._beam_mm(planned))
+        return off_aim(off_deg, beam_mm(planned, self._bench, self._reflector))
 
     def _gone(self, joints: Joints) -> Cause:
-        return hidden(joints, self._bench, self._reflector) or no_return(_HALF_RANGE_DEG)
+        looked_deg = look_around_deg(joints, self._bench, self._reflector)
+        return hidden(joints, self._bench, self._reflector) or no_return(looked_deg)
 
     async def _broken(self) -> Loss | None:
         status = await self._ctx.beam()
@@ -232,29 +230,30 @@ class Follower:
 
     async def _brightened(self, visit: Visit) -> bool:
         """Turn J4 to the strongest signal without losing the count; return whether it was kept."""
-        window_deg = self._half_window_deg(visit.node)
+        half_window_deg = window_deg(visit.node, self._bench, self._reflector)
         pose = (*visit.node[:3], self.sent[3])
-        best_deg = await brighten(self._ctx, pose, window_deg, self._bench.arm.j4_limits_deg)
+        best_deg = await brighten(self._ctx, pose, half_window_deg, self._bench.arm.j4_limits_deg)
         if best_deg is None:
             self._left = await self._ctx.joints()
             return False
         self._left = (*pose[:3], best_deg)
-        self._aim.found(best_deg - visit.node[3], window_deg)
+        self._aim.found(best_deg - visit.node[3], half_window_deg)
         return True
 
     async def _scan(self, planned: Joints) -> float | None:
         """Turn J4 about the plan's aim; return the offset at which the beam is centred, with J4 there."""
-        window_deg = self._half_window_deg(planned)
+        half_window_deg = window_deg(planned, self._bench, self._reflector)
         limits_deg = self._bench.arm.j4_limits_deg
         start = self._corrected(planned)
-        found = await find_return(self._ctx, start, _HALF_RANGE_DEG, window_deg, limits_deg)
+        half_range_deg = look_around_deg(start, self._bench, self._reflector)
+        found = await find_return(self._ctx, start, half_range_deg, half_window_deg, limits_deg)
         if found is None:
             # Where J4 ends after a scan in vain matters to nobody, but the arm has to be left somewhere.
             await self._ctx.move(start)
             self._left = start
             return None
         self._left = (*planned[:3], found.centre_deg)
-        self._aim.found(found.centre_deg - planned[3], window_deg)
+        self._aim.found(found.centre_deg - planned[3], half_window_deg)
         return self._aim.present_deg
 
     async def _drive(self, leg: Leg) -> None:
@@ -264,16 +263,6 @@ class Follower:
 
     def _corrected(self, target: Joints) -> Joints:
         return self._aim.applied(target, self._bench.arm.j4_limits_deg)
-
-    def _beam_mm(self, joints: Joints) -> float:
-        arm = self._bench.arm
-        one, both = np.deg2rad(joints[0]), np.deg2rad(joints[0] + joints[1])
-        x = arm.link1_mm * np.cos(one) + arm.link2_mm * np.cos(both)
-        y = arm.link1_mm * np.sin(one) + arm.link2_mm * np.sin(both)
-        return float(np.hypot(self._reflector.x_mm - x, self._reflector.y_mm - y))
-
-    def _half_window_deg(self, joints: Joints) -> float:
-        return half_window_deg(self._bench.optics.acceptance_mm, self._beam_mm(joints))
 
     async def _laser_ready(self) -> bool:
         return (await self._ctx.beam()).laser_ready

@@ -10,6 +10,7 @@ import pytest
 
 from procedures.context import Prompt, Row
 from procedures.devices import Joints
+from procedures.beam_geometry import look_around_deg
 from procedures.diagnosis import hidden
 from procedures.errors import BeamLostError
 from procedures.open_loop import OpenLoop
@@ -328,3 +329,19 @@ def test_geometry_lets_suspect_column_and_field() -> None:
     assert turned is not None
     assert turned.name == "field"
     assert hidden((-40.0, 60.0, 12.5, 0.0), paper, reflector) is None
+
+
+def test_j4_never_looks_as_far_as_another_reflector() -> None:
+    pose: Joints = (-40.0, 60.0, 12.5, 0.0)
+    x, y = arm_xy(-40.0, 60.0)
+    ahead = math.atan2(PLACES["P2"][1] - y, PLACES["P2"][0] - x)
+    beside = ahead + math.radians(0.4)
+    length = math.dist((x, y), PLACES["P2"])
+    near = (x + 1.5 * length * math.cos(beside), y + 1.5 * length * math.sin(beside))
+    paper = bench(places={"P2": PLACES["P2"], "near": near})
+    window = math.degrees(1.0 / length)
+    assert look_around_deg(pose, paper, paper.reflectors[0]) == pytest.approx(0.4 - 2.0 * window, abs=1e-3)
+    # A single reflector that is carried is never in two places.
+    carried = with_optics(paper, one_reflector=True)
+    assert look_around_deg(pose, carried, paper.reflectors[0]) == 0.5
+    assert look_around_deg(pose, bench(), bench().reflectors[1]) == 0.5
