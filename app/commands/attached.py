@@ -205,6 +205,7 @@ class People(Front):
 
     def typed(self, line: str) -> None:
         """Take an answer or a command."""
+        self._narrator.entered()
         asked = self._asked if self._control else None
         command = command_of(line, asked=asked is not None)
         if command == "q":

@@ -26,7 +26,12 @@ async def serve_and_run(
     with ExitStack() as stack:
         if who is not None:
             console = Console(service.hub, who, narrator.tell)
-            stack.enter_context(Lines(sys.stdin.fileno(), console.take, console.end).read())
+
+            def typed(line: str) -> None:
+                narrator.entered()
+                console.take(line)
+
+            stack.enter_context(Lines(sys.stdin.fileno(), typed, console.end).read())
         return await carry_out(
             planned,
             root,

@@ -55,6 +55,10 @@ class Narrator:
                 self._question.close()
                 self.tell(f"run {event['status']}: {event['path']}")
 
+    def entered(self) -> None:
+        """A line was typed at this terminal."""
+        self._question.entered()
+
     def tell(self, text: str) -> None:
         """Write a line of talk; an open question is shown again below it."""
         self._bar.close()

@@ -31,6 +31,7 @@ class QuestionLine:
     def __init__(self) -> None:
         self._asked: Prompt | None = None
         self._above = False
+        self._at_start = False
 
     @property
     def asked(self) -> Prompt | None:
@@ -46,7 +47,7 @@ class QuestionLine:
     def again(self) -> None:
         """Show once more what can be typed."""
         if self._asked is not None:
-            self._above = False
+            self._above = self._at_start = False
             _write(f"({hint(self._asked)}) {_INPUT}")
 
     def show(self, text: str) -> None:
@@ -56,13 +57,17 @@ class QuestionLine:
             _write(f"\x1b7\x1b[1A\r\x1b[K{line}\x1b8")
         elif self._asked is not None:
             _write(f"\r\x1b[K{line}\n({hint(self._asked)}) {_INPUT}")
-            self._above = True
+            self._above, self._at_start = True, False
+
+    def entered(self) -> None:
+        """A line was typed: the cursor stands at the start of the next one."""
+        self._at_start, self._above = True, False
 
     def leave(self) -> None:
         """Leave the lines, for other talk."""
         if self._asked is not None:
-            _write("\n")
-            self._above = False
+            _write("" if self._at_start else "\n")
+            self._at_start, self._above = True, False
 
     def close(self) -> None:
         """The question is over."""

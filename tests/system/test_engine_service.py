@@ -2,6 +2,7 @@
 
 import contextlib
 import fcntl
+import getpass
 import json
 import os
 import pty
@@ -200,7 +201,10 @@ class Terminal:
         while text not in seen:
             assert time.monotonic() < end_s, seen
             if select.select([self.descriptor], [], [], 0.5)[0]:
-                seen += os.read(self.descriptor, 4096).decode(errors="replace")
+                try:
+                    seen += os.read(self.descriptor, 4096).decode(errors="replace")
+                except OSError:
+                    raise AssertionError(f"the command ended without {text!r}: {seen}") from None
         return seen
 
 
@@ -247,6 +251,13 @@ def test_a_client_that_stands_still_does_not_hold_the_run_up(bench: Emulated) ->
     told(stalled, "snapshot")
     told(watching, "snapshot")
     stalled.send_signal(signal.SIGSTOP)
+    assert watching.stdin is not None
+    watching.stdin.write('{"id": "mine", "op": "unhold"}\n')
+    watching.stdin.flush()
+    # An answer is no event; it names the request as the program did.
+    refused = told(watching, "snapshot", re="mine")
+    assert refused["ok"] is False
+    assert "needs control" in refused["error"]
     assert told(watching, "run-ended")["status"] == "complete"
     assert ended(watching) == 0
     stalled.send_signal(signal.SIGCONT)
@@ -338,3 +349,26 @@ def test_an_engine_starts_stops_and_resumes_runs_for_its_clients(bench: Emulated
     finally:
         engine.kill()
         engine.communicate()
+
+
+def test_questions_are_answered_at_the_terminal_of_the_run(bench: Emulated) -> None:
+    options = ("--cell", str(bench.cell), "--search", "none", "--speed", SPEED)
+    asking = ("--param", "confirm_each=true", "--param", "instrument=file")
+    with at_a_terminal(bench, "run", "validation-path", *options, *asking) as terminal:
+        terminal.shows("the arm moves: type move, or no) > ")
+        terminal.type("yes\n")
+        terminal.shows("the arm moves after this: type move, or no")
+        terminal.type("move\n")
+        terminal.shows("answer to")
+        terminal.shows("type move, or no) > ")
+        terminal.type("\x03")
+        terminal.type("move\n")
+        terminal.shows("HELD: h hold · g go on")
+        terminal.type("g\n")
+        terminal.shows("type move, or no) > ")
+        terminal.type("/s\n")
+        seen = terminal.shows("run stopped: ")
+        assert terminal.process.wait(_LIMIT_S) == 130
+        run = bench.cell.parent / (seen.rpartition("run stopped: ")[2] + terminal.shows("\n")).split()[0]
+    answers = [(prompt["answer"], prompt["who"]) for prompt in story(bench, run)["prompts"]]
+    assert answers == [("yes", getpass.getuser())] * 2 + [(None, None)]

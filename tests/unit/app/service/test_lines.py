@@ -1,0 +1,81 @@
+"""Lines that are typed, however they come."""
+
+import asyncio
+import os
+import pty
+import signal
+import tty
+from collections.abc import Iterator
+from contextlib import contextmanager
+from functools import partial
+from pathlib import Path
+
+import pytest
+
+from app.service.lines import Lines
+from tests.unit.app.service.benches import settled
+
+
+@contextmanager
+def piped() -> Iterator[tuple[int, int]]:
+    reading, writing = os.pipe()
+    try:
+        yield reading, writing
+    finally:
+        os.close(reading)
+        os.close(writing)
+
+
+async def test_lines_come_whole_however_they_are_cut() -> None:
+    typed: list[str] = []
+    with piped() as (reading, writing), Lines(reading, typed.append).read():
+        for part in (b"mo", b"ve\nn", b"o\r\n\xff\n", b"half"):
+            os.write(writing, part)
+            await settled(5)
+    assert typed == ["move", "no", "\ufffd"]
+
+
+async def test_the_end_is_told_once() -> None:
+    typed: list[str] = []
+    ends: list[bool] = []
+    reading, writing = os.pipe()
+    with Lines(reading, typed.append, lambda: ends.append(True)).read():
+        os.write(writing, b"g\n")
+        os.close(writing)
+        await settled(10)
+    os.close(reading)
+    assert typed == ["g"]
+    assert ends == [True]
+
+
+async def test_a_plain_file_and_the_null_device_are_read_at_once(tmp_path: Path) -> None:
+    file = tmp_path / "lines"
+    file.write_text("h\ng\n")
+    for path, lines in ((file, ["h", "g"]), (Path("/dev/null"), [])):
+        typed: list[str] = []
+        descriptor = os.open(path, os.O_RDONLY)
+        with Lines(descriptor, typed.append, partial(typed.append, "end")).read():
+            pass
+        os.close(descriptor)
+        assert typed == [*lines, "end"]
+
+
+async def test_a_process_in_the_background_leaves_its_terminal_alone(monkeypatch: pytest.MonkeyPatch) -> None:
+    typed: list[str] = []
+    master, slave = pty.openpty()
+    tty.setraw(slave)
+    foreground = os.getpgrp() + 1
+    monkeypatch.setattr(os, "tcgetpgrp", lambda _descriptor: foreground)
+    monkeypatch.setattr("app.service.lines._FOREGROUND_POLL_S", 0.001)
+    with Lines(slave, typed.append).read():
+        os.write(master, b"s\n")
+        await settled()
+        assert typed == []
+        foreground = os.getpgrp()
+        async with asyncio.timeout(5):
+            while not typed:  # noqa: ASYNC110  # the terminal has no event to wait for
+                await asyncio.sleep(0.001)
+    os.close(master)
+    os.close(slave)
+    assert typed == ["s"]
+    assert signal.getsignal(signal.SIGTTIN) == signal.SIG_DFL
