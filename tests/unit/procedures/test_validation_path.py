@@ -230,10 +230,6 @@ async def test_a_file_that_cannot_be_used_is_asked_for_again() -> None:
     plan = for_a_file()
     complaint = "a:3: x_meas_mm = 'nan' is not a finite number"
     files: dict[str, Sequence[MeasuredPoint] | str] = {"a": complaint, "b": held(plan)[1:], "c": held(plan)}
-        "a": "a:3: x_meas_mm = 'nan' is not a finite number",
-        "b": held(plan)[1:],
-        "c": held(plan),
-    }
     answers: Answers = {"measured-file": "a", "measured-file/2": "b", "measured-file/3": "c"}
     context = IdealContext(answers=answers, files=files)
     await ValidationPath().run(context, plan)

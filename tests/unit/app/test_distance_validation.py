@@ -1,0 +1,204 @@
+"""Models on a path of distances: truth from loops and plain trigonometry."""
+
+import math
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from app.distance_validation import DistancePath, validate_on_distances
+from app.errors import UsageError
+from app.path_rows import distance_path, path_measurement
+from app.store.reader import RunReader
+from app.store.run_store import RunStore
+from calibration.errors import InsufficientPointsError
+from calibration.identification import Identification, identify
+from calibration.layout import ModelName
+from calibration.points import Commands, Points
+from procedures.context import Row
+from tests.unit.app.store.fakes import TickingClock
+from tests.unit.calibration.paper import (
+    NODES1_DEG,
+    NODES2_DEG,
+    NOMINAL_REFLECTORS,
+    Truth,
+    paper_points,
+    random_truth,
+)
+
+SIGMA_MM = 0.01
+COUNT = 60
+
+
+def between(nodes_deg: list[float], table: list[float], angle_deg: float) -> float:
+    """Return a table between its nodes, rad."""
+    i = min(int((angle_deg - nodes_deg[0]) // 20.0), len(nodes_deg) - 2)
+    share = (angle_deg - nodes_deg[i]) / 20.0
+    return table[i] + share * (table[i + 1] - table[i])
+
+
+def true_length(truth: Truth, command: tuple[float, float, int, int], reflector: int) -> float:
+    one, two, s1, s2 = command
+    a = math.radians(one) + between(NODES1_DEG, truth.map1[s1], one)
+    b = a + math.radians(two) + between(NODES2_DEG, truth.map2[s2], two)
+    x = truth.link1_mm * math.cos(a) + truth.link2_mm * math.cos(b)
+    y = truth.link1_mm * math.sin(a) + truth.link2_mm * math.sin(b)
+    return math.dist((x, y), truth.reflectors[reflector])
+
+
+def commands() -> list[tuple[float, float, int, int]]:
+    """Return a way off the nodes, there with both joints upwards and back."""
+    there = [(-115.0 + 5.1 * i, 12.0 + 3.9 * i, 1, 1) for i in range(COUNT // 2)]
+    return there + [(one, two, -1, -1) for one, two, _, _ in reversed(there)]
+
+
+def path(
+    truth: Truth, segments: list[int] | None = None, name: str = "P2", noise: int | None = None
+) -> DistancePath:
+    """Return a measured path; every segment has a zero of its own."""
+    rows, numbers = commands(), segments or [0] * COUNT
+    used = sorted(set(numbers))
+    lengths = np.array([true_length(truth, row, int(name[1]) - 1) for row in rows])
+    zeros = {segment: 37.0 * segment + 400.0 for segment in used}
+    values = lengths - np.array([zeros[segment] for segment in numbers])
+    if noise is not None:
+        values += np.random.default_rng(noise).normal(0.0, SIGMA_MM, COUNT)
+    columns = np.array(rows)
+    points = Points(
+        Commands(
+            np.deg2rad(columns[:, 0]),
+            np.deg2rad(columns[:, 1]),
+            columns[:, 2].astype(np.int64),
+            columns[:, 3].astype(np.int64),
+        ),
+        np.zeros(COUNT, dtype=np.int64),
+        np.array([used.index(segment) for segment in numbers], dtype=np.int64),
+        values,
+        None,
+        (name,),
+        tuple((name, segment) for segment in used),
+    )
+    established = np.ones(COUNT, dtype=np.bool_)
+    return DistancePath(points, np.zeros((COUNT, 2)), np.repeat([1, -1], COUNT // 2), established)
+
+
+def identified(
+    truth: Truth, model: ModelName, seed: int | None = None, reflectors: int = 3
+) -> Identification:
+    count = reflectors * 352
+    noise = None if seed is None else np.random.default_rng(seed).normal(0.0, SIGMA_MM, count)
+    points = paper_points(truth, reflectors, noise, SIGMA_MM)
+    nodes = np.deg2rad(NODES1_DEG), np.deg2rad(NODES2_DEG)
+    return identify(points, model, *nodes, 325.0, 225.0, NOMINAL_REFLECTORS[:reflectors])
+
+
+TRUTH = random_truth(3)
+EXACT = identified(TRUTH, "error-map")
+CONVENTIONAL = identified(TRUTH, "conventional")
+
+
+def test_the_true_arm_leaves_nothing_and_the_conventional_one_much() -> None:
+    validation = validate_on_distances(path(TRUTH), [CONVENTIONAL, EXACT])
+    assert [model.model for model in validation.models] == ["conventional", "error-map"]
+    assert validation.compared.all()
+    assert validation.models[1].max_um < 0.01
+    assert validation.models[0].rms_um > 20.0
+    assert validation.ratio is not None
+    assert validation.ratio < 1e-3
+    assert validate_on_distances(path(TRUTH), [EXACT]).ratio is None
+
+
+def test_each_segment_has_a_dead_path_of_its_own() -> None:
+    segments = [0] * 20 + [4] * 20 + [7] * 20
+    (model,) = validate_on_distances(path(TRUTH, segments), [EXACT]).models
+    assert model.max_um < 0.01
+    assert model.dead_paths_mm == {
+        ("P2", 0): pytest.approx(400.0, abs=1e-4),
+        ("P2", 4): pytest.approx(548.0, abs=1e-4),
+        ("P2", 7): pytest.approx(659.0, abs=1e-4),
+    }
+
+
+def test_a_deviation_is_predicted_minus_measured() -> None:
+    measured = path(TRUTH)
+    grown = measured.points.displacement_mm.copy()
+    grown[5] += 0.6
+    points = replace(measured.points, displacement_mm=grown)
+    (model,) = validate_on_distances(replace(measured, points=points), [EXACT]).models
+    # The dead path takes up a share of one in sixty.
+    assert model.deviation_mm[5] == pytest.approx(-0.6 * 59.0 / 60.0, abs=1e-5)
+    assert model.deviation_mm[6] == pytest.approx(0.6 / 60.0, abs=1e-5)
+    assert model.rms_um == pytest.approx(1e3 * math.sqrt((0.59**2 + 59 * 0.01**2) / 60.0), rel=1e-4)
+    assert model.max_um == pytest.approx(590.0, abs=0.1)
+
+
+def test_the_uncertainty_covers_what_noise_does_to_the_prediction() -> None:
+    """Predictions of arms identified from noisy measurements scatter as the stated uncertainty says."""
+    found = [identified(TRUTH, "error-map", seed, reflectors=1) for seed in range(6)]
+    models = [validate_on_distances(path(TRUTH, name="P1"), [one]).models[0] for one in found]
+    normalised = np.array([model.deviation_mm / model.u_mm for model in models])
+    assert 0.7 < math.sqrt(float(np.mean(normalised**2))) < 1.4
+    assert 0.5 < models[0].median_u_um < 8.0
+
+
+def test_rows_beyond_the_nodes_or_just_reversed_and_short_segments_are_left_out() -> None:
+    measured = path(TRUTH, [0] * 56 + [1] * 2 + [2] * 2)
+    theta1 = measured.points.commands.theta1_rad.copy()
+    theta1[3] = np.deg2rad(61.0)
+    established = measured.established.copy()
+    established[10] = False
+    points = replace(measured.points, commands=replace(measured.points.commands, theta1_rad=theta1))
+    validation = validate_on_distances(
+        replace(measured, points=points, established=established), [CONVENTIONAL, EXACT]
+    )
+    assert np.flatnonzero(~validation.compared).tolist() == [3, 10, 56, 57, 58, 59]
+    assert validation.rejected == (
+        "segment 1 of reflector P2 left out: 2 distance(s) to compare, fewer than 3",
+        "segment 2 of reflector P2 left out: 2 distance(s) to compare, fewer than 3",
+    )
+    for model in validation.models:
+        assert np.flatnonzero(np.isnan(model.deviation_mm)).tolist() == [3, 10, 56, 57, 58, 59]
+        assert np.flatnonzero(np.isnan(model.u_mm)).tolist() == [3, 10, 56, 57, 58, 59]
+    nothing = replace(measured, established=np.zeros(COUNT, dtype=np.bool_))
+    with pytest.raises(InsufficientPointsError, match="no segment of the path has 3 distances"):
+        validate_on_distances(nothing, [EXACT])
+
+
+def test_a_model_has_to_know_the_reflector_of_the_path() -> None:
+    with pytest.raises(UsageError, match=r"identified without reflector P3.*it knows P1, P2"):
+        validate_on_distances(path(TRUTH, name="P3"), [identified(TRUTH, "error-map", reflectors=2)])
+
+
+def stored_row(y_mm: float, theta1_deg: float, direction1: int, segment: int, pass_number: int) -> Row:
+    return {
+        "x_mm": 200.0,
+        "y_mm": y_mm,
+        "theta1_deg": theta1_deg,
+        "theta2_deg": 90.0,
+        "direction1": direction1,
+        "direction2": 1,
+        "reflector": "P2",
+        "segment": segment,
+        "displacement_mm": 0.5 * y_mm,
+        "pass_number": pass_number,
+    }
+
+
+async def test_stored_distances_become_columns(tmp_path: Path) -> None:
+    # Row two of the first pass is missing: it was blind.
+    way = [(-10.0, 1.0, 1), (10.0, 5.0, 1), (10.0, 5.0, 1), (0.0, 4.5, -1), (-10.0, 1.0, -1)]
+    rows = [stored_row(y, one, d, p, p) for p in range(2) for y, one, d in way]
+    store = await RunStore.create(tmp_path, "validation-path", {}, TickingClock(), reserve_bytes=0)
+    await store.append_step("rows", 1, "rows", {}, [("path", row) for row in rows])
+    await store.finish("complete", 0)
+    found = distance_path(RunReader(store.path), 1.0)
+    assert found.points.reflector_names == ("P2",)
+    assert found.points.dead_paths == (("P2", 0), ("P2", 1))
+    assert found.points.dead_path.tolist() == [0] * 5 + [1] * 5
+    assert found.points.displacement_mm.tolist() == [-5.0, 5.0, 5.0, 0.0, -5.0] * 2
+    assert found.travel.tolist() == [1, 1, -1, -1, -1] * 2
+    # Half a degree after the turn no direction holds yet; the second pass was approached with a take-up again.
+    assert found.established.tolist() == [True, True, True, False, True] * 2
+    with pytest.raises(UsageError, match="holds distances along a path, not positions"):
+        path_measurement(RunReader(store.path), 1.0)
