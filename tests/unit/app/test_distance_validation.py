@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from numpy.typing import NDArray
 
 from app.distance_validation import DistancePath, validate_on_distances
 from app.errors import UsageError
@@ -53,17 +54,13 @@ def commands() -> list[tuple[float, float, int, int]]:
     return there + [(one, two, -1, -1) for one, two, _, _ in reversed(there)]
 
 
-def path(
-    truth: Truth, segments: list[int] | None = None, name: str = "P2", noise: int | None = None
-) -> DistancePath:
+def path(truth: Truth, segments: list[int] | None = None, name: str = "P2") -> DistancePath:
     """Return a measured path; every segment has a zero of its own."""
     rows, numbers = commands(), segments or [0] * COUNT
     used = sorted(set(numbers))
     lengths = np.array([true_length(truth, row, int(name[1]) - 1) for row in rows])
     zeros = {segment: 37.0 * segment + 400.0 for segment in used}
     values = lengths - np.array([zeros[segment] for segment in numbers])
-    if noise is not None:
-        values += np.random.default_rng(noise).normal(0.0, SIGMA_MM, COUNT)
     columns = np.array(rows)
     points = Points(
         Commands(
@@ -133,13 +130,26 @@ def test_a_deviation_is_predicted_minus_measured() -> None:
     assert model.max_um == pytest.approx(590.0, abs=0.1)
 
 
-def test_the_uncertainty_covers_what_noise_does_to_the_prediction() -> None:
-    """Predictions of arms identified from noisy measurements scatter as the stated uncertainty says."""
-    found = [identified(TRUTH, "error-map", seed, reflectors=1) for seed in range(6)]
-    models = [validate_on_distances(path(TRUTH, name="P1"), [one]).models[0] for one in found]
-    normalised = np.array([model.deviation_mm / model.u_mm for model in models])
-    assert 0.7 < math.sqrt(float(np.mean(normalised**2))) < 1.4
-    assert 0.5 < models[0].median_u_um < 8.0
+def arm_of(parameters: NDArray[np.float64]) -> Truth:
+    """Return an arm from a parameter vector: links, both tables of J1 and of J2, places."""
+    first, second = parameters[2:24].tolist(), parameters[24:40].tolist()
+    return Truth(
+        parameters[0],
+        parameters[1],
+        {1: first[:11], -1: first[11:]},
+        {1: second[:8], -1: second[8:]},
+        parameters[40:46].reshape(3, 2),
+    )
+
+
+def test_the_uncertainty_is_what_drawn_arms_scatter_by() -> None:
+    (model,) = validate_on_distances(path(TRUTH), [EXACT]).models
+    draws = np.random.default_rng(1).multivariate_normal(EXACT.parameters, EXACT.covariance, 300)
+    arms = [arm_of(draw[:46]) for draw in draws]
+    lengths = np.array([[true_length(arm, row, 1) for row in commands()] for arm in arms])
+    scatter = np.std(lengths - lengths.mean(axis=1)[:, None], axis=0)
+    assert model.u_mm == pytest.approx(scatter, rel=0.2)
+    assert float(np.median(model.u_mm / scatter)) == pytest.approx(1.0, abs=0.05)
 
 
 def test_rows_beyond_the_nodes_or_just_reversed_and_short_segments_are_left_out() -> None:
