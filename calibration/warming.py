@@ -89,26 +89,26 @@ def settling(time_s: Floats, length_mm: Floats) -> Settling | None:
     span = float(np.ptp(time_s))
     since = time_s - time_s.min()
     trials = np.geomspace(0.1 * span, 3.0 * span, _TIME_CONSTANTS)
-    squares = [_exponential(since, length_mm, float(tau))[1] for tau in trials]
+    amplitudes, squares = _exponentials(since, length_mm, trials)
     best = int(np.argmin(squares))
     if best in (0, trials.size - 1):
         return None
     straight = np.polynomial.polynomial.polyfit(since, length_mm, 1, full=True)[1][0]
     dof = time_s.size - 3
-    scatter = squares[best] / dof
-    gain = float(np.ravel(straight)[0]) - squares[best]
+    scatter = float(squares[best]) / dof
+    gain = float(np.ravel(straight)[0]) - float(squares[best])
     if stats.f.sf(gain / max(scatter, 1e-30), 1, dof) > _SIGNIFICANCE:
         return None
-    amplitude = _exponential(since, length_mm, float(trials[best]))[0]
-    # The amplitude belongs to the first visit; time 0 may lie before it.
     tau = float(trials[best])
-    return Settling(tau, amplitude * math.exp(float(time_s.min()) / tau))
+    # The amplitude belongs to the first visit; time 0 may lie before it.
+    return Settling(tau, float(amplitudes[best]) * math.exp(float(time_s.min()) / tau))
 
 
-def _exponential(since_s: Floats, length_mm: Floats, time_constant_s: float) -> tuple[float, float]:
-    """Return the amplitude at the first visit and the sum of squares of what is left."""
-    decay = np.exp(-since_s / time_constant_s)
-    design = np.column_stack([np.ones(decay.size), decay])
-    values = np.linalg.lstsq(design, length_mm, rcond=None)[0]
-    left = length_mm - design @ values
-    return float(values[1]), float(left @ left)
+def _exponentials(since_s: Floats, length_mm: Floats, time_constants_s: Floats) -> tuple[Floats, Floats]:
+    """Return, for each time constant, the amplitude at the first visit and the sum of squares of what is left."""
+    decay = np.exp(-since_s / time_constants_s[:, None])
+    decay -= decay.mean(axis=1, keepdims=True)
+    from_mean = length_mm - length_mm.mean()
+    amplitudes = decay @ from_mean / np.sum(decay**2, axis=1)
+    left = from_mean - amplitudes[:, None] * decay
+    return np.asarray(amplitudes), np.asarray(np.sum(left**2, axis=1))

@@ -194,6 +194,8 @@ async def _analyse(ctx: Context, plan: RepeatabilityPlan, series: list[_Series])
         row = _beam_row(plan, own, one)
         beams.append(row)
         await ctx.event("repeatability", **row)
+        if one is not None:
+            ctx.show(_told(own, one))
         if one is not None and one.drifts:
             await ctx.warn(
                 f"pose {own.pose + 1} drifts by {one.drift_um:+.1f} µm over the cycles along the beam to "
@@ -209,23 +211,25 @@ async def _analyse(ctx: Context, plan: RepeatabilityPlan, series: list[_Series])
     return {"beams": beams, "positions": positions}
 
 
+def _told(own: _Series, one: AlongBeam) -> Live:
+    text = f"95 % interval {one.s_low_um:.1f}…{one.s_high_um:.1f} µm, RP ±{one.rp_um:.1f} µm, {one.arrivals} arrivals"
+    return Live(
+        f"S of pose {own.pose + 1} along the beam to {own.part.reflector.name}", one.s_um, "µm", text=text
+    )
+
+
 def _beam_row(plan: RepeatabilityPlan, own: _Series, one: AlongBeam | None) -> dict[str, Json]:
     theta1_deg, theta2_deg = plan.poses[own.pose]
-    row: dict[str, Json] = {
-        "pose": own.pose + 1,
+    row: dict[str, Json] = {"pose": own.pose + 1, "reflector": own.part.reflector.name}
+    place: dict[str, Json] = {
         "theta1_deg": theta1_deg,
         "theta2_deg": theta2_deg,
-        "reflector": own.part.reflector.name,
-        "beam_deg": math.degrees(own.part.direction_rad[own.pose]),
-        "arrivals": len(own.cycle),
+        "beam_deg": round(math.degrees(own.part.direction_rad[own.pose]), 3),
     }
     if one is None:
-        return {**row, "refused": "no two arrivals share a dead path"}
+        return {**row, "refused": "no two arrivals share a dead path", **place}
     return {
         **row,
-        "dof": one.dof,
-        "mean_mm": one.mean_mm,
-        "segment": one.segment,
         "s_um": one.s_um,
         "s_low_um": one.s_low_um,
         "s_high_um": one.s_high_um,
@@ -233,6 +237,11 @@ def _beam_row(plan: RepeatabilityPlan, own: _Series, one: AlongBeam | None) -> d
         "range_um": one.range_um,
         "drift_um": one.drift_um,
         "drift_probability": one.drift_probability,
+        "arrivals": one.arrivals,
+        "dof": one.dof,
+        "mean_mm": one.mean_mm,
+        "segment": one.segment,
+        **place,
     }
 
 

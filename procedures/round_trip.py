@@ -3,6 +3,7 @@
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 
@@ -26,6 +27,9 @@ _FAILURES = 3
 """So many losses in a row are no accident: the operator is asked."""
 
 _SCAN_HALF_RANGE_DEG = 0.5
+
+_PIECE_DEG = 20.0
+"""A longer leg is split evenly over pieces: near a reflector it needs more sub-steps than far from it."""
 
 
 @dataclass(frozen=True)
@@ -60,7 +64,7 @@ def beam_lasts(stops: Sequence[Pose], bench: Bench, reflector: Reflector) -> boo
         reflector: what is aimed at.
     """
     try:
-        return _kept(plan_track(_closed(stops), bench, reflector, subdivide=False))
+        return _kept(plan_track(_closed(stops)[0], bench, reflector, subdivide=False))
     except PlanLimitError:
         return False
 
@@ -80,15 +84,19 @@ def plan_round_trip(stops: Sequence[Pose], bench: Bench, reflector: Reflector) -
         PlanLimitError: a stop lies outside the limits.
         PlanError: a reflector stands in the way, or is too near to be tracked.
     """
-    closed = _closed(stops)
+    closed, ends = _closed(stops)
     require_joint_limits(closed, bench)
     require_free_way(np.array([[stop.theta1_deg, stop.theta2_deg] for stop in closed]), bench)
     track = plan_track(closed, bench, reflector, subdivide=True)
     if not _kept(track):
         return None
     legs = tuple(
-        leg_targets(closed, track, i, int(track.sub_steps[i]), bench, reflector)
-        for i in range(1, len(closed))
+        tuple(
+            target
+            for i in range(first + 1, last + 1)
+            for target in leg_targets(closed, track, i, int(track.sub_steps[i]), bench, reflector)
+        )
+        for first, last in pairwise(ends)
     )
     start = legs[-1][-1]
     j4 = [target[3] for leg in legs for target in leg]
@@ -97,14 +105,24 @@ def plan_round_trip(stops: Sequence[Pose], bench: Bench, reflector: Reflector) -
         stops=tuple(stops),
         start=start,
         legs=legs,
-        beam_mm=tuple(float(length) for length in track.beam_mm[:-1]),
+        beam_mm=tuple(float(track.beam_mm[end]) for end in ends[:-1]),
         j4_range_deg=(min(j4), max(j4)),
         driving_s=driving_time_s(start, legs, bench),
     )
 
 
-def _closed(stops: Sequence[Pose]) -> tuple[Waypoint, ...]:
-    return tuple(Waypoint(one, two, None) for one, two in (*stops, stops[0]))
+def _closed(stops: Sequence[Pose]) -> tuple[tuple[Waypoint, ...], list[int]]:
+    """Return the closed way with long legs in pieces, and which of its places are the stops."""
+    way, ends = [Waypoint(*stops[0], None)], [0]
+    for start, end in pairwise((*stops, stops[0])):
+        travel = end[0] - start[0], end[1] - start[1]
+        pieces = max(1, math.ceil(max(map(abs, travel)) / _PIECE_DEG))
+        between = [
+            (start[0] + k / pieces * travel[0], start[1] + k / pieces * travel[1]) for k in range(1, pieces)
+        ]
+        way += [Waypoint(one, two, None) for one, two in (*between, end)]
+        ends.append(len(way) - 1)
+    return tuple(way), ends
 
 
 def _kept(track: Track) -> bool:
@@ -129,6 +147,7 @@ class Rounds:
         self._nests = nests
         self._failures = 0
         self._questions = 0
+        self._offset_deg = 0.0
         self.trip = trip
         self.segment = segment
         self.ready = False
@@ -153,7 +172,7 @@ class Rounds:
 
     async def drive(self, leg: Leg) -> None:
         """Drive a leg with the beam kept."""
-        await self._ctx.follow(leg)
+        await self._ctx.follow(tuple(self._aimed(target) for target in leg))
 
     async def measure(self, where: str) -> Measurement | None:
         """Measure at a stop.
@@ -193,24 +212,39 @@ class Rounds:
     async def _begun(self) -> bool:
         """Go to the first stop and zero the count on the beam there."""
         trip, optics = self.trip, self._bench.optics
-        for target in way_in(await self._ctx.joints(), trip.start, self._bench):
+        for target in way_in(await self._ctx.joints(), self._aimed(trip.start), self._bench):
             await self._ctx.move(target)
         if not (await self._ctx.beam()).beam_ok:
             half_window = half_window_deg(optics.acceptance_mm, trip.beam_mm[0])
             limits = self._bench.arm.j4_limits_deg
-            if await find_return(self._ctx, trip.start, _SCAN_HALF_RANGE_DEG, half_window, limits) is None:
+            window = await find_return(
+                self._ctx, trip.start, _SCAN_HALF_RANGE_DEG, half_window, limits, optics.signal_min
+            )
+            if window is None:
                 await self._ctx.warn(
                     f"no beam from reflector {trip.reflector.name} at θ1 = {trip.start[0]:g}°, θ2 = "
                     f"{trip.start[1]:g}° within ±{_SCAN_HALF_RANGE_DEG:g}° of J4 = {trip.start[3]:.2f}°: look what "
                     "stands in the beam"
                 )
                 return False
+            self._shift(window.centre_deg - trip.start[3])
         try:
             await self._ctx.zero(trip.beam_mm[0])
         except NoBeamError:
             return False
         beam = await self._ctx.beam()
         return beam.beam_ok and not beam.beam_lost
+
+    def _shift(self, offset_deg: float) -> None:
+        """Aim everywhere as the reflector was found: a wrong zero direction is wrong by the same angle everywhere."""
+        low, high = self._bench.arm.j4_limits_deg
+        smallest, largest = self.trip.j4_range_deg
+        self._offset_deg = (
+            offset_deg if low <= smallest + offset_deg and largest + offset_deg <= high else 0.0
+        )
+
+    def _aimed(self, target: Joints) -> Joints:
+        return (*target[:3], target[3] + self._offset_deg)
 
     async def _ask(self) -> None:
         self._questions += 1
