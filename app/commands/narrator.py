@@ -9,6 +9,7 @@ from app.commands.question_line import QuestionLine, live_text
 from app.service.questions import prompt_of
 from procedures.context import Json
 
+_ENDING = {"STOPPING", "ABORTING"}
 _STATES_WORTH_TELLING = {"STOPPING", "STOPPED", "ABORTING", "ABORTED", "SUSPENDED"}
 
 
@@ -72,7 +73,11 @@ class Narrator:
             self._live(live_text(data))
         elif event.get("state") == "HELD" and "reason" in event:
             self.tell(f"HELD: {self._go_on}")
+        elif event.get("state") == "HOLDING" and self._question.asked is not None and "reason" in event:
+            self.tell("HOLDING: the run holds as soon as the question is answered; /g goes on, /s stops")
         elif event.get("state") in _STATES_WORTH_TELLING and "reason" in event:
+            if event["state"] in _ENDING:
+                self._question.close()
             self.tell(f"{event['state']}: {event['reason']}")
 
     def _live(self, text: str) -> None:

@@ -33,7 +33,7 @@ _SMALL = {
     ),
     "theta2_deg = [0.0, 20.0, 40.0, 60.0, 80.0, 100.0, 120.0, 140.0]": "theta2_deg = [40.0, 60.0]",
 }
-_LIMIT_S = 30
+_LIMIT_S = 60
 
 
 @pytest.fixture(scope="module")
