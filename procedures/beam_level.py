@@ -7,6 +7,7 @@ import numpy as np
 from pydantic import BaseModel, ConfigDict, Field
 
 from calibration.alignment import PitchFit, fit_pitch
+from procedures.arrival import Arrival
 from procedures.beam_scan import (
     find_height,
     find_return,
@@ -204,6 +205,7 @@ class _Rounds:
         self._ctx = ctx
         self._plan = plan
         self._nests = Nests(ctx, plan.bench)
+        self._arrival = Arrival(ctx, plan.bench)
 
     async def watch(self) -> Live:
         """Return the signal, for hands that turn a screw."""
@@ -214,6 +216,8 @@ class _Rounds:
         del number
         poses = self._plan.poses
         await self._nests.place(poses[0].reflector)
+        first = poses[0]
+        await self._arrival.at((first.theta1_deg, first.theta2_deg, self._plan.bench.arm.j3_mm, first.j4_deg))
         found: list[_Found] = []
         for place, pose in enumerate(poses):
             before = (

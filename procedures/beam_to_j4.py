@@ -9,6 +9,7 @@ import numpy as np
 from pydantic import BaseModel, ConfigDict, Field
 
 from calibration.alignment import OffsetFit, fit_offset
+from procedures.arrival import Arrival
 from procedures.beam_scan import ReturnWindow, find_return, half_window_deg, signal_live
 from procedures.bench import Bench, Reflector
 from procedures.context import Context, Live, Measurement, Row
@@ -199,6 +200,7 @@ class _Rounds:
         self._ctx = ctx
         self._plan = plan
         self._nests = Nests(ctx, plan.bench)
+        self._arrival = Arrival(ctx, plan.bench)
 
     async def watch(self) -> Live:
         """Return the signal, for hands that turn a screw."""
@@ -208,6 +210,7 @@ class _Rounds:
         """Find the return window, turn J4 through it and fit."""
         plan = self._plan
         await self._nests.place(plan.pose.reflector)
+        await self._arrival.at(self._at(plan.pose.j4_deg))
         window = await self._window(expected, last)
         for attempt in range(_TRIES):
             taken = await self._turns(window, f"stage/{number}/{attempt}")
@@ -262,7 +265,9 @@ class _Rounds:
                 self._ctx.show(signal_live(measured.signal, plan.bench.optics.signal_min))
                 if not measured.beam_ok:
                     return None
-                taken.append((number, measured))
+                # Too weak a return is no distance, but it keeps the count.
+                if measured.signal >= plan.bench.optics.signal_min:
+                    taken.append((number, measured))
         return taken
 
     def _at(self, j4_deg: float) -> Joints:

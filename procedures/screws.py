@@ -249,21 +249,22 @@ class GuidedScrew:
         return screw.per_turn
 
     async def _ask_sense(self, number: int, found: Response, text: str) -> float:
-        other = replace(self._screw, per_turn=found.per_turn)
+        screw, other = self._screw, replace(self._screw, per_turn=found.per_turn)
         way = "clockwise" if other.turns(-self._rounds[-1].value) > 0.0 else "anticlockwise"
-        text = f'{text}; turn it {way}, or set {other.sense_key} = "{other.sense_word()}" in the cell file'
-        await self._ctx.warn(text)
+        setting = f'{other.sense_key} = "{other.sense_word()}"'
+        await self._ctx.warn(f"{text}; turn it {way}, or set {setting} in the cell file")
         answer = await self._ctx.ask(
             Prompt(
-                id=f"{self._screw.name}-sense/{number - 1}",
+                id=f"{screw.name}-sense/{number - 1}",
                 kind="choice",
-                text=f"Say what happened: {text}. Is the screw's sense reversed, or was it turned the wrong way?",
+                text=f"Say what happened, since {text}: is its sense reversed ({setting} would say so), or was it "
+                "turned the wrong way?",
                 choices=("reversed", "turned the wrong way"),
                 # Another wrong guess shows at the next measurement.
                 safe_answer="reversed",
             )
         )
-        return found.per_turn if answer == "reversed" else self._screw.per_turn
+        return found.per_turn if answer == "reversed" else screw.per_turn
 
     async def _turn(self, number: int) -> None:
         screw, seen = self._screw, self._rounds[-1]

@@ -5,6 +5,7 @@ from collections import Counter
 from dataclasses import dataclass
 from statistics import median
 
+from procedures.arrival import Arrival
 from procedures.beam_scan import ReturnWindow, find_return, half_window_deg, signal_live
 from procedures.context import Context, Live, Prompt, Row
 from procedures.devices import Joints
@@ -52,6 +53,7 @@ class Lookout:
         self._ctx = ctx
         self._plan = plan
         self._nests = Nests(ctx, plan.bench)
+        self._arrival = Arrival(ctx, plan.bench)
         self._visits: list[str] = []
 
     async def look(self, pose: SearchPose, said: "Announcement | None" = None) -> None:
@@ -80,6 +82,7 @@ class Lookout:
 
     async def _find(self, pose: SearchPose, number: int) -> Row:
         start, half_range = self._aim(pose)
+        await self._arrival.at(_within(start, self._plan.bench.arm.j4_limits_deg))
         if self._plan.jogging is None:
             window = await self._scan(start, pose, half_range)
             remedy = f"not found within ±{half_range:g}° of J4 = {start[3]:.2f}°"
@@ -178,8 +181,7 @@ class _Jog:
 
     async def window(self, start: Joints) -> ReturnWindow | None:
         """Ask and turn until the beam is back and centred; None when the pose is left out."""
-        low, high = self._plan.bench.arm.j4_limits_deg
-        at = (*start[:3], min(max(start[3], low), high))
+        at = _within(start, self._plan.bench.arm.j4_limits_deg)
         await self._ctx.move(at)
         complaint = ""
         for question in range(1, _MOST_QUESTIONS + 1):
@@ -246,6 +248,12 @@ class _Jog:
     async def _watch(self) -> Live:
         least = self._plan.bench.optics.signal_min
         return signal_live((await self._ctx.beam()).signal, least)
+
+
+def _within(pose: Joints, j4_limits_deg: tuple[float, float]) -> Joints:
+    """Return a pose with J4 brought inside its limits."""
+    low, high = j4_limits_deg
+    return (*pose[:3], min(max(pose[3], low), high))
 
 
 def _on_a_branch(j4_deg: float, limits_deg: tuple[float, float]) -> float:
