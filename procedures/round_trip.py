@@ -130,6 +130,15 @@ def _kept(track: Track) -> bool:
     return bool(track.leg_seen[1:].all()) and math.isclose(track.j4_rad[0], track.j4_rad[-1], abs_tol=1e-6)
 
 
+def _cause(measured: Measurement, signal_min: float) -> str:
+    """Return what a distance is worthless by; empty when it is good."""
+    if measured.beam_ok:
+        return "" if measured.signal >= signal_min else "weak signal"
+    if not measured.laser_ready:
+        return "laser not ready"
+    return "counter overspeed" if measured.overspeed else "beam lost"
+
+
 class Rounds:
     """Drives round trips and begins a new segment whenever the beam was lost.
 
@@ -186,10 +195,10 @@ class Rounds:
         try:
             measured = await settled_measurement(self._ctx, self._bench.timing, where)
         except NoBeamError:
-            await self.lose(where)
+            await self._lose(where, "beam")
             return None
-        if measured is not None and not measured.beam_ok:
-            await self.lose(where)
+        if measured is not None and (cause := _cause(measured, self._bench.optics.signal_min)):
+            await self._lose(where, cause)
             return None
         return measured
 
@@ -197,7 +206,7 @@ class Rounds:
         """Forget the losses so far: a round was complete."""
         self._failures = 0
 
-    async def lose(self, where: str) -> None:
+    async def _lose(self, where: str, cause: str) -> None:
         """Give the present segment up."""
         self.ready = False
         self._failures += 1
@@ -206,6 +215,7 @@ class Rounds:
             reflector=self.trip.reflector.name,
             where=where,
             segment=self.segment,
+            cause=cause,
             in_a_row=self._failures,
         )
 

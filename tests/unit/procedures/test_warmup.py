@@ -3,8 +3,9 @@
 import asyncio
 import math
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from itertools import pairwise
+from typing import Any
 
 import pytest
 
@@ -36,6 +37,18 @@ class WarmingContext(IdealContext):
         ideal = await super().measure(settle_time_s, dwell_time_s, readings)
         grown = ideal.displacement_mm + self.grown_mm(self.now_s)
         return replace(ideal, displacement_mm=grown, clock_s=self.now_s)
+
+
+@dataclass
+class FaultyContext(WarmingContext):
+    """The second measurement has a fault."""
+
+    fault: dict[str, Any] = field(default_factory=dict)
+
+    async def measure(self, settle_time_s: float, dwell_time_s: float, readings: int) -> Measurement:
+        """Return the distance, once with a fault."""
+        measured = await super().measure(settle_time_s, dwell_time_s, readings)
+        return replace(measured, **self.fault) if self.measurements == 2 else measured
 
 
 def growth(now_s: float) -> float:
@@ -164,6 +177,7 @@ def test_a_lost_beam_begins_the_watch_anew_and_says_so() -> None:
     ctx = run(planned(checks=1), WarmingContext(breaks_at={20}))
     lost = [data for kind, data in ctx.events if kind == "beam-lost"]
     assert [(data["reflector"], data["segment"]) for data in lost] == [(planned().trip.reflector.name, 0)]
+    assert lost[0]["cause"] == "beam lost"
     assert [text for text in ctx.warnings if "watched anew" in text]
     rows = [row for _, row in ctx.rows]
     assert [row["segment"] for row in rows[:19]] == [0] * 19
@@ -262,3 +276,18 @@ def test_one_cats_eye_is_asked_for() -> None:
     name = plan.trip.reflector.name
     ctx = run(plan, WarmingContext(answers={f"place/{name}": "yes"}))
     assert [prompt.task for prompt in ctx.prompts] == [{"do": "place-reflector", "reflector": name}]
+
+
+@pytest.mark.parametrize(
+    ("fault", "cause"),
+    [
+        ({"beam_ok": False, "overspeed": True}, "counter overspeed"),
+        ({"beam_ok": False, "laser_ready": False}, "laser not ready"),
+        ({"signal": 0.05}, "weak signal"),
+    ],
+)
+def test_what_the_count_was_lost_by_is_told(fault: dict[str, Any], cause: str) -> None:
+    ctx = FaultyContext(fault=fault)
+    run(planned(with_optics(bench(), signal_min=0.1), checks=1), ctx)
+    assert [data["cause"] for kind, data in ctx.events if kind == "beam-lost"] == [cause]
+    assert ctx.zeros == 2
