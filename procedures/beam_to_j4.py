@@ -14,7 +14,7 @@ from procedures.beam_scan import ReturnWindow, find_return, half_window_deg, sig
 from procedures.bench import Bench, Reflector
 from procedures.context import Context, Live, Measurement, Row
 from procedures.devices import Joints
-from procedures.errors import BeamLostError, PlanError, PlanLimitError
+from procedures.errors import AlignmentError, BeamLostError, PlanError, PlanLimitError
 from procedures.free_way import require_free_way
 from procedures.nests import Nests
 from procedures.screws import GuidedScrew, Screw
@@ -215,6 +215,7 @@ class _Rounds:
         for attempt in range(_TRIES):
             taken = await self._turns(window, f"stage/{number}/{attempt}")
             if taken is not None:
+                self._require_enough(taken)
                 fit = _fit(taken, window.centre_deg)
                 await self._doubt(fit)
                 return self._row(fit, window)
@@ -222,6 +223,14 @@ class _Rounds:
             f"the beam was lost {_TRIES} times while J4 turned through the middle {_WINDOW_SHARE:.0%} of the return "
             f"window of {plan.pose.reflector.name}: keep it free, and look whether acceptance_mm is right"
         )
+
+    def _require_enough(self, taken: list[tuple[int, Measurement]]) -> None:
+        wanted, least = self._plan.params, self._plan.bench.optics.signal_min
+        if 2 * len(taken) < wanted.turns * wanted.passes:
+            raise AlignmentError(
+                f"only {len(taken)} of {wanted.turns * wanted.passes} distances have settled with a signal of {least:g} or "
+                "more: clean and face the reflector, look for what shakes it, or lower signal_min in [optics]"
+            )
 
     async def _window(self, expected: float | None, last: Row | None) -> ReturnWindow:
         """Search the window: near where it has to be after the last turn, then everywhere."""

@@ -2,11 +2,13 @@
 
 import math
 from dataclasses import replace
+from itertools import pairwise
 
+import numpy as np
 import pytest
 
 from procedures.beam_to_j4 import BeamToJ4, BeamToJ4Params, BeamToJ4Plan
-from procedures.bench import Bench
+from procedures.bench import Bench, Reflector
 from procedures.errors import (
     AlignmentError,
     BeamLostError,
@@ -268,3 +270,27 @@ def test_a_doubtful_change_is_not_called_another_pitch() -> None:
     before, after = Observed(1.0, 0.2, 0.15), Observed(0.4, 0.2, 0.15)
     assert respond(SCREW, before, after, -2.0).verdict == "expected"
     assert respond(replace(SCREW, per_turn=0.1), before, after, -2.0).verdict == "unclear"
+
+
+async def test_the_first_way_keeps_clear_of_the_reflectors() -> None:
+    # From here a straight move to the pose near P2 would pass a reflector in the arm's way.
+    base = replace(
+        mounted_bench(), reflectors=(*mounted_bench().reflectors, Reflector("P4", 300.0, 420.0, 234.0))
+    )
+    context = await aligned(MountContext(pose=(95.0, 0.0, 50.0, 0.0)), base, reflector="P2")
+    stops = [(95.0, 0.0), *(move[:2] for move in context.moves)]
+    gaps = [
+        math.dist(arm_xy(a[0] + share * (b[0] - a[0]), a[1] + share * (b[1] - a[1])), (300.0, 420.0))
+        for a, b in pairwise(stops)
+        for share in np.linspace(0.0, 1.0, 50)
+    ]
+    assert min(gaps) >= 50.0
+    straight = [math.dist(arm_xy(95.0 * share, 0.0), (300.0, 420.0)) for share in np.linspace(0.0, 1.0, 50)]
+    assert min(straight) < 50.0
+
+
+async def test_returns_that_are_too_weak_are_no_distances() -> None:
+    context = MountContext(offset_mm=0.02)
+    with pytest.raises(AlignmentError, match=r"only 0 of 42 distances .* signal of 0\.8 or more"):
+        # The ideal beam returns with 0.75 everywhere.
+        await aligned(context, with_optics(mounted_bench(), signal_min=0.8))
