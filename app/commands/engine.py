@@ -65,9 +65,11 @@ def _one_request(request: AnyRequest) -> Start | Resume:
 
 
 def _tell(value: dict[str, Json]) -> None:
-    # The engine outlives whoever started it.
-    with suppress(OSError):
+    try:
         emit_json(value)
+    except OSError:
+        # The engine outlives whoever started it; what nobody reads goes nowhere.
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
 
 
 def detach(request: dict[str, Json], cell: Path, root: Path, *, as_json: bool) -> NoReturn:

@@ -22,6 +22,7 @@ Policy = Literal["continue", "hold", "stop"]
 """What becomes of a run whose client with control is lost; `[engine] on_client_lost`."""
 
 _GO_ON = "attach with --control and let it go on, or stop it"
+_HELD = frozenset({State.HOLDING, State.HELD})
 _BEFORE_MOTION = frozenset({State.IDLE, State.STARTING})
 
 
@@ -297,7 +298,7 @@ class Hub:
                 run.warn(f"{text}; the run goes on, as [engine] on_client_lost says")
             case "hold" if control.state in _BEFORE_MOTION:
                 self._hold_when_running = text
-            case "hold":
+            case "hold" if control.state not in _HELD:
                 control.hold(f"{text}; {_GO_ON}")
             case "stop":
                 control.stop(text)

@@ -63,7 +63,11 @@ class PromptDesk:
             if not self._attended():
                 return None
             self.announce(prompt)
-            await self._answered.wait()
+            try:
+                await self._answered.wait()
+            except asyncio.CancelledError:
+                self.withdraw()
+                raise
         found = self._answer
         self.withdraw()
         return found

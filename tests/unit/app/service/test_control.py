@@ -1,10 +1,14 @@
 """Who steers a run, and what becomes of it when that client is lost."""
 
+from dataclasses import replace
+
 import pytest
 
 from app.engine.states import State
+from app.errors import SafetyError
 from app.service.errors import RefusedError
 from app.service.hub import Policy
+from tests.unit.app.engine.fakes import HOME
 from tests.unit.app.service.benches import ServiceBench, close, event_of, settled
 
 
@@ -203,10 +207,27 @@ async def test_an_override_is_lowered_before_the_next_motion_and_never_raised() 
                 await client.request("override", percent=percent)
         assert (await client.request("override", percent=8.0))["until_the_next_motion"] == 20.0
         assert bench.robot.calls == []
-        await bench.gate.require((0.0, 0.0, 0.0, 0.0))
+        await bench.gate.require(HOME)
         assert bench.robot.calls == ["override 8"]
         with pytest.raises(RefusedError, match="the override is 8 %"):
             await client.request("override", percent=8.0)
+
+
+async def test_an_override_that_is_raised_elsewhere_is_lowered_again_and_read_back() -> None:
+    bench = ServiceBench()
+    told: list[float] = []
+    bench.gate.on_override = told.append
+    bench.gate.want_override(8.0)
+    for _ in range(2):
+        await bench.gate.require(HOME)
+        bench.robot.state = replace(bench.robot.state, override_percent=15.0)
+    await bench.gate.require(HOME)
+    assert bench.robot.calls == ["override 8"] * 3
+    assert told == [8.0] * 3
+    bench.gate.want_override(5.0)
+    bench.robot.overrides = [6.0]
+    with pytest.raises(SafetyError, match="asked for an override of 5 % and reads 6 %"):
+        await bench.gate.require(HOME)
 
 
 async def test_an_override_waits_for_the_devices() -> None:

@@ -42,6 +42,16 @@ async def test_only_the_open_question_is_answered_and_only_with_an_answer() -> N
         desk.answer("height", "13", "Ben")
 
 
+async def test_a_question_whose_time_is_over_is_no_longer_open() -> None:
+    desk = PromptDesk(lambda: True)
+    waiting = asyncio.create_task(desk(HEIGHT))
+    await settled(3)
+    waiting.cancel()
+    await asyncio.gather(waiting, return_exceptions=True)
+    with pytest.raises(RefusedError, match="no question is open"):
+        desk.answer("height", "1", "Ada")
+
+
 async def test_an_answer_may_come_before_the_engine_asks_for_it() -> None:
     desk = PromptDesk(lambda: True)
     desk.announce(HEIGHT)
