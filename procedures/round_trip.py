@@ -26,6 +26,9 @@ Pose = tuple[float, float]
 _FAILURES = 3
 """So many losses in a row are no accident: the operator is asked."""
 
+_PATIENCE_S = 15.0
+"""Whoever walks through the beam is gone after this."""
+
 _SCAN_HALF_RANGE_DEG = 0.5
 
 _PIECE_DEG = 20.0
@@ -178,6 +181,8 @@ class Rounds:
                 self.ready = True
             else:
                 self._failures += 1
+                if self._failures < _FAILURES:
+                    await self._ctx.pause(_PATIENCE_S)
 
     async def drive(self, leg: Leg) -> None:
         """Drive a leg with the beam kept."""

@@ -210,6 +210,8 @@ def test_a_beam_that_is_not_found_is_a_question_and_retry_goes_on() -> None:
     assert len(ctx.prompts) == 1
     assert verdict(ctx)["warm"] is True
     assert sum("look what stands in the beam" in text for text in ctx.warnings) == 3
+    # Between two looks there is time to walk out of the beam; before a question there is no need to wait.
+    assert [seconds for _, seconds in ctx.pauses] == [15.0, 15.0]
 
 
 def test_a_zero_direction_that_is_off_is_found_by_a_small_scan_and_kept() -> None:
