@@ -123,7 +123,7 @@ def _require_places(file: str, driven: Sequence[PathPoint], measured: Sequence[M
         unit = suspected_unit(commands, places)
         like = f"they seem to be in {unit}: convert them to mm" if unit else "they are not those of this path"
         raise MeasuredFileError(
-            f"{file}: the measured positions are spread {ratio:.4g} times as far as the commands: {like}"
+            f"{file}: the measured positions are spread {ratio:.3g} times as far as the commands: {like}"
         )
     off = np.hypot(*(rigid_fit(places, commands).apply(places) - commands).T)
     worst = int(np.argmax(off))
