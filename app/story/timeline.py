@@ -1,12 +1,16 @@
 """One timeline of everything that a run has stored."""
 
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import groupby
 from typing import Any
 
 from app.store.reader import RunReader, StoredEvent, StoredStep
-from app.story.words import between_s, device_text, event_text, gap_text, plain
+from app.story.observations import record_text
+from app.story.words import between_s, device_text, event_text, gap_text
+
+_PASSING = frozenset({"map-known"})
+"""Events that tell how far a quantity has got: what counts is the last one."""
 
 
 @dataclass(frozen=True)
@@ -30,6 +34,7 @@ class _Entry:
     text: str
     step: StoredStep | None = None
     rank: int = 0
+    passing: bool = False
 
     @property
     def group(self) -> str:
@@ -46,7 +51,7 @@ def timeline(reader: RunReader) -> list[Moment]:
     # Of what has one time, events stay before answers and steps; a death comes last.
     entries.sort(key=lambda entry: (entry.time_utc, entry.rank))
     moments: list[Moment] = []
-    for group, found in groupby(entries, key=lambda entry: entry.group):
+    for group, found in groupby(_calmed(entries), key=lambda entry: entry.group):
         together = list(found)
         if group:
             steps = [entry.step for entry in together if entry.step is not None]
@@ -54,6 +59,20 @@ def timeline(reader: RunReader) -> list[Moment]:
         else:
             moments += [Moment(entry.time_utc, entry.text) for entry in together]
     return moments
+
+
+def _calmed(entries: Iterable[_Entry]) -> list[_Entry]:
+    """Keep of what is told again and again while steps are done the last one, behind them."""
+    calm: list[_Entry] = []
+    waiting: list[_Entry] = []
+    for entry in entries:
+        if entry.passing:
+            waiting = [entry]
+            continue
+        if waiting and (entry.step is None or calm[-1].group != entry.group):
+            calm.append(replace(waiting.pop(), time_utc=calm[-1].time_utc))
+        calm.append(entry)
+    return calm + [replace(entry, time_utc=calm[-1].time_utc) for entry in waiting]
 
 
 def _rows_of(rows: Iterable[dict[str, Any]]) -> dict[str, list[dict[str, Any]]]:
@@ -79,7 +98,8 @@ def _event_entries(reader: RunReader) -> list[_Entry]:
                 devices = event.data.get("devices")
             case _:
                 texts = [event_text(event)]
-        entries += [_Entry(event.time_utc, text) for text in texts if text]
+        passing = event.kind in _PASSING
+        entries += [_Entry(event.time_utc, text, passing=passing) for text in texts if text]
     return entries
 
 
@@ -172,20 +192,21 @@ def _steps_told(
     records: dict[str, list[dict[str, Any]]],
 ) -> list[Moment]:
     """Return the line of steps that follow one another, and lines of what else was recorded in them."""
+    observed = [
+        Moment(step.done_utc, record_text(row)) for step in steps for row in records.get(step.step_id, ())
+    ]
+    measured = [step for step in steps if step.step_id in points]
+    if observed and not measured and all(step.step_id in records for step in steps):
+        return observed
     last = steps[-1]
     took = gap_text(between_s(steps[0].started_utc, last.done_utc))
-    measured = [step for step in steps if step.step_id in points]
     if measured:
         text = _points_told(steps, measured, points)
     elif len(steps) == 1:
         text = steps[0].title
     else:
         text = f"{group}: {len(steps)} steps, {steps[0].title} … {last.title}"
-    moments = [Moment(last.done_utc, f"{text}, in {took}")]
-    for step in steps:
-        for row in records.get(step.step_id, ()):
-            moments.append(Moment(step.done_utc, record_text(row)))
-    return moments
+    return [Moment(last.done_utc, f"{text}, in {took}"), *observed]
 
 
 def _points_told(
@@ -215,24 +236,3 @@ def _number(step_id: str) -> str:
 
 def _span(segments: Sequence[int]) -> str:
     return str(segments[0]) if len(segments) == 1 else f"{segments[0]}…{segments[-1]}"
-
-
-def record_text(row: dict[str, Any]) -> str:
-    """Return an observation beside the distances, in words."""
-    own = {key: value for key, value in row.items() if key not in {"step_id", "attempt", "seq", "kind"}}
-    match row["kind"]:
-        case "alignment":
-            after = f" after: {own['instruction']}" if own.get("instruction") else ""
-            return (
-                f"alignment, round {own.get('round')}: {own.get('quantity')} {own.get('value'):+.3g} ± "
-                f"{own.get('u', 0.0):.2g} {own.get('unit', '')}{after}"
-            )
-        case "overlap":
-            return (
-                f"{own.get('reflector')}: tied to segment {own.get('previous_segment')} at point "
-                f"{int(own.get('point', 0)) + 1}, measured again"
-            )
-        case "screw":
-            return str(own.get("text") or plain("screw", own))
-        case kind:
-            return plain(str(kind), own)

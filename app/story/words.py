@@ -11,6 +11,7 @@ Data = Mapping[str, Any]
 
 _SHORT_S = 10.0
 _LONGEST = 160
+_SHORT = 90
 
 
 def gap_text(seconds: float) -> str:
@@ -73,6 +74,15 @@ def _entry(data: Data) -> str:
     return f"{data.get('reflector')}: the arm enters at point {point}, by {targets} targets"
 
 
+def _known(data: Data) -> str:
+    text = str(data.get("text"))
+    return text if len(text) <= _SHORT else text[: _SHORT - 1] + "…"
+
+
+def _left_out(data: Data) -> str:
+    return f"{data.get('reflector')}: point {int(data.get('point', 0)) + 1} LEFT OUT: {data.get('reason')}"
+
+
 def _dropped(data: Data) -> str:
     rows = data.get("rows")
     kept = f"; {rows} row(s) were not kept" if rows else ""
@@ -120,6 +130,8 @@ _WORDS: Mapping[str, Callable[[Data], str]] = {
     ),
     "beam-lost": _beam_lost,
     "entry": _entry,
+    "point-left-out": _left_out,
+    "map-known": _known,
     "step-dropped": _dropped,
     "control": _control,
     "client-lost": _client_lost,
