@@ -9,6 +9,7 @@ from typing import Any
 
 import pytest
 
+from tests.system.blocking import still_truth
 from tests.system.command import Emulated, catseye, emulated, last_run, start
 
 SLOW = "40"
@@ -16,7 +17,9 @@ SLOW = "40"
 
 @pytest.fixture
 def bench(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Emulated]:
-    with emulated(tmp_path_factory.mktemp("stop"), "--speed", SLOW) as running:
+    folder = tmp_path_factory.mktemp("stop")
+    truth = still_truth(folder, {"P1": (650.0, -400.0), "P2": (680.0, 0.0), "P3": (640.0, 380.0)})
+    with emulated(folder, "--speed", SLOW, "--truth", str(truth)) as running:
         yield running
 
 
