@@ -12,9 +12,10 @@ import pytest
 
 from app.engine.crash_points import POINTS
 from app.store.reader import RunReader
+from app.store.seal import read_manifest
 from app.store.verify import verify
 from tests.system.command import Emulated, catseye, emulated
-from tests.system.interruptions import Process, Story, commands, differences_mm
+from tests.system.interruptions import Moment, Process, Story, commands, differences_mm
 
 KILLS = 50
 SEED = 20261121
@@ -72,6 +73,8 @@ def uninterrupted(bench: Emulated) -> tuple[Story, Process]:
 def until_complete(story: Story) -> None:
     """Go on until the run is complete."""
     for _ in range(MOST_LIVES):
+        if story.path is not None and read_manifest(story.path) is not None:
+            return
         life = story.live()
         if life.returncode == 0:
             return
@@ -121,10 +124,10 @@ def test_killed_at_random_moments_with_every_error_of_the_bench(bench: Emulated,
     reference, life = uninterrupted(bench)
     expected = identified(reference.reader, tmp_path)
     moments = random.Random(SEED)
-    worst, points = 0.0, 0
-    for _ in range(KILLS):
+    worst, points, kills = 0.0, 0, 0
+    while kills < KILLS:
         story = Story(bench)
-        story.live(kill_after_s=moments.uniform(0.0, life.lived_s))
+        kills += story.live(moment=Moment.drawn(moments, life.events)).returncode == KILLED
         until_complete(story)
         require_whole(story, reference.reader)
         points += len(story.lives[0].points)
@@ -170,7 +173,7 @@ def test_the_papers_plan_killed_in_the_middle(tmp_path: Path) -> None:
         search(whole)
         reference, life = uninterrupted(whole)
         story = Story(whole)
-        killed = story.live(kill_after_s=0.5 * life.lived_s)
+        killed = story.live(moment=Moment(life.events // 2, 0.0))
         assert killed.returncode == KILLED
         assert 100 < len(killed.points) < 1000
         until_complete(story)

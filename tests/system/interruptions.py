@@ -2,10 +2,10 @@
 
 import contextlib
 import json
+import random
 import signal
 import subprocess
 import threading
-import time
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -23,6 +23,25 @@ POINT_KEY = ("reflector", "theta1_deg", "theta2_deg", "direction1", "direction2"
 Command = tuple[object, ...]
 
 
+@dataclass(frozen=True)
+class Moment:
+    """When a process is to end: busy machines are slow, so its life is counted in what it tells.
+
+    Attributes:
+        event: so many events have been told; 0 counts from its start.
+        delay_s: real seconds after that.
+    """
+
+    event: int
+    delay_s: float
+
+    @classmethod
+    def drawn(cls, moments: random.Random, events: int) -> "Moment":
+        """Draw a moment in a life of so many events; the first ones stand for the start of the process."""
+        event = max(0, moments.randint(-events // 20, events))
+        return cls(event, moments.uniform(0.0, 0.8 if event == 0 else 0.03))
+
+
 @dataclass
 class Process:
     """One life of a run.
@@ -32,14 +51,14 @@ class Process:
         points: commands whose distances it told as stored.
         steps: steps that it told as done.
         stderr: what it said.
-        lived_s: from its start to its end, real s.
+        events: how many it told.
     """
 
     returncode: int
     points: list[Command]
     steps: list[str]
     stderr: str
-    lived_s: float
+    events: int
 
 
 @dataclass
@@ -70,8 +89,7 @@ class Story:
         self,
         *options: str,
         crash: str = "",
-        kill_after_s: float | None = None,
-        kill_on: str = "",
+        moment: "Moment | None" = None,
         number: int = signal.SIGKILL,
     ) -> Process:
         """Begin the run, or go on with it, until it ends or dies; what has been told has to be stored.
@@ -79,8 +97,7 @@ class Story:
         Args:
             options: of the command.
             crash: place at which it dies by itself.
-            kill_after_s: when it gets a signal.
-            kill_on: event at which it gets the signal.
+            moment: when it gets a signal.
             number: of that signal.
         """
         if self.path is None:
@@ -90,7 +107,7 @@ class Story:
         else:
             known = set()
             process = start("resume", str(self.path), *options, "--json", cwd=self.folder, crash=crash)
-        life = _until_its_end(process, kill_after_s, kill_on, number)
+        life = _until_its_end(process, moment, number)
         self.lives.append(life)
         if self.path is None:
             new = [run.path for run in list_runs(self.folder / "catseye-runs") if run.path not in known]
@@ -150,10 +167,7 @@ def _number(value: object) -> float:
     return value
 
 
-def _until_its_end(
-    process: "subprocess.Popen[str]", kill_after_s: float | None, kill_on: str, number: int
-) -> Process:
-    begun = time.monotonic()
+def _until_its_end(process: "subprocess.Popen[str]", moment: Moment | None, number: int) -> Process:
     with contextlib.ExitStack() as stack:
         said: list[str] = []
         assert process.stdout is not None
@@ -161,26 +175,28 @@ def _until_its_end(
         listener = threading.Thread(target=lambda stream: said.append(stream.read()), args=(process.stderr,))
         listener.start()
         stack.callback(listener.join)
-        killers = [threading.Timer(LIMIT_S, process.kill)]
-        if kill_after_s is not None:
-            killers.append(threading.Timer(kill_after_s, process.send_signal, (number,)))
-        for killer in killers:
+
+        def end_after(delay_s: float, number: int) -> None:
+            killer = threading.Timer(delay_s, process.send_signal, (number,))
             killer.start()
             stack.callback(killer.join)
             stack.callback(killer.cancel)
+
+        end_after(LIMIT_S, signal.SIGKILL)
+        if moment is not None and moment.event == 0:
+            end_after(moment.delay_s, number)
         # The last line may be cut by the kill.
         events = []
         for event in _whole(process.stdout):
             events.append(event)
-            if event["event"] == kill_on:
-                process.send_signal(number)
-                kill_on = ""
+            if moment is not None and len(events) == moment.event:
+                end_after(moment.delay_s, number)
         returncode = process.wait()
         process.stdout.close()
     process.stderr.close()
     points = [_command(event["point"]) for event in events if event["event"] == "point"]
     steps = [str(event["step"]) for event in events if event["event"] == "step-done"]
-    return Process(returncode, points, steps, "".join(said), time.monotonic() - begun)
+    return Process(returncode, points, steps, "".join(said), len(events))
 
 
 def _whole(lines: Iterable[str]) -> Iterable[dict[str, Any]]:

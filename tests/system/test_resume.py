@@ -12,7 +12,7 @@ from app.store.reader import RunReader
 from app.store.seal import read_manifest
 from app.store.verify import verify
 from tests.system.command import Emulated, catseye, emulated
-from tests.system.interruptions import Story, commands, differences_mm
+from tests.system.interruptions import Moment, Story, commands, differences_mm
 
 SEED = 20261121
 SMALL = {
@@ -40,12 +40,17 @@ def bench(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Emulated]:
 
 
 @pytest.fixture(scope="module")
-def reference(bench: Emulated) -> RunReader:
-    """Return the same measurement without an interruption."""
+def uninterrupted(bench: Emulated) -> Story:
     story = Story(bench)
     life = story.live()
     assert life.returncode == 0, life.stderr
-    return story.reader
+    return story
+
+
+@pytest.fixture(scope="module")
+def reference(uninterrupted: Story) -> RunReader:
+    """Return the same measurement without an interruption."""
+    return uninterrupted.reader
 
 
 def require_same(story: Story, reference: RunReader) -> None:
@@ -72,16 +77,16 @@ def test_a_run_killed_at_every_named_place_goes_on_to_the_same_result(
 
 
 def test_a_run_killed_at_random_moments_goes_on_to_the_same_result(
-    bench: Emulated, reference: RunReader
+    bench: Emulated, uninterrupted: Story
 ) -> None:
     moments, story = random.Random(SEED), Story(bench)
     for _ in range(4):
-        if story.live(kill_after_s=moments.uniform(0.2, 0.7)).returncode != KILLED:
-            break
-    else:
-        last = story.live()
-        assert last.returncode == 0, last.stderr
-    require_same(story, reference)
+        # A quarter of a life each, so that the last one has something left to do.
+        moment = Moment.drawn(moments, uninterrupted.lives[0].events // 4)
+        assert story.live(moment=moment).returncode == KILLED, f"seed {SEED}, {moment}"
+    last = story.live()
+    assert last.returncode == 0, last.stderr
+    require_same(story, uninterrupted.reader)
 
 
 def test_a_run_that_died_before_it_described_itself_is_no_run_and_one_that_died_sealed_is_complete(
@@ -101,7 +106,9 @@ def test_an_aborted_run_goes_on_when_its_operator_has_cleared_it(
     bench: Emulated, reference: RunReader
 ) -> None:
     story = Story(bench)
-    assert story.live(kill_on="step-done", number=signal.SIGTERM).returncode == 143
+    assert (
+        story.live(moment=Moment(reference.count("steps") // 2, 0.0), number=signal.SIGTERM).returncode == 143
+    )
     assert story.reader.status == "aborted"
     assert read_manifest(story.reader.path) is not None
     rehearsed = catseye("resume", str(story.path), "--dry-run", "--json", cwd=story.folder)
