@@ -1,6 +1,7 @@
 """runs, show, verify: the store."""
 
 import textwrap
+from datetime import datetime
 from pathlib import Path
 
 from app.commands.output import emit, emit_json, say, table
@@ -91,6 +92,11 @@ def _facts(reader: RunReader) -> dict[str, object]:
     }
 
 
+def _time_of_day(time_utc: str) -> str:
+    time = datetime.fromisoformat(time_utc)
+    return f"{time:%H:%M:%S}.{time.microsecond // 100_000}"
+
+
 def _told(reader: RunReader) -> list[str]:
     lines = [f"{reader.path.name}: {reader.status}", *(f"  {line}" for line in summary(reader)), ""]
     day = ""
@@ -101,7 +107,7 @@ def _told(reader: RunReader) -> list[str]:
         lines += textwrap.wrap(
             moment.text,
             _WIDTH,
-            initial_indent=f"  {moment.time_utc[11:21]:<10}  ",
+            initial_indent=f"  {_time_of_day(moment.time_utc)}  ",
             subsequent_indent=" " * 14,
             break_long_words=False,
             break_on_hyphens=False,

@@ -110,7 +110,7 @@ def last_signs(reader: RunReader) -> dict[int, str]:
     times += [(str(prompt["answered_utc"] or prompt["asked_utc"]), 0) for prompt in reader.prompts()]
     reopened = {event.seq: event.time_utc for event in reader.events() if event.kind == "run-reopened"}
     return {
-        seq: max((time for time, number in times if time <= at and number != seq), default=at)
+        seq: max((time for time, number in times if time <= at and number < seq), default=at)
         for seq, at in reopened.items()
     }
 

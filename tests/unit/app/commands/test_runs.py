@@ -1,0 +1,97 @@
+"""The list of runs and the story as they are printed."""
+
+import json
+from pathlib import Path
+
+import pytest
+
+from app.commands.runs import runs_command, show_command
+from app.store.mend import seal_late
+from app.store.run_store import RunStore
+from app.store.seal import read_manifest
+from app.store.verify import verify
+from procedures.context import Json
+from tests.unit.app.engine.fakes import ManualClock
+
+ENOUGH: dict[str, Json] = {
+    "configuration": {},
+    "configuration_file": "cell.toml",
+    "params": {},
+    "aim": "cell file",
+    "aimed": {},
+    "clock_speed": 1.0,
+    "plan_sha256": "",
+}
+"""Everything that going on needs, as far as a list of runs looks."""
+
+
+async def store(root: Path, status: str | None, meta: dict[str, Json]) -> Path:
+    """Store a run of one step; without a status it dies."""
+    clock = ManualClock()
+    made = await RunStore.create(root, "open-loop", meta, clock, reserve_bytes=0)
+    clock.advance(1.25)
+    await made.append_step("a/0001", 1, "a step", {}, [])
+    clock.advance(1.0)
+    await (made.abandon() if status is None else made.finish(status, 0, ""))
+    return made.path
+
+
+async def test_runs_that_can_go_on_are_told_with_the_command(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    complete = await store(tmp_path, "complete", ENOUGH)
+    dead = await store(tmp_path, None, ENOUGH)
+    aborted = await store(tmp_path, "aborted", ENOUGH)
+    old = await store(tmp_path, "stopped", {})
+    runs_command(tmp_path, as_json=False)
+    lines = {line.split()[0]: line for line in capsys.readouterr().out.splitlines()}
+    for path in (dead, aborted):
+        run_id = path.name.rpartition("_")[2]
+        assert lines[run_id].endswith(f"catseye resume {run_id}")
+    for path in (complete, old):
+        assert "resume" not in lines[path.name.rpartition("_")[2]]
+    runs_command(tmp_path, as_json=True)
+    rows = [json.loads(line) for line in capsys.readouterr().out.splitlines()]
+    assert {row["run"] for row in rows if row["resumable"]} == {dead.name, aborted.name}
+
+
+async def test_the_story_is_wrapped_and_dated(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    path = await store(tmp_path, None, ENOUGH)
+    clock = ManualClock()
+    clock.advance(60.0)
+    again = await RunStore.reopen(path, clock, reserve_bytes=0)
+    await again.event("warning", {"text": "word " * 60})
+    await again.finish("stopped", 130, "the operator stopped the run")
+    show_command(str(path), None, as_json=False)
+    lines = capsys.readouterr().out.splitlines()
+    assert lines[0] == f"{path.name}: stopped"
+    assert "  2026-01-02 (UTC)" in lines
+    assert all(len(line) <= 118 for line in lines)
+    warning = next(number for number, line in enumerate(lines) if "WARNING" in line)
+    assert lines[warning].startswith("  03:05:05.0  WARNING: word")
+    assert "  03:04:06.2  a step, in 0.0 s" in lines
+    assert lines[warning + 1].startswith(" " * 14 + "word")
+    assert "  03:04:06.2  DIED: nothing was stored after this, the run was not closed" in lines
+    assert lines[-1].endswith("ENDED stopped, exit code 130: the operator stopped the run")
+
+
+async def test_the_facts_keep_their_names(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    path = await store(tmp_path, "complete", ENOUGH)
+    show_command(str(path), None, as_json=True)
+    facts = json.loads(capsys.readouterr().out)
+    old = {"run", "status", "exit_code", "meta", "counts", "results", "events", "prompts"}
+    assert set(facts) == old | {"resumable", "story"}
+    assert facts["story"][-1]["text"] == "ENDED complete, exit code 0"
+    assert facts["resumable"] is False
+
+
+async def test_a_complete_run_whose_process_died_unsealed_is_sealed_late(tmp_path: Path) -> None:
+    made = await RunStore.create(tmp_path, "open-loop", ENOUGH, ManualClock(), reserve_bytes=0)
+    await made.append_step("a/0001", 1, "a step", {}, [])
+    await made.event("run-ended", {"status": "complete", "exit_code": 0})
+    await made.abandon()
+    assert read_manifest(made.path) is None
+    assert seal_late(made.path, "2026-01-02T03:04:05+00:00")
+    assert read_manifest(made.path) is not None
+    assert verify(made.path).ok
+    assert not seal_late(made.path, "2026-01-02T03:04:06+00:00")
