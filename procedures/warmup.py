@@ -218,7 +218,9 @@ def _record(plan: WarmupPlan, segment: int, number: int, measured: Measurement) 
 
 async def _tell(ctx: Context, plan: WarmupPlan, watch: _Watch, again: bool) -> None:
     if again:
-        await ctx.warn("the beam was lost: a new segment begins, and the drift is watched anew from here")
+        await ctx.warn(
+            "a new segment begins, since the beam or the run was interrupted: the drift is watched anew from here"
+        )
     if watch.rate is not None:
         rate = watch.rate
         ctx.show(
