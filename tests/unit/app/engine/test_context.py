@@ -18,6 +18,7 @@ from app.engine.host import run_procedure
 from app.engine.operator import Answer, Operator
 from app.errors import (
     ConfigError,
+    InterruptedRunError,
     LimitError,
     LinkFailedError,
     MeasurementRejectedError,
@@ -29,6 +30,7 @@ from app.store.reader import RunReader
 from app.store.run_store import RunStore
 from drivers.readings import CounterStatus, Joints, RobotStatus
 from procedures.context import Context, Json, Prompt, Row
+from procedures.errors import MeasuredFileError
 from tests.unit.app.engine.fakes import AWAY, HOME, LIMITS, FakeBench, FakeRobot, Script, point
 
 READY = RobotStatus(True, False, True, False, False, 20.0, 0, "")
@@ -320,6 +322,36 @@ async def test_a_count_whose_zero_failed_for_want_of_the_air_is_not_ok(tmp_path:
 async def test_a_cell_without_a_tracker_says_so(parts: Parts) -> None:
     with pytest.raises(ConfigError, match="tracker"):
         await parts.ctx.locate(0.5)
+
+
+async def test_a_pause_takes_the_time_of_the_bench(parts: Parts) -> None:
+    start_s = parts.bench.clock.monotonic_s()
+    await parts.ctx.pause(0.5)
+    assert parts.bench.clock.monotonic_s() - start_s == pytest.approx(0.5)
+
+
+async def test_a_stop_ends_a_pause(parts: Parts) -> None:
+    pausing = asyncio.create_task(parts.ctx.pause(1000.0))
+    for _ in range(10):
+        await asyncio.sleep(0)
+    assert not pausing.done()
+    parts.control.stop("stopped in the test")
+    with pytest.raises(InterruptedRunError, match="stopped in the test"):
+        await pausing
+
+
+async def test_a_measured_file_is_read_or_refused_with_its_name(parts: Parts, tmp_path: Path) -> None:
+    path = tmp_path / "tracker.csv"
+    path.write_text("x_mm,y_mm,x_meas_mm,y_meas_mm\n200,-500,1200.5,-500.25\n", encoding="utf-8")
+    (point,) = await parts.ctx.load_path(f" {path} ")
+    assert (point.line, point.x_meas_mm, point.y_meas_mm) == (2, 1200.5, -500.25)
+    path.write_text("x_mm,y_mm,x_meas_mm,y_meas_mm\n200,-500,nan,-500.25\n", encoding="utf-8")
+    with pytest.raises(MeasuredFileError, match=r"tracker\.csv:2: x_meas_mm = 'nan'"):
+        await parts.ctx.load_path(str(path))
+    with pytest.raises(MeasuredFileError, match="there is no such file"):
+        await parts.ctx.load_path("elsewhere.csv")
+    with pytest.raises(MeasuredFileError, match="type the whole path"):
+        await parts.ctx.load_path("~nobody-of-that-name/tracker.csv")
 
 
 async def test_question_and_answer_are_stored_and_published(parts: Parts) -> None:
