@@ -15,6 +15,7 @@ from app.story.summary import summary
 from app.story.timeline import timeline
 
 _WIDTH = 116
+_MARGIN = " " * 14
 
 
 def runs_command(runs: Path | None, as_json: bool) -> None:
@@ -104,12 +105,19 @@ def _told(reader: RunReader) -> list[str]:
         if moment.time_utc[:10] != day:
             day = moment.time_utc[:10]
             lines.append(f"  {day} (UTC)")
-        lines += textwrap.wrap(
-            moment.text,
-            _WIDTH,
-            initial_indent=f"  {_time_of_day(moment.time_utc)}  ",
-            subsequent_indent=" " * 14,
-            break_long_words=False,
-            break_on_hyphens=False,
-        )
+        first, *others = moment.text.splitlines()
+        lines += _wrapped(first, f"  {_time_of_day(moment.time_utc)}  ")
+        for other in others:
+            lines += _wrapped(other, _MARGIN)
     return lines
+
+
+def _wrapped(text: str, margin: str) -> list[str]:
+    return textwrap.wrap(
+        text,
+        _WIDTH,
+        initial_indent=margin,
+        subsequent_indent=_MARGIN,
+        break_long_words=False,
+        break_on_hyphens=False,
+    )

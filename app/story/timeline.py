@@ -1,6 +1,6 @@
 """One timeline of everything that a run has stored."""
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from itertools import groupby
 from typing import Any
@@ -86,7 +86,7 @@ def _event_entries(reader: RunReader) -> list[_Entry]:
     entries: list[_Entry] = []
     meta, devices = reader.meta, None
     last = last_signs(reader)
-    for event in reader.events():
+    for event in _without_echoes(reader.events()):
         match event.kind:
             case "run-opened":
                 texts = [_opened(meta)]
@@ -101,6 +101,25 @@ def _event_entries(reader: RunReader) -> list[_Entry]:
         passing = event.kind in _PASSING
         entries += [_Entry(event.time_utc, text, passing=passing) for text in texts if text]
     return entries
+
+
+def _without_echoes(events: Iterable[StoredEvent]) -> Iterator[StoredEvent]:
+    """Yield what happened; why a life ended is stored with its state, as an error and at its end, and told once."""
+    told: set[str] = set()
+    for event in events:
+        match event.kind, event.data:
+            case "run-reopened", _:
+                told.clear()
+            case "state", {"state": "STOPPING" | "ABORTING", "reason": str(reason)}:
+                told.add(reason)
+            case "error", {"text": str(text)} if text in told:
+                continue
+            case "error", {"text": str(text)}:
+                told.add(text)
+            case "run-ended", {"text": str(text)} if text in told:
+                yield replace(event, data={**event.data, "text": ""})
+                continue
+        yield event
 
 
 def last_signs(reader: RunReader) -> dict[int, str]:

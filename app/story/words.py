@@ -131,6 +131,7 @@ _WORDS: Mapping[str, Callable[[Data], str]] = {
     "beam-lost": _beam_lost,
     "entry": _entry,
     "point-left-out": _left_out,
+    "closure-left-out": lambda data: f"{data.get('reflector')}: closure visit left out: {data.get('reason')}",
     "map-known": _known,
     "step-dropped": _dropped,
     "control": _control,

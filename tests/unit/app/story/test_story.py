@@ -133,8 +133,20 @@ async def test_what_goes_wrong_is_told_with_its_cause(author: Author) -> None:
         "control taken: Bob, before: Ada",
         "attempt 1 at P1/0001 dropped: Interrupted: Ctrl-C; 2 row(s) were not kept",
         "ERROR: the operator stopped the run",
-        "ENDED stopped, exit code 130: the operator stopped the run",
+        "ENDED stopped, exit code 130",
     ]
+
+
+async def test_why_a_life_ended_is_told_once_in_each_life(author: Author) -> None:
+    for _ in range(2):
+        await author.event("state", state="ABORTING", reason="alarm 1")
+        await author.event("state", state="ABORTED", reason="the robot stands")
+        await author.event("error", text="alarm 1", type="AlarmError")
+        await author.store.finish("aborted", 5, "alarm 1")
+        await author.reopen(1.0)
+    await author.die()
+    life = ["ABORTING: alarm 1", "ABORTED: the robot stands", "ENDED aborted, exit code 5"]
+    assert [line for line in told(author)[1:] if not line.startswith("RESUMED")] == life * 2
 
 
 async def test_a_question_that_the_process_died_over_is_told(author: Author) -> None:
