@@ -1,26 +1,19 @@
 """Warm-up: the axes are exercised until the distance at a reference pose drifts no more than permitted."""
 
 import math
-from dataclasses import dataclass
 from functools import partial
 from typing import Annotated
 
-import numpy as np
 from pydantic import BaseModel, ConfigDict, Field
 
-from calibration.warming import DriftRate, drift_rate, settling
 from procedures.bench import Bench
 from procedures.context import Context, Json, Live, Measurement, Row
 from procedures.errors import NotWarmError
 from procedures.nests import Nests
-from procedures.round_trip import Rounds
+from procedures.rounds import Rounds
+from procedures.stored import integer
 from procedures.warmup_plan import Exercise, WarmupPlan, plan_warmup
-
-_COMPLETE = 0.95
-"""Visits of a full window span this share of it: the next one would lie beyond it."""
-
-_FEWEST = 6
-"""Visits that a drift comes from at least, however long they took."""
+from procedures.warmup_watch import FEWEST_VISITS, Watch
 
 _MOST_VISITS = 3
 """So many times the visits that are expected: an end for benches whose time stands still."""
@@ -88,13 +81,13 @@ class Warmup:
         """
         for text in plan.warnings:
             await ctx.warn(text)
-        watch = _Watch(plan)
+        watch = Watch(plan)
         rounds = Rounds(ctx, plan.bench, plan.trip, Nests(ctx, plan.bench))
         most = _MOST_VISITS * math.ceil(plan.duration_limit_s / plan.visit_s)
         for number in range(most):
             title = f"{plan.trip.reflector.name}: exercise, visit {number + 1}"
             row = await ctx.step(f"visit/{number:04d}", title, partial(_visit, ctx, plan, rounds, number))
-            rounds.segment = max(rounds.segment, int(_number(row["segment"])))
+            rounds.segment = max(rounds.segment, integer(row["segment"]))
             await _tell(ctx, plan, watch, watch.take(row))
             if watch.warm or watch.elapsed_s >= plan.duration_limit_s:
                 break
@@ -104,80 +97,6 @@ class Warmup:
 
     async def teardown(self, ctx: Context) -> None:
         """Leave the arm where it stands."""
-
-
-@dataclass(frozen=True)
-class _Seen:
-    time_s: float
-    displacement_mm: float
-
-
-class _Watch:
-    """The drift as the visits tell it; a new segment begins a new series."""
-
-    def __init__(self, plan: WarmupPlan) -> None:
-        self._plan = plan
-        self._segment: int | None = None
-        self._series: list[_Seen] = []
-        self._below = 0
-        self.elapsed_s = 0.0
-        self.rate: DriftRate | None = None
-
-    @property
-    def warm(self) -> bool:
-        """The drift was below the limit often enough."""
-        return self._below >= self._plan.checks
-
-    @property
-    def visits(self) -> int:
-        """Visits of the present series."""
-        return len(self._series)
-
-    def take(self, row: Row) -> bool:
-        """Take a visit in; return whether it begins a new series after another one."""
-        if not row["measured"]:
-            self.elapsed_s += self._plan.visit_s
-            return False
-        seen = _Seen(_number(row["clock_s"]), _number(row["displacement_mm"]))
-        segment = int(_number(row["segment"]))
-        again = self._segment is not None and segment != self._segment
-        if self._segment != segment:
-            self._segment, self._series, self._below = segment, [], 0
-        # Time between two processes of a run is no exercise.
-        self.elapsed_s += seen.time_s - self._series[-1].time_s if self._series else self._plan.visit_s
-        self._series.append(seen)
-        self._judge()
-        return again
-
-    def remaining_s(self) -> float:
-        """Return how long it will take: until the longest time, or less where an exponential approach is seen."""
-        longest = max(0.0, self._plan.duration_limit_s - self.elapsed_s)
-        if self.visits < 2:
-            return longest
-        time_s, length_mm = self._columns(self._series)
-        approach = settling(time_s, length_mm)
-        if approach is None:
-            return longest
-        # A slope belongs to the middle of its window.
-        end_s = approach.below_after_s(self._plan.limit_um_per_10min) + 0.5 * self._plan.window_s
-        checks_s = (self._plan.checks - self._below) * self._plan.visit_s
-        return min(longest, max(end_s - float(time_s[-1]), 0.0) + checks_s)
-
-    def _judge(self) -> None:
-        last = self._series[-1].time_s
-        recent = sum(seen.time_s >= last - self._plan.window_s for seen in self._series)
-        complete = last - self._series[0].time_s >= _COMPLETE * self._plan.window_s
-        window = self._series[-max(recent, _FEWEST) :]
-        self.rate = drift_rate(*self._columns(window)) if complete and len(window) >= _FEWEST else None
-        below = self.rate is not None and self.rate.bound_um_per_10min <= self._plan.limit_um_per_10min
-        self._below = self._below + 1 if below else 0
-
-    def _columns(self, series: list[_Seen]) -> tuple[np.ndarray, np.ndarray]:
-        start = self._series[0].time_s
-        return (
-            np.array([seen.time_s - start for seen in series]),
-            np.array([seen.displacement_mm for seen in series]),
-        )
 
 
 async def _visit(ctx: Context, plan: WarmupPlan, rounds: Rounds, number: int) -> Row:
@@ -216,7 +135,7 @@ def _record(plan: WarmupPlan, segment: int, number: int, measured: Measurement) 
     return row if measured.material_c is None else {**row, "material_c": measured.material_c}
 
 
-async def _tell(ctx: Context, plan: WarmupPlan, watch: _Watch, again: bool) -> None:
+async def _tell(ctx: Context, plan: WarmupPlan, watch: Watch, again: bool) -> None:
     if again:
         await ctx.warn(
             "a new segment begins, since the beam or the run was interrupted: the drift is watched anew from here"
@@ -241,7 +160,7 @@ async def _tell(ctx: Context, plan: WarmupPlan, watch: _Watch, again: bool) -> N
     ctx.progress(watch.elapsed_s, watch.elapsed_s + remaining_s, drift)
 
 
-async def _analyse(ctx: Context, plan: WarmupPlan, watch: _Watch) -> Row:
+async def _analyse(ctx: Context, plan: WarmupPlan, watch: Watch) -> Row:
     """Keep the verdict."""
     rate = watch.rate
     verdict: dict[str, Json] = {
@@ -257,14 +176,14 @@ async def _analyse(ctx: Context, plan: WarmupPlan, watch: _Watch) -> Row:
     return verdict
 
 
-def _not_warm(plan: WarmupPlan, watch: _Watch) -> str:
+def _not_warm(plan: WarmupPlan, watch: Watch) -> str:
     limit, minutes = plan.limit_um_per_10min, watch.elapsed_s / 60.0
     rate = watch.rate
     if rate is None:
         return (
             f"after {minutes:.0f} min the drift is not known: {watch.visits} visit(s) since the beam was zeroed "
-            f"last do not fill window_min = {plan.window_s / 60:g} with {_FEWEST} visits; look for what breaks the "
-            "beam or slows the visits down, or choose a smaller amplitude_share or a longer duration_limit_min"
+            f"last do not fill window_min = {plan.window_s / 60:g} with {FEWEST_VISITS} visits; look for what breaks "
+            "the beam or slows the visits down, or choose a smaller amplitude_share or a longer duration_limit_min"
         )
     known = f"{rate.um_per_10min:+.1f} ± {rate.u_um_per_10min:.1f} µm in 10 min, the limit is {limit:g}"
     if rate.u_um_per_10min > 0.5 * limit:
@@ -277,9 +196,3 @@ def _not_warm(plan: WarmupPlan, watch: _Watch) -> str:
             "air; or accept a larger limit_um_per_10min"
         )
     return f"the arm is not warm after {minutes:.0f} min: the drift is {known}; {remedy}"
-
-
-def _number(value: Json) -> float:
-    if isinstance(value, int | float):
-        return float(value)
-    raise TypeError(f"a stored step result holds {value!r} where a number belongs")
