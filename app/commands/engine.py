@@ -92,7 +92,7 @@ def detach(request: dict[str, Json], cell: Path, root: Path, *, as_json: bool) -
         )
         try:
             code = _follow(process, encode({"v": 1, "id": 1, **request}), lambda told: _told(told, as_json))
-        except BaseException:
+        except KeyboardInterrupt:
             process.terminate()
             raise
         if code is None:

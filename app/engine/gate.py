@@ -11,6 +11,9 @@ from procedures.devices import ControllerStatus, Joints, Robot
 # Rounding of a controller that keeps the override as a whole number or as text.
 _OVERRIDE_TOLERANCE_PERCENT = 0.01
 
+_LEAST_PERCENT = 1.0
+"""Controllers take no less."""
+
 
 @dataclass(frozen=True)
 class JointLimits:
@@ -86,7 +89,7 @@ class MotionGate:
             LimitError: it would not be lowered; nothing changes.
         """
         now = min(self._wanted_percent, self._read_percent)
-        if not 0.0 < percent < now:
+        if not _LEAST_PERCENT <= percent < now:
             raise LimitError(
                 f"the override is {now:g} % (the cell allows {self._cap_percent:g} %) and is only ever lowered from "
                 f"here, so {percent:g} % is refused; raise it at the controller, as far as the cell allows"

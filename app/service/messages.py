@@ -93,11 +93,11 @@ class Override(Request):
     """Lower the speed override before the next motion.
 
     Attributes:
-        percent: of the programmed speed.
+        percent: of the programmed speed; controllers round down to a whole one.
     """
 
     op: Literal["override"]
-    percent: float = Field(gt=0.0, le=100.0, allow_inf_nan=False)
+    percent: float = Field(ge=1.0, le=100.0, allow_inf_nan=False)
 
 
 class Start(Request):

@@ -357,6 +357,11 @@ def test_an_engine_starts_stops_and_resumes_runs_for_its_clients(bench: Emulated
             started = client.ask("start", procedure="open-loop", **chosen)
             assert started["ok"], started
             client.until(event="step-done")
+            assert "only ever lowered" in client.ask("override", percent=20)["error"]
+            assert client.ask("override", percent=10)["ok"]
+            assert client.until(event="state", kind="override")["data"] == {"percent": 10.0}
+            entries = bench.ask(op="log", device="robot")["entries"]
+            assert any(entry["text"].endswith("OVRD=10") for entry in entries)
             client.ask("stop")
             assert client.until(event="run-ended")["status"] == "stopped"
             client.until(event="idle")
