@@ -1,6 +1,7 @@
 """The clients of one engine: what they are told, who of them holds control, and what a lost one means."""
 
 import asyncio
+import os
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, field
@@ -255,6 +256,7 @@ class Hub:
         return {
             "engine": SOFTWARE,
             "protocol": VERSION,
+            "pid": os.getpid(),
             "you": member.name if member else None,
             "clients": clients,
             "control": holder,

@@ -23,6 +23,7 @@ from typing import Any
 import pytest
 
 from app.service.address import find_socket
+from app.store.reader import RunReader
 from tests.system.command import Emulated, catseye, emulated, environment, start
 
 SPEED = "40"
@@ -47,7 +48,7 @@ def bench(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Emulated]:
         yield running
         for run in (running.cell.parent / "catseye-runs").iterdir():
             # A test that failed leaves nothing that moves.
-            if (path := find_socket(run)) is not None:
+            if (path := find_socket(run)) is not None and RunReader(run).status == "running":
                 with contextlib.closing(Lines(str(path))) as client:
                     client.ask("abort")
 
@@ -313,6 +314,19 @@ def test_a_client_that_stands_still_does_not_hold_the_run_up(bench: Emulated) ->
     stalled.send_signal(signal.SIGCONT)
     # What it missed waited for it in its own connection.
     assert ended(stalled) == 0
+
+
+def test_a_killed_engine_is_told_with_the_remedy(bench: Emulated) -> None:
+    run = held(bench)
+    watching = joined(bench, run)
+    os.kill(told(watching, "snapshot")["snapshot"]["pid"], signal.SIGKILL)
+    _, said = watching.communicate(timeout=_LIMIT_S)
+    assert watching.returncode == 3
+    assert f"if it died: catseye resume {run.name}" in said
+    assert find_socket(run) is not None
+    over = catseye("attach", str(run), cwd=bench.cell.parent)
+    assert over.returncode == 2
+    assert f"its state is died: go on with it with: catseye resume {run.name}" in over.stderr
 
 
 def test_what_cannot_be_started_is_told_by_the_starter(bench: Emulated) -> None:
