@@ -15,6 +15,7 @@ from scipy import linalg
 
 from calibration.arm import arm_design
 from calibration.budget import RadialBudget, radial_effects
+from calibration.centred_sums import CentredSums
 from calibration.layout import Layout
 from calibration.points import Commands, Points
 from calibration.types import Bools, Floats
@@ -30,6 +31,9 @@ _PRIOR_SHARE = 1e-3
 _CURVATURE_SHARE = 0.1
 """The derivatives are taken anew when what they neglect may exceed this share of the white uncertainty."""
 
+_NEAR_MM = 0.05
+"""An estimate that is nearer to the origin of the derivatives changes no standard uncertainty by a thousandth."""
+
 _RANK = 1e-12
 """Eigenvalues of the scaled information below this share of the largest count as zero."""
 
@@ -40,6 +44,9 @@ _TOUCH = 1e-5
 """A parameter is touched when distances move by more than this share of what they can move by it."""
 
 _MOST_NAMED = 6
+
+_GROWTH = 512
+"""Rows that room is made for at first; it is doubled whenever it is full."""
 
 
 @dataclass(frozen=True)
@@ -78,8 +85,9 @@ class MapKnowledge:
 class LiveMap:
     """Links, maps and reflectors of an arm while it is being measured.
 
-    Measured by tests/benchmarks/test_live_map.py at 1056 points of the paper's layout with 60 radial contributors: a
-    point 0.26 ms in the median and 2.5 ms at most, what is known 3.8 ms, `identify` all over again 11.5 ms.
+    Measured by tests/benchmarks/test_live_map.py on a busy machine, at 1056 points of the paper's layout with 60 radial
+    contributors: a point 0.26 ms in the median, what is known 3.8 ms with derivatives taken anew (0.5 ms without),
+    `identify` all over again 11 to 15 ms.
     """
 
     def __init__(
@@ -118,15 +126,16 @@ class LiveMap:
         self._start[:2] = link1_mm, link2_mm
         self._start[self._layout.reflectors] = np.ravel(list(reflectors_mm.values()))
         self._origin = self._start.copy()
-        self._rows: list[_Row] = []
+        self._table = np.empty((_GROWTH, 6))
+        self._keys: list[tuple[int, int]] = []
         self._nearest_mm = math.inf
-        self._sums = _Sums.empty(self._columns)
+        self._sums = CentredSums.empty(self._columns)
         self._prior = self._prior_information()
         self._solve()
 
     def __len__(self) -> int:
         """Return the number of distances."""
-        return len(self._rows)
+        return len(self._keys)
 
     def add(
         self,
@@ -165,10 +174,10 @@ class LiveMap:
             )
         index = self._layout.reflector_names.index(reflector)
         key = (index, segment)
-        row = _Row(theta1_rad, theta2_rad, direction1, direction2, index, segment, displacement_mm)
-        stacked = self._stacked([row])[0]
+        row = np.array([theta1_rad, theta2_rad, direction1, direction2, index, displacement_mm])
+        stacked = self._stacked(row[None, :])[0]
         innovation = self._innovation(stacked, key)
-        self._rows.append(row)
+        self._keep(row, key)
         self._sums.add(stacked, key)
         self._solve()
         if self._bent():
@@ -177,9 +186,9 @@ class LiveMap:
 
     def known(self) -> MapKnowledge:
         """Return how well the distances so far determine the maps; never a number that they do not determine."""
-        if not self._rows:
+        if not self._keys:
             return MapKnowledge(None, None, "no distance has been measured yet")
-        if np.any(self._step):
+        if self._moved_mm() > _NEAR_MM:
             self._relinearise()
         layout, basis = self._layout, self._layout.gauge_basis()
         variance, loose = _variances(*self._information(), basis)
@@ -254,32 +263,40 @@ class LiveMap:
 
     def _bent(self) -> bool:
         """Return whether the estimate has left the neighbourhood in which the derivatives hold."""
+        allowed = 2.0 * self._nearest_mm * _CURVATURE_SHARE * self._white_mm
+        return self._moved_mm() ** 2 > allowed
+
+    def _moved_mm(self) -> float:
+        """Return how far the estimate lies from the origin of the derivatives; angles count at full reach."""
         step = np.abs(self._step)
         step[2 : self._layout.arm_size] *= self._reach_mm
-        allowed = 2.0 * self._nearest_mm * _CURVATURE_SHARE * self._white_mm
-        return float(step.max()) ** 2 > allowed
+        return float(step.max())
 
     def _relinearise(self) -> None:
         self._origin = self._origin + self._step
-        stacked = self._stacked(self._rows)
-        keys = [(row.reflector, row.segment) for row in self._rows]
-        self._sums = _Sums.of(stacked, keys)
+        self._sums = CentredSums.of(self._stacked(self._table[: len(self)]), self._keys)
         self._solve()
 
-    def _stacked(self, rows: "list[_Row]") -> Floats:
+    def _keep(self, row: Floats, key: tuple[int, int]) -> None:
+        if len(self) == len(self._table):
+            self._table = np.vstack([self._table, np.empty_like(self._table)])
+        self._table[len(self)] = row
+        self._keys.append(key)
+
+    def _stacked(self, table: Floats) -> Floats:
         """Return derivatives, effects of the radial error motions and residual of rows, shape (n, columns + 1)."""
-        points = _points(rows, self._layout)
+        points = _points(table, self._layout)
         layout, origin = self._layout, self._origin
         design = arm_design(layout, points.commands)
         beam = design.positions(origin) - origin[layout.reflectors].reshape(-1, 2)[points.reflector]
         length = np.hypot(beam[:, 0], beam[:, 1])
         self._nearest_mm = min(self._nearest_mm, float(length.min()))
         unit = beam / length[:, None]
-        stacked = np.zeros((len(rows), self._columns + 1))
+        stacked = np.zeros((len(table), self._columns + 1))
         local = np.einsum("ni,nij->nj", unit, design.local_jacobian(origin))
         stacked[:, : layout.arm_size] = design.spread(local)
         place = layout.reflectors.start + 2 * points.reflector
-        number = np.arange(len(rows))
+        number = np.arange(len(table))
         stacked[number, place] = -unit[:, 0]
         stacked[number, place + 1] = -unit[:, 1]
         if self._radial is not None:
@@ -297,75 +314,11 @@ class LiveMap:
         return f"Δ{name} {what}: {', '.join(nodes[:_MOST_NAMED])}{more}"
 
 
-@dataclass(frozen=True)
-class _Row:
-    theta1_rad: float
-    theta2_rad: float
-    direction1: int
-    direction2: int
-    reflector: int
-    segment: int
-    displacement_mm: float
-
-
-@dataclass
-class _Sums:
-    """Sums of products of rows that are taken from the means of their segments.
-
-    Attributes:
-        matrix: sums of products, shape (columns + 1, columns + 1).
-        counts: rows of each segment.
-        means: mean row of each segment.
-    """
-
-    matrix: Floats
-    counts: dict[tuple[int, int], int]
-    means: dict[tuple[int, int], Floats]
-
-    @classmethod
-    def empty(cls, columns: int) -> "_Sums":
-        """Return the sums of nothing."""
-        return cls(np.zeros((columns + 1, columns + 1)), {}, {})
-
-    @classmethod
-    def of(cls, stacked: Floats, keys: list[tuple[int, int]]) -> "_Sums":
-        """Return the sums of rows."""
-        names = list(dict.fromkeys(keys))
-        number = {key: i for i, key in enumerate(names)}
-        group = np.array([number[key] for key in keys])
-        order = np.argsort(group, kind="stable")
-        starts = np.flatnonzero(np.diff(group[order], prepend=-1))
-        counts = np.bincount(group)
-        means = np.add.reduceat(stacked[order], starts, axis=0) / counts[:, None]
-        from_mean = stacked - means[group]
-        return cls(
-            from_mean.T @ from_mean,
-            {key: int(counts[i]) for key, i in number.items()},
-            {key: means[i].copy() for key, i in number.items()},
-        )
-
-    def add(self, stacked: Floats, key: tuple[int, int]) -> None:
-        """Add a row; the mean of its segment moves, and so does everything taken from it (Welford)."""
-        count = self.counts.get(key, 0)
-        if count == 0:
-            self.counts[key], self.means[key] = 1, stacked.copy()
-            return
-        from_mean = stacked - self.means[key]
-        self.matrix += np.outer(from_mean * (count / (count + 1.0)), from_mean)
-        self.means[key] += from_mean / (count + 1.0)
-        self.counts[key] = count + 1
-
-
-def _points(rows: list[_Row], layout: Layout) -> Points:
-    table = np.array(
-        [
-            (r.theta1_rad, r.theta2_rad, r.direction1, r.direction2, r.reflector, r.displacement_mm)
-            for r in rows
-        ]
-    )
+def _points(table: Floats, layout: Layout) -> Points:
+    """Return rows of θ1, θ2, directions, reflector and displacement as points without dead paths."""
     whole = table[:, 2:5].astype(np.int64)
     commands = Commands(table[:, 0], table[:, 1], whole[:, 0], whole[:, 1])
-    none = np.zeros(len(rows), dtype=np.int64)
+    none = np.zeros(len(table), dtype=np.int64)
     return Points(commands, whole[:, 2], none, table[:, 5], None, layout.reflector_names, ())
 
 
