@@ -240,11 +240,12 @@ class Context(Protocol):
         """Let the arm stand still for a time, s."""
         ...
 
-    async def load_path(self, file: str) -> Sequence[MeasuredPoint]:
+    async def load_path(self, file: str, driven_mm: Sequence[tuple[float, float]]) -> Sequence[MeasuredPoint]:
         """Return what an independent instrument measured along a path, from a measured CSV.
 
         Args:
             file: its path, as an operator types it.
+            driven_mm: x and y of the commands; in a rehearsal, which has no file, they are what is measured.
 
         Raises:
             MeasuredFileError: the file cannot be read or used; the text names file, line and remedy.

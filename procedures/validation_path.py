@@ -160,10 +160,11 @@ def _point_prompt(point: PathPoint, prompt_id: str, number: int) -> Prompt:
 async def _take_file(ctx: Context, plan: PathPlan) -> Row:
     """Ask for the instrument's file until one can be used."""
     complaint = ""
+    driven_mm = [(point.x_mm, point.y_mm) for point in plan.points] * plan.passes
     for number in range(1, _MOST_FILES + 1):
         file = await ctx.ask(_file_prompt(number, complaint))
         try:
-            rows = matched_rows(file, plan.points, plan.passes, await ctx.load_path(file))
+            rows = matched_rows(file, plan.points, plan.passes, await ctx.load_path(file, driven_mm))
         except MeasuredFileError as error:
             complaint = str(error)
             await ctx.warn(complaint)

@@ -66,11 +66,6 @@ class ArmModel:
     def __init__(self, bench: Bench) -> None:
         self._bench = bench
 
-    def place_mm(self, pose: Joints) -> tuple[float, float]:
-        """Return x and y of the J4 axis."""
-        x, y = self._xy(np.array([pose]))
-        return float(x[0]), float(y[0])
-
     def hit(self, pose: Joints) -> Hit | None:
         """Return the nearest reflector that returns the beam at a pose."""
         poses = np.array([pose], dtype=np.float64)

@@ -220,12 +220,13 @@ class RunContext:
         await self.checkpoint()
         await self._control.command(self._sleep(duration_s))
 
-    async def load_path(self, file: str) -> Sequence[MeasuredPoint]:
-        """Return what an independent instrument measured along a path.
+    async def load_path(self, file: str, driven_mm: Sequence[tuple[float, float]]) -> Sequence[MeasuredPoint]:
+        """Return what an independent instrument measured along a path; the file alone says what that is.
 
         Raises:
             MeasuredFileError: the file cannot be read or used.
         """
+        del driven_mm
         await self._control.checkpoint()
         try:
             # A file may lie on a disk that takes its time.

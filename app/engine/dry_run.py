@@ -89,7 +89,6 @@ class DryRunContext:
         limits: checked at every move.
         bench: tells how long moves take and where the beam goes.
         pose: where the arm stands; set it to where it starts.
-        held: where the arm stood still for an independent instrument.
         done: results of steps that an interrupted run has done; they are not rehearsed.
         steps: the step table, filled while the procedure runs.
         prompts: the questions that were asked.
@@ -104,7 +103,6 @@ class DryRunContext:
     prompts: list[Prompt] = field(default_factory=list)
     notes: list[tuple[str, dict[str, Json]]] = field(default_factory=list)
     rows: list[tuple[Table, Row]] = field(default_factory=list)
-    held: list[Joints] = field(default_factory=list)
     done: Mapping[str, Row] = field(default_factory=dict)
     _account: _Account = field(default_factory=_Account)
     _in_step: bool = False
@@ -134,7 +132,7 @@ class DryRunContext:
         return [step for step in self.steps if step.miss_mm is not None and step.miss_mm > limit_mm]
 
     async def step(self, step_id: str, title: str, action: Callable[[], Awaitable[Row]]) -> Row:
-        """Run a step and add its line to the table."""
+        """Run a step and add its line to the table; one that is done returns its stored result."""
         if self._in_step:
             raise RuntimeError(f"step {step_id} begins inside another one; steps do not nest")
         if step_id in self.done:
@@ -262,14 +260,15 @@ class DryRunContext:
         return Location(0.0, 0.0, 0.0)
 
     async def pause(self, duration_s: float) -> None:
-        """Account for the time; an independent instrument may measure here."""
+        """Account for the time."""
         self._account.time_s += duration_s
-        self.held.append(self.pose)
 
-    async def load_path(self, file: str) -> Sequence[MeasuredPoint]:
-        """Return the places where the arm stood still, as an ideal instrument sees an ideal arm."""
+    async def load_path(self, file: str, driven_mm: Sequence[tuple[float, float]]) -> Sequence[MeasuredPoint]:
+        """Return the commands as an ideal instrument sees an ideal arm."""
         del file
-        return [self._seen(line, pose) for line, pose in enumerate(self.held, 2)]
+        return [
+            MeasuredPoint(line, None, None, place, *place, None) for line, place in enumerate(driven_mm, 2)
+        ]
 
     async def ask(self, prompt: Prompt, watch: Callable[[], Awaitable[Live]] | None = None) -> str:
         """Keep the question and return the answer that goes on: nothing moves in a rehearsal.
@@ -317,10 +316,6 @@ class DryRunContext:
         if self._way_miss_mm is not None and self._zeroed is not None:
             self._account.miss_mm = max(self._account.miss_mm or 0.0, self._way_miss_mm)
         self._way_miss_mm = None
-
-    def _seen(self, line: int, pose: Joints) -> MeasuredPoint:
-        place = self._model.place_mm(pose)
-        return MeasuredPoint(line, None, None, place, *place, None)
 
     def _now(self) -> str:
         return (_EPOCH + timedelta(seconds=self._account.time_s)).isoformat()

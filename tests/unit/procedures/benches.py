@@ -259,8 +259,9 @@ class IdealContext:
         """Stand still."""
         self.pauses.append((self.pose, duration_s))
 
-    async def load_path(self, file: str) -> Sequence[MeasuredPoint]:
+    async def load_path(self, file: str, driven_mm: Sequence[tuple[float, float]]) -> Sequence[MeasuredPoint]:
         """Return what the file holds, or refuse it."""
+        assert driven_mm
         held = self.files[file]
         if isinstance(held, str):
             raise MeasuredFileError(held)

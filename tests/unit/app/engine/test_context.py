@@ -343,15 +343,15 @@ async def test_a_stop_ends_a_pause(parts: Parts) -> None:
 async def test_a_measured_file_is_read_or_refused_with_its_name(parts: Parts, tmp_path: Path) -> None:
     path = tmp_path / "tracker.csv"
     path.write_text("x_mm,y_mm,x_meas_mm,y_meas_mm\n200,-500,1200.5,-500.25\n", encoding="utf-8")
-    (point,) = await parts.ctx.load_path(f" {path} ")
+    (point,) = await parts.ctx.load_path(f" {path} ", [])
     assert (point.line, point.x_meas_mm, point.y_meas_mm) == (2, 1200.5, -500.25)
     path.write_text("x_mm,y_mm,x_meas_mm,y_meas_mm\n200,-500,nan,-500.25\n", encoding="utf-8")
     with pytest.raises(MeasuredFileError, match=r"tracker\.csv:2: x_meas_mm = 'nan'"):
-        await parts.ctx.load_path(str(path))
+        await parts.ctx.load_path(str(path), [])
     with pytest.raises(MeasuredFileError, match="there is no such file"):
-        await parts.ctx.load_path("elsewhere.csv")
+        await parts.ctx.load_path("elsewhere.csv", [])
     with pytest.raises(MeasuredFileError, match="type the whole path"):
-        await parts.ctx.load_path("~nobody-of-that-name/tracker.csv")
+        await parts.ctx.load_path("~nobody-of-that-name/tracker.csv", [])
 
 
 async def test_question_and_answer_are_stored_and_published(parts: Parts) -> None:
