@@ -103,12 +103,11 @@ def test_a_run_that_died_before_it_described_itself_is_no_run_and_one_that_died_
 
 
 def test_an_aborted_run_goes_on_when_its_operator_has_cleared_it(
-    bench: Emulated, reference: RunReader
+    bench: Emulated, uninterrupted: Story
 ) -> None:
-    story = Story(bench)
-    assert (
-        story.live(moment=Moment(reference.count("steps") // 2, 0.0), number=signal.SIGTERM).returncode == 143
-    )
+    story, reference = Story(bench), uninterrupted.reader
+    halfway = Moment(uninterrupted.lives[0].events // 2, 0.0)
+    assert story.live(moment=halfway, number=signal.SIGTERM).returncode == 143
     assert story.reader.status == "aborted"
     assert read_manifest(story.reader.path) is not None
     rehearsed = catseye("resume", str(story.path), "--dry-run", "--json", cwd=story.folder)
