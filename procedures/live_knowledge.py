@@ -15,6 +15,9 @@ _COVERAGE = 3.0
 
 _LEAST_WHITE_MM = 1e-6
 
+_MEANINGLESS_MDEG = 1000.0
+"""A map that is known to a degree only is not known: no arm is that wrong, and derivatives do not reach that far."""
+
 
 class Knowledge:
     """Takes the points of a run in, fresh and stored ones, and tells what they are good for.
@@ -107,10 +110,12 @@ class Knowledge:
 
 
 def _mdeg(u_rad: float | None) -> float | None:
-    return None if u_rad is None else math.degrees(u_rad) * 1e3
+    u_mdeg = math.inf if u_rad is None else math.degrees(u_rad) * 1e3
+    return u_mdeg if u_mdeg < _MEANINGLESS_MDEG else None
 
 
 def _text(known: MapKnowledge, u1_mdeg: float | None, u2_mdeg: float | None) -> str:
     if u1_mdeg is None or u2_mdeg is None:
-        return f"the map is not determined yet: {known.reason}"
+        reason = known.reason or "the points so far leave it free by degrees"
+        return f"the map is not determined yet: {reason}"
     return f"Δθ1 known to {u1_mdeg:.1f} mdeg, Δθ2 {u2_mdeg:.1f} mdeg"

@@ -7,6 +7,7 @@ from typing import Any
 
 import pytest
 
+from calibration.live_map import MapKnowledge
 from procedures.context import Row
 from procedures.errors import BeamLostError
 from procedures.open_loop import OpenLoop
@@ -53,6 +54,19 @@ async def test_nothing_is_known_of_the_map_before_it_is_determined() -> None:
     numbers = [data["u_theta2_mdeg"] for data in told if data["u_theta2_mdeg"] is not None]
     assert all(math.isfinite(number) for number in numbers)
     assert numbers[-1] < 0.95 * numbers[0]
+
+
+async def test_a_map_that_is_only_formally_determined_has_no_number(monkeypatch: pytest.MonkeyPatch) -> None:
+    # Rounding of real distances may separate on paper what the points leave free by tens of degrees.
+    on_paper = MapKnowledge(math.radians(24.8), math.radians(0.9), "")
+    monkeypatch.setattr("procedures.live_knowledge.LiveMap.known", lambda _self: on_paper)
+    context = await ran(stopping_at(plan_of("P1"), 100.0))
+    assert {data["u_theta1_mdeg"] for data in known(context)} == {None}
+    assert {data["text"] for data in known(context)} == {
+        "the map is not determined yet: the points so far leave it free by degrees"
+    }
+    assert not [live for live in context.shown if live.name == "largest u(Δθ1)"]
+    assert len(points(context)) == COUNT
 
 
 async def test_innovations_of_an_ideal_arm_vanish() -> None:
