@@ -26,6 +26,7 @@ from app.identifying import (
 )
 from app.material import with_reference_links
 from app.path_comparison import compare_path
+from app.path_rows import holds_distances
 from app.report.content import (
     DeviceRecord,
     EnvironmentSummary,
@@ -145,7 +146,7 @@ def _run_parts(readers: Sequence[RunReader], cell: Cell) -> dict[str, Any]:
         "warnings": list(dict.fromkeys(warnings)),
         "events": [f"{e.time_utc[:19]} {e.kind}: {_facts(e.data)}" for e in events if e.kind in _TOLD_EVENTS],
         "devices": _devices(readers, cell),
-        "environment": _environment([point for reader in readers for point in reader.points()]),
+        "environment": _environment([row for reader in readers for row in _distances(reader)]),
         "compensation": _compensation(readers),
         "runs": [_run_record(reader) for reader in readers],
     }
@@ -170,6 +171,12 @@ def _devices(readers: Sequence[RunReader], cell: Cell) -> list[DeviceRecord]:
     return list(found.values())
 
 
+def _distances(reader: RunReader) -> list[dict[str, Any]]:
+    """Return every row with a distance and the air: points, and those of a path that the interferometer measured."""
+    path = reader.path_rows()
+    return [*reader.points(), *(path if holds_distances(path) else [])]
+
+
 def _environment(points: Sequence[Mapping[str, Any]]) -> EnvironmentSummary | None:
     if not points:
         return None
@@ -183,7 +190,7 @@ def _environment(points: Sequence[Mapping[str, Any]]) -> EnvironmentSummary | No
 
 def _compensation(readers: Sequence[RunReader]) -> list[str]:
     """Return who corrected the lengths for the air; runs of earlier versions do not say it."""
-    facts = [reader.meta.get("compensation") for reader in readers if reader.count("points")]
+    facts = [reader.meta.get("compensation") for reader in readers if _distances(reader)]
     return list(dict.fromkeys(str(fact["sentence"]) for fact in facts if isinstance(fact, dict)))
 
 
