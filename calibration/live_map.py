@@ -86,8 +86,8 @@ class LiveMap:
     """Links, maps and reflectors of an arm while it is being measured.
 
     Measured by tests/benchmarks/test_live_map.py on a busy machine, at 1056 points of the paper's layout with 60
-    radial contributors: a point 0.26 ms in the median, what is known 3.8 ms with derivatives taken anew (0.5 ms without),
-    `identify` all over again 11 to 15 ms.
+    radial contributors: a point 0.26 ms in the median, what is known 3.8 ms with derivatives taken anew (0.5 ms
+    without), `identify` all over again 11 to 15 ms.
     """
 
     def __init__(
