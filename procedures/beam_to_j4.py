@@ -226,10 +226,11 @@ class _Rounds:
 
     def _require_enough(self, taken: list[tuple[int, Measurement]]) -> None:
         wanted, least = self._plan.params, self._plan.bench.optics.signal_min
-        if 2 * len(taken) < wanted.turns * wanted.passes:
+        asked = wanted.turns * wanted.passes
+        if 2 * len(taken) < asked:
             raise AlignmentError(
-                f"only {len(taken)} of {wanted.turns * wanted.passes} distances have settled with a signal of {least:g} or "
-                "more: clean and face the reflector, look for what shakes it, or lower signal_min in [optics]"
+                f"only {len(taken)} of {asked} distances have settled with a signal of {least:g} or more: "
+                "clean and face the reflector, look for what shakes it, or lower signal_min in [optics]"
             )
 
     async def _window(self, expected: float | None, last: Row | None) -> ReturnWindow:
