@@ -162,12 +162,13 @@ class Recovery:
 
     async def _first_way(self, visit: Visit, before: Visit | None, *, back: bool) -> Way:
         follower = self._follower
-        if before is not None and follower.at is before and await follower.undisturbed():
+        stood = before is not None and follower.at is before
+        if stood and await follower.undisturbed():
             if not visit.tracked:
                 return "driven"
             if follower.counting:
                 return "tracked"
-        if before is not None and follower.at is before:
+        elif stood:
             await self.tell(Loss(MOVED_BY_HAND), visit)
         return "back" if back else "point"
 

@@ -239,6 +239,7 @@ async def test_a_point_may_be_skipped_and_is_told_of_at_the_end() -> None:
     context.answers = {f"beam/{step}": "skip" for step in steps}
     await ran(context)
     require_right(context, COUNT - 4)
+    assert set(causes(context)) == {"no-return"}
     assert [name for name, result in context.stored.items() if not result["measured"]] == list(steps)
     assert context.stored["P2/0007"]["reason"] == "no-return"
     assert context.warnings[-1].startswith(
@@ -284,11 +285,12 @@ async def test_a_zero_that_is_refused_without_a_beam_is_tried_again(refused: set
     assert context.prompts == []
 
 
-async def test_an_arm_that_was_jogged_goes_back_to_the_last_good_pose() -> None:
+@pytest.mark.parametrize("moment", range(3, 12))
+async def test_an_arm_that_was_jogged_goes_back_to_the_last_good_pose(moment: int) -> None:
     context = TroubledContext()
 
     def jog(look: int) -> None:
-        if look == 9:
+        if look == moment:
             context.pose = (-30.0, 33.0, 12.5, 10.0)
             context.lost = True
 
