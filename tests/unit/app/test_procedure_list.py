@@ -39,8 +39,8 @@ def test_texts_become_values_of_their_type() -> None:
         (["poses=4.5"], ["--param poses", "integer"]),
         (["half_range_deg=nan"], ["--param half_range_deg"]),
         (["half_range_deg=inf"], ["--param half_range_deg"]),
-        (["pose=4", "half=2"], ["--param pose: unknown; known are poses, half_range_deg", "--param half"]),
-        (["=4"], ["unknown; known are poses"]),
+        (["pose=4", "half=2"], ["--param pose: unknown; known are mode, poses, most_poses, half_range_deg", "--param half"]),
+        (["=4"], ["unknown; known are mode, poses"]),
     ],
 )
 def test_a_wrong_parameter_is_told_with_its_remedy(texts: list[str], parts: list[str]) -> None:
