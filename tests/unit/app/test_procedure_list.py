@@ -39,7 +39,10 @@ def test_texts_become_values_of_their_type() -> None:
         (["poses=4.5"], ["--param poses", "integer"]),
         (["half_range_deg=nan"], ["--param half_range_deg"]),
         (["half_range_deg=inf"], ["--param half_range_deg"]),
-        (["pose=4", "half=2"], ["--param pose: unknown; known are mode, poses, most_poses, half_range_deg", "--param half"]),
+        (
+            ["pose=4", "half=2"],
+            ["--param pose: unknown; known are mode, poses, most_poses, half_range_deg", "--param half"],
+        ),
         (["=4"], ["unknown; known are mode, poses"]),
     ],
 )
