@@ -3,14 +3,15 @@
 import json
 from collections import Counter
 from collections.abc import Sequence
-from typing import Any
+from typing import Any, Literal
 
 from app.store.reader import RunReader
 from app.store.resumable import why_not_resumable
 from app.story.timeline import last_signs
 from app.story.words import between_s, device_text, gap_text
+from procedures.context import Table
 
-_TABLES = ("steps", "points", "search", "path", "records")
+_TABLES: tuple[Table | Literal["steps"], ...] = ("steps", "points", "search", "path", "records")
 _RESULT = "solve"
 
 
@@ -26,7 +27,7 @@ def summary(reader: RunReader) -> list[str]:
         f"aim             from {meta.get('aim')}",
     ]
     lines += [f"{name:<16}{device_text(facts)}" for name, facts in (meta.get("devices") or {}).items()]
-    counts = ", ".join(f"{count} {name}" for name in _TABLES if (count := reader.count(name)))  # type: ignore[arg-type]
+    counts = ", ".join(f"{count} {name}" for name in _TABLES if (count := reader.count(name)))
     lines += [f"stored          {counts or 'nothing'}", *_interruptions(reader), *_reflectors(reader)]
     lines += [*_alignments(reader.records("alignment")), *_others(reader), *_results(reader)]
     if not why_not_resumable(reader):
