@@ -39,13 +39,17 @@ def between(nodes_deg: list[float], table: list[float], angle_deg: float) -> flo
     return table[i] + share * (table[i + 1] - table[i])
 
 
-def true_length(truth: Truth, command: tuple[float, float, int, int], reflector: int) -> float:
+def true_place(truth: Truth, command: tuple[float, float, int, int]) -> tuple[float, float]:
     one, two, s1, s2 = command
     a = math.radians(one) + between(NODES1_DEG, truth.map1[s1], one)
     b = a + math.radians(two) + between(NODES2_DEG, truth.map2[s2], two)
     x = truth.link1_mm * math.cos(a) + truth.link2_mm * math.cos(b)
     y = truth.link1_mm * math.sin(a) + truth.link2_mm * math.sin(b)
-    return math.dist((x, y), truth.reflectors[reflector])
+    return x, y
+
+
+def true_length(truth: Truth, command: tuple[float, float, int, int], reflector: int) -> float:
+    return math.dist(true_place(truth, command), truth.reflectors[reflector])
 
 
 def commands() -> list[tuple[float, float, int, int]]:

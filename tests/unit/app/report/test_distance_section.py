@@ -78,3 +78,16 @@ def test_rows_that_are_not_compared_are_not_drawn() -> None:
     drawn = [tuple(np.asarray(line.get_xdata()).tolist()) for line in lines]
     assert drawn.count((-20.0, 0.0, 20.0)) == 2
     assert drawn.count((0.0, -20.0)) == 2
+
+
+@pytest.fixture(scope="module")
+def without_u() -> str:
+    positions = sample.validation()
+    silent = replace(positions.path, u_mm=np.full(positions.path.u_mm.size, np.nan))
+    content = ReportContent("Path", "2026-01-02T03:04:05Z", "catseye", True)
+    return render_html(replace(content, validation=replace(positions, path=silent)))
+
+
+def test_an_instrument_that_states_no_uncertainty_is_told_so(without_u: str) -> None:
+    assert "an independent instrument that states no uncertainty." in without_u
+    assert "nan" not in without_u.lower()
