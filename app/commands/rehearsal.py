@@ -120,10 +120,15 @@ def _totals(planned: PlannedRun, context: DryRunContext) -> str:
     points = sum(step.measurements for step in context.steps)
     speeds, miss_mm = _peaks(context)
     missing = "" if miss_mm is None else f"; the beam misses by {miss_mm:.3f} mm at most where it is kept"
+    limits = (
+        "the joints' limits hold, max_miss_mm does not"
+        if context.excess
+        else "every limit of the cell file holds"
+    )
     return (
         f"{len(context.steps)} steps, {moves} moves, {points} distances, about {duration_text(context.total_s)} at "
         f"{_speed_limit(planned.bench.arm)}; fastest joint {speeds.joint_deg_s:.1f} deg/s, tool "
-        f"{speeds.tool_mm_s:.0f} mm/s{missing}; every limit of the cell file holds; nothing was moved"
+        f"{speeds.tool_mm_s:.0f} mm/s{missing}; {limits}; nothing was moved"
     )
 
 

@@ -95,6 +95,8 @@ async def test_a_miss_beyond_the_plans_limit_is_told(
     said = capsys.readouterr().err
     assert ("on the way of near" in said) == (told is not None)
     assert told is None or told in said
+    assert ("every limit of the cell file holds" in said) == (told is None)
+    assert ("max_miss_mm does not" in said) == (told is not None)
 
 
 async def test_a_led_arm_names_its_speed(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
