@@ -202,6 +202,9 @@ class Context(Protocol):
         """Move through joint targets and wait for standstill at the last one.
 
         The robot stands still at each target, passes it or is led through it, as its driver can.
+
+        Raises:
+            ArmMovedError: somebody moved the arm while the run was held on the way; the rest is not driven.
         """
         ...
 

@@ -25,6 +25,10 @@ class NoBeamError(ProcedureError):
     """The instrument refused since no beam returned at that moment."""
 
 
+class ArmMovedError(ProcedureError):
+    """Somebody has moved the arm while a run was held on its way; the rest of the way is not driven."""
+
+
 class WayBlockedError(ProcedureError):
     """There is no free way from where the arm stands to where it has to go."""
 

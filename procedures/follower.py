@@ -20,7 +20,7 @@ from procedures.diagnosis import (
     weak,
 )
 from procedures.entry import approach, stands_at, way_in
-from procedures.errors import NoBeamError
+from procedures.errors import ArmMovedError, NoBeamError
 from procedures.re_aim import AimCorrection, brighten
 from procedures.settled import settled_measurement
 from procedures.visits import Leg, Visit, driving_time_s, measuring_time_s
@@ -90,12 +90,14 @@ class Follower:
         """
         self.at = None
         for leg in legs[:-1]:
-            await self._drive(leg)
+            if not await self._drive(leg):
+                return Loss(MOVED_BY_HAND)
             if (loss := await self._broken()) is not None:
                 return loss
             if not await self.undisturbed():
                 return Loss(MOVED_BY_HAND)
-        await self._drive(legs[-1])
+        if not await self._drive(legs[-1]):
+            return Loss(MOVED_BY_HAND)
         self.at = goal
         return None
 
@@ -104,9 +106,8 @@ class Follower:
         self.counting, self.at = False, None
         self._aim.restart()
         for number, leg in enumerate(visit.legs):
-            if number and not await self.undisturbed():
+            if (number and not await self.undisturbed()) or not await self._drive(leg):
                 return Loss(MOVED_BY_HAND)
-            await self._drive(leg)
         self.at = visit
         return None
 
@@ -256,10 +257,16 @@ class Follower:
         self._aim.found(found.centre_deg - planned[3], half_window_deg)
         return self._aim.present_deg
 
-    async def _drive(self, leg: Leg) -> None:
+    async def _drive(self, leg: Leg) -> bool:
+        """Drive a leg; return whether nobody moved the arm meanwhile."""
         way = tuple(self._corrected(target) for target in leg)
-        await self._ctx.follow(way)
+        try:
+            await self._ctx.follow(way)
+        except ArmMovedError:
+            self.lose()
+            return False
         self._left = way[-1]
+        return True
 
     def _corrected(self, target: Joints) -> Joints:
         return self._aim.applied(target, self._bench.arm.j4_limits_deg)

@@ -3,6 +3,7 @@
 import asyncio
 from collections.abc import Awaitable, Callable, Sequence
 from dataclasses import dataclass, field, replace
+from functools import partial
 from pathlib import Path
 from typing import TypeVar
 
@@ -23,7 +24,7 @@ from app.store.run_store import RunStore
 from drivers.clock import Clock
 from procedures.context import Json, Live, Location, MeasuredPoint, Measurement, Prompt, Row, Table
 from procedures.devices import Air, BeamStatus, Joints, Tracker, WayRobot
-from procedures.errors import MeasuredFileError
+from procedures.errors import ArmMovedError, MeasuredFileError
 
 _DEFAULT_AIR = AirRule()
 
@@ -31,6 +32,9 @@ T = TypeVar("T")
 
 _WATCH_S = 0.2
 """Real seconds between two looks at a value that is shown beside a question."""
+
+_SAME_PLACE = 0.1
+"""Joints that differ by more, deg or mm, were moved by somebody else."""
 
 _MATERIAL_MAX_AGE_S = 30.0
 """Links warm up slowly."""
@@ -163,13 +167,16 @@ class RunContext:
         Raises:
             LimitError: a target is outside the limits; nothing of the way is driven.
             SafetyError: the controller may not move.
+            ArmMovedError: the arm was moved while the run was held on the way.
         """
         robot = self._devices.robot
         if len(way) > 1 and isinstance(robot, WayRobot):
             await self._moved(way, lambda: robot.follow(way))
             return
+        before: Joints | None = None
         for target in way:
-            await self.move(target)
+            await self._moved((target,), partial(robot.move_joints, target), stood=before)
+            before = target
 
     async def joints(self) -> Joints:
         """Return the reported joints."""
@@ -322,18 +329,43 @@ class RunContext:
         step.time.points = sum(table == "points" for table, _ in step.rows)
         self.step_times.append(step.time)
 
-    async def _moved(self, targets: Sequence[Joints], action: Callable[[], Awaitable[None]]) -> None:
-        """Pass the gate and move; while a condition is missing the run is suspended and the gate asked again."""
+    async def _moved(
+        self,
+        targets: Sequence[Joints],
+        action: Callable[[], Awaitable[None]],
+        stood: Joints | None = None,
+    ) -> None:
+        """Pass the gate and move; while a condition is missing the run is suspended and the gate asked again.
+
+        Args:
+            targets: the way.
+            action: moves.
+            stood: where the arm stands on its way to these targets; None where a way begins.
+        """
+        waits = self._control.waits
+
+        async def look() -> None:
+            if stood is not None and self._control.waits != waits:
+                self._require_place(await self._devices.robot.joints(), stood)
+            await self._gate.require(*targets)
+
         while True:
             try:
-                await self._control.motion(
-                    lambda: self._gate.require(*targets), lambda: self._timed(action())
-                )
+                await self._control.motion(look, lambda: self._timed(action()))
             except ConditionLostError as error:
                 await self.wait_until(str(error), self._gate.conditions_hold)
             else:
                 crash_point("after-motion")
                 return
+
+    def _require_place(self, here: Joints, stood: Joints) -> None:
+        """Refuse to drive on from where nobody planned to be."""
+        if max(abs(a - b) for a, b in zip(here, stood, strict=True)) > _SAME_PLACE:
+            raise ArmMovedError(
+                f"the arm was moved while the run was held: its joints are {_listed(here)} and were {_listed(stood)} when "
+                "it was left (J1 deg, J2 deg, J3 mm, J4 deg); the rest of its way was not "
+                "driven; go on with catseye resume, and leave the arm alone while a run is held"
+            )
 
     async def _look(self, look: Callable[[], Awaitable[T]]) -> T:
         """Look at the bench while the run waits."""
@@ -442,3 +474,7 @@ def _measured_points(file: str) -> Sequence[MeasuredPoint]:
     except RuntimeError as error:
         raise UsageError(f"{file}: {error}; type the whole path") from error
     return read_measured_csv(path)
+
+
+def _listed(joints: Joints) -> str:
+    return ", ".join(f"{value:.2f}" for value in joints)

@@ -44,6 +44,7 @@ class RunControl:
         ending: why the run ends early, raised by every further checkpoint; None while it goes on.
         reports: how each halt ended.
         moving: a motion is under way.
+        waits: how often a checkpoint has waited; somebody may have moved the arm meanwhile.
     """
 
     def __init__(
@@ -62,6 +63,7 @@ class RunControl:
         self._changed = asyncio.Event()
         self._motion_permitted = False
         self.moving = False
+        self.waits = 0
 
     def attach(self, robot: Robot) -> None:
         """From now on a stop reaches this robot."""
@@ -132,6 +134,7 @@ class RunControl:
         while self.state in _WAITING:
             if self.state == State.HOLDING:
                 self._apply(Event.HELD, "at a checkpoint")
+            self.waits += 1
             self._changed.clear()
             await self._changed.wait()
             self.raise_ending()

@@ -8,9 +8,9 @@ from typing import Any
 
 import pytest
 
+from procedures.beam_geometry import look_around_deg
 from procedures.context import Prompt, Row
 from procedures.devices import Joints
-from procedures.beam_geometry import look_around_deg
 from procedures.diagnosis import hidden
 from procedures.errors import BeamLostError
 from procedures.open_loop import OpenLoop
@@ -300,6 +300,17 @@ async def test_an_arm_that_was_jogged_goes_back_to_the_last_good_pose(moment: in
     assert causes(context) == ["moved-by-hand"]
     assert len(overlaps(context)) == 1
     assert "leave it alone" in context.warnings[0]
+
+
+async def test_an_arm_that_was_moved_in_the_middle_of_a_leg_does_not_drive_on() -> None:
+    plan = small_plan()
+    place = next(i for i, v in enumerate(plan.reflectors[0].visits) if v.tracked and len(v.legs[0]) > 1)
+    move = 1 + sum(len(visit.moves) for visit in plan.reflectors[0].visits[:place])
+    context = await ran(TroubledContext(moved_on_way={move}), plan)
+    require_right(context)
+    assert causes(context) == ["moved-by-hand"]
+    # The way back begins with a take-up at the last good pose.
+    assert context.moves[move + 1] == plan.reflectors[0].visits[place - 1].node
 
 
 async def test_ways_that_are_not_subdivided_are_told_once_and_zeroed_where_the_arm_stands() -> None:

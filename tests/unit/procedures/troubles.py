@@ -6,7 +6,7 @@ from dataclasses import dataclass, field, replace
 
 from procedures.context import Measurement
 from procedures.devices import Joints
-from procedures.errors import NoBeamError
+from procedures.errors import ArmMovedError, NoBeamError
 from tests.unit.procedures.benches import BeamState, IdealContext, arm_xy
 
 
@@ -21,6 +21,7 @@ class TroubledContext(IdealContext):
         laser_off_at: numbers of measurements during which the laser is not ready.
         before_measuring: called with the number of each measurement before it is taken.
         before_joints: called with the number of each look at the joints.
+        moved_on_way: numbers of moves during which the run is held and somebody moves the arm.
         grown_mm: what the beam has grown by.
         gaussian: the signal falls with the miss, as exp(-2 (miss / acceptance)²).
     """
@@ -31,6 +32,7 @@ class TroubledContext(IdealContext):
     laser_off_at: set[int] = field(default_factory=set)
     before_measuring: Callable[[int], None] = lambda _number: None
     before_joints: Callable[[int], None] = lambda _number: None
+    moved_on_way: set[int] = field(default_factory=set)
     grown_mm: float = 0.0
     gaussian: bool = False
     overspeed: bool = False
@@ -49,6 +51,10 @@ class TroubledContext(IdealContext):
             self.lost = True
         if len(self.moves) in self.fast_on_move:
             self.overspeed = True
+        if len(self.moves) in self.moved_on_way:
+            self.pose = (-30.0, 33.0, 12.5, 10.0)
+            self.lost = True
+            raise ArmMovedError("moved by hand")
 
     async def zero(self, dead_path_mm: float) -> None:
         """Zero, unless the beam is away just now."""
