@@ -362,8 +362,8 @@ class RunContext:
         """Refuse to drive on from where nobody planned to be."""
         if max(abs(a - b) for a, b in zip(here, stood, strict=True)) > _SAME_PLACE:
             raise ArmMovedError(
-                f"the arm was moved while the run was held: its joints are {_listed(here)} and were {_listed(stood)} when "
-                "it was left (J1 deg, J2 deg, J3 mm, J4 deg); the rest of its way was not "
+                f"the arm was moved while the run was held: its joints are {_listed(here)} and were {_listed(stood)} "
+                "when it was left (J1 deg, J2 deg, J3 mm, J4 deg); the rest of its way was not "
                 "driven; go on with catseye resume, and leave the arm alone while a run is held"
             )
 
