@@ -35,6 +35,7 @@ _SMALL = {
     "theta2_deg = [0.0, 20.0, 40.0, 60.0, 80.0, 100.0, 120.0, 140.0]": "theta2_deg = [40.0, 60.0]",
 }
 _LIMIT_S = 60
+_clients: list[subprocess.Popen[str]] = []
 
 
 @pytest.fixture(scope="module")
@@ -46,11 +47,14 @@ def bench(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Emulated]:
     ):
         patch.setenv("XDG_RUNTIME_DIR", runtime)
         yield running
+        for client in _clients:
+            client.kill()
+            client.communicate()
         for run in (running.cell.parent / "catseye-runs").iterdir():
             # A test that failed leaves nothing that moves.
             if (path := find_socket(run)) is not None and RunReader(run).status == "running":
-                with contextlib.closing(Lines(str(path))) as client:
-                    client.ask("abort")
+                with contextlib.closing(Lines(str(path))) as left:
+                    left.ask("abort")
 
 
 def detached(bench: Emulated, *options: str) -> Path:
@@ -116,7 +120,7 @@ def held(bench: Emulated, *options: str) -> Path:
 
 def joined(bench: Emulated, run: Path, *options: str) -> subprocess.Popen[str]:
     """Attach a program."""
-    return subprocess.Popen(
+    client = subprocess.Popen(
         [sys.executable, "-m", "app", "attach", str(run), "--json", *options],
         cwd=bench.cell.parent,
         env=environment(),
@@ -125,6 +129,8 @@ def joined(bench: Emulated, run: Path, *options: str) -> subprocess.Popen[str]:
         stderr=subprocess.PIPE,
         text=True,
     )
+    _clients.append(client)
+    return client
 
 
 def told(client: subprocess.Popen[str], event: str, **fields: object) -> dict[str, Any]:
@@ -184,14 +190,19 @@ def story(bench: Emulated, run: Path) -> dict[str, Any]:
 
 
 def test_a_killed_client_leaves_the_arm_held_and_another_goes_on(bench: Emulated) -> None:
+    """A client that stands still holds up neither."""
     run = held(bench)
     path = find_socket(run)
     assert path is not None
     assert stat.S_IMODE(path.stat().st_mode) == 0o600
     assert stat.S_IMODE(path.parent.stat().st_mode) == 0o700
-    steering, watching = joined(bench, run, "--control"), joined(bench, run)
-    told(watching, "snapshot")
-    told(steering, "snapshot")
+    steering, watching, stalled = joined(bench, run, "--control"), joined(bench, run), joined(bench, run)
+    for client in (steering, watching, stalled):
+        told(client, "snapshot")
+    stalled.send_signal(signal.SIGSTOP)
+    # An answer is no event; it names the request as the program did.
+    ask(steering, id="mine", op="override", percent=100)
+    assert "only ever lowered" in told(steering, "snapshot", re="mine")["error"]
     ask(steering, op="unhold")
     told(steering, "step-done")
     while_the_arm_moves(bench)
@@ -207,6 +218,9 @@ def test_a_killed_client_leaves_the_arm_held_and_another_goes_on(bench: Emulated
         assert terminal.process.wait(_LIMIT_S) == 0
     assert told(watching, "run-ended")["status"] == "complete"
     assert ended(watching) == 0
+    stalled.send_signal(signal.SIGCONT)
+    # What it missed waited for it in its own connection.
+    assert ended(stalled) == 0
     found = story(bench, run)
     assert found["status"] == "complete"
     kinds = [event["kind"] for event in found["events"]]
@@ -298,24 +312,6 @@ def test_a_closed_terminal_leaves_the_arm_held_and_a_stop_ends_it(bench: Emulate
     assert "is over, its state is stopped: go on with it with: catseye resume" in over.stderr
 
 
-def test_a_client_that_stands_still_does_not_hold_the_run_up(bench: Emulated) -> None:
-    run = held(bench)
-    stalled, watching = joined(bench, run), joined(bench, run, "--control")
-    told(stalled, "snapshot")
-    told(watching, "snapshot")
-    stalled.send_signal(signal.SIGSTOP)
-    ask(watching, id="mine", op="override", percent=100)
-    # An answer is no event; it names the request as the program did.
-    refused = told(watching, "snapshot", re="mine")
-    assert "only ever lowered" in refused["error"]
-    ask(watching, op="unhold")
-    assert told(watching, "run-ended")["status"] == "complete"
-    assert ended(watching) == 0
-    stalled.send_signal(signal.SIGCONT)
-    # What it missed waited for it in its own connection.
-    assert ended(stalled) == 0
-
-
 def test_a_killed_engine_is_told_with_the_remedy(bench: Emulated) -> None:
     run = held(bench)
     watching = joined(bench, run)
@@ -370,12 +366,16 @@ def test_an_engine_starts_stops_and_resumes_runs_for_its_clients(bench: Emulated
             chosen = {"params": {"reflectors": ["P1"]}, "search": "none", "speed": float(SPEED)}
             started = client.ask("start", procedure="open-loop", **chosen)
             assert started["ok"], started
-            client.until(event="step-done")
+            client.until(state="EXECUTE")
+            assert client.ask("hold")["ok"]
+            client.until(state="HELD")
             assert "only ever lowered" in client.ask("override", percent=20)["error"]
             assert client.ask("override", percent=10)["ok"]
+            assert client.ask("unhold")["ok"]
             assert client.until(event="state", kind="override")["data"] == {"percent": 10.0}
             entries = bench.ask(op="log", device="robot")["entries"]
             assert any(entry["text"].endswith("OVRD=10") for entry in entries)
+            client.until(event="step-done")
             client.ask("stop")
             assert client.until(event="run-ended")["status"] == "stopped"
             client.until(event="idle")
