@@ -15,9 +15,9 @@ _AGREEMENT = 0.25
 class AimCorrection:
     """Offset of J4 from the plan's aim, for one reflector.
 
-    An offset that a scan has found serves as long as the beam is kept, since going back to the plan's aim would break
-    it again, and for the next start, which is near. A later start elsewhere begins with an offset only if two scans in
-    a row found the same: one alone may hold at its own pose only.
+    An offset that a scan has found serves as long as the beam is kept, since going back to the plan's aim would
+    break it again, and for the next start, which is near. A later start elsewhere begins with an offset only if two
+    scans in a row found the same: one alone may hold at its own pose only.
 
     Attributes:
         present_deg: offset of all targets now.
