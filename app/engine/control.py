@@ -157,7 +157,7 @@ class RunControl:
         while not await back():
             self.raise_ending()
             await self._clock.sleep(poll_s)
-            if self.state == State.HELD:
+            if self.state in {State.HOLDING, State.HELD}:
                 await self.checkpoint()
             self.raise_ending()
             if self.state == State.EXECUTE:

@@ -103,8 +103,9 @@ _TABLE: dict[tuple[State, Event], tuple[State, tuple[Effect, ...]]] = {
     (State.UNHOLDING, Event.HOLD): (State.HELD, _TELL),
     (State.EXECUTE, Event.SUSPEND): (State.SUSPENDED, _FORBID),
     (State.SUSPENDED, Event.CONDITION_BACK): (State.EXECUTE, _PERMIT),
-    # The operator's hold outlasts the condition: only the operator ends it.
-    (State.SUSPENDED, Event.HOLD): (State.HELD, _TELL),
+    # The operator's hold outlasts the condition: only the operator ends it. It takes effect at a checkpoint, since a
+    # move may have been under way when the run was suspended.
+    (State.SUSPENDED, Event.HOLD): (State.HOLDING, _TELL),
     (State.EXECUTE, Event.DONE): (State.COMPLETE, _FORBID),
     # The procedure may end before it meets another checkpoint.
     (State.HOLDING, Event.DONE): (State.COMPLETE, _TELL),

@@ -113,7 +113,11 @@ async def test_air_that_comes_back_does_not_end_the_operators_hold(around: Surro
     assert await around.look() == State.SUSPENDED
     around.control.hold("operator")
     around.air.temperature_c = 20.0
-    assert await around.look() == State.HELD
+    assert await around.look() == State.HOLDING
+    with pytest.raises(TimeoutError):
+        async with asyncio.timeout(0.01):
+            await around.control.checkpoint()
+    assert around.control.state == State.HELD
 
 
 async def test_the_watchman_ends_only_what_he_began(around: Surroundings) -> None:
