@@ -15,7 +15,7 @@ from app.store.rows import encode
 from procedures.bench import Bench
 from procedures.context import Json, Live, Location, MeasuredPoint, Measurement, Prompt, Row, Table
 from procedures.devices import Joints
-from procedures.motion_time import way_time_s
+from procedures.motion.motion_time import way_time_s
 
 _EPOCH = datetime(1970, 1, 1, tzinfo=UTC)
 

@@ -7,14 +7,14 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from procedures.approach import (
+from procedures.errors import PlanLimitError
+from procedures.motion.approach import (
     Command,
     Waypoint,
     bidirectional_sequence,
     require_joint_limits,
     with_take_up,
 )
-from procedures.errors import PlanLimitError
 from tests.unit.procedures.benches import NODES1_DEG, NODES2_DEG, bench
 
 TAKE_UP_DEG = 1.0

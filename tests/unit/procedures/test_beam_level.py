@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from procedures.beam_level import BeamLevel, BeamLevelParams, BeamLevelPlan
+from procedures.alignment.beam_level import BeamLevel, BeamLevelParams, BeamLevelPlan
 from procedures.bench import Bench
 from procedures.errors import AlignmentError, BeamLostError, PlanError
 from tests.unit.procedures.benches import NODES1_DEG, NODES2_DEG, PLACES, arm_xy, bench

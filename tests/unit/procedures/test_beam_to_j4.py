@@ -7,7 +7,8 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from procedures.beam_to_j4 import BeamToJ4, BeamToJ4Params, BeamToJ4Plan
+from procedures.alignment.beam_to_j4 import BeamToJ4, BeamToJ4Params, BeamToJ4Plan
+from procedures.alignment.screws import Observed, Screw, respond
 from procedures.bench import Bench, Reflector
 from procedures.errors import (
     AlignmentError,
@@ -16,7 +17,6 @@ from procedures.errors import (
     PlanLimitError,
     ReflectorNotFoundError,
 )
-from procedures.screws import Observed, Screw, respond
 from tests.unit.procedures.benches import PLACES, arm_xy, bench, with_optics
 from tests.unit.procedures.mounts import MountContext, mounted_bench
 

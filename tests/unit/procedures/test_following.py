@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 
 from procedures.bench import Bench, Following
-from procedures.motion_time import way_time_s
-from procedures.open_loop_plan import plan_open_loop
-from procedures.visits import Visit
+from procedures.motion.motion_time import way_time_s
+from procedures.motion.visits import Visit
+from procedures.open_loop.open_loop_plan import plan_open_loop
 from tests.unit.procedures.benches import PLACES, bench, miss_along
 
 

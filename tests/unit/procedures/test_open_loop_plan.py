@@ -12,8 +12,8 @@ import pytest
 from procedures.bench import Bench, Reflector
 from procedures.devices import Joints
 from procedures.errors import PlanError, PlanLimitError
-from procedures.open_loop import OpenLoop, OpenLoopParams
-from procedures.open_loop_plan import OpenLoopPlan, ReflectorPlan, plan_open_loop
+from procedures.open_loop.open_loop import OpenLoop, OpenLoopParams
+from procedures.open_loop.open_loop_plan import OpenLoopPlan, ReflectorPlan, plan_open_loop
 from tests.unit.procedures.benches import (
     PLACES,
     arm_xy,

@@ -14,8 +14,8 @@ from procedures.bench import Bench
 from procedures.context import Measurement, Prompt
 from procedures.devices import Joints
 from procedures.errors import BeamLostError, PlanError, ReflectorNotFoundError
-from procedures.repeatability import Repeatability, RepeatabilityParams
-from procedures.repeatability_plan import RepeatabilityPlan
+from procedures.repeats.repeatability import Repeatability, RepeatabilityParams
+from procedures.repeats.repeatability_plan import RepeatabilityPlan
 from tests.unit.procedures.benches import PLACES, IdealContext, arm_xy, bench, miss_along, with_optics
 
 POSES = [[-40.0, 60.0], [20.0, 100.0]]

@@ -9,7 +9,7 @@ import pytest
 from procedures.bench import Bench
 from procedures.context import Live, Prompt
 from procedures.errors import ReflectorNotFoundError
-from procedures.search import ReflectorSearch, SearchParams
+from procedures.search.reflector_search import ReflectorSearch, SearchParams
 from tests.unit.procedures.benches import IdealContext, arm_xy, bench, with_optics
 
 TRUE_PLACES = {"P1": (657.0, -409.0), "P2": (669.0, 12.0), "P3": (646.0, 391.0)}

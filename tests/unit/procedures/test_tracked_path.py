@@ -8,8 +8,8 @@ import pytest
 
 from procedures.context import Row
 from procedures.errors import BeamLostError, PlanError, PlanLimitError
-from procedures.path_plan import PathPlan, plan_path
-from procedures.validation_path import ValidationPath
+from procedures.path.path_plan import PathPlan, plan_path
+from procedures.path.validation_path import ValidationPath
 from tests.unit.procedures.benches import (
     PLACES,
     IdealContext,

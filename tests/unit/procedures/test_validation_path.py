@@ -13,9 +13,9 @@ from calibration.errors import OutOfReachError
 from procedures.bench import Bench
 from procedures.context import MeasuredPoint, Prompt
 from procedures.errors import MeasuredFileError, PlanError, PlanLimitError
-from procedures.motion_time import move_time_s
-from procedures.path_plan import PathPlan, plan_path, states_of_approach
-from procedures.validation_path import PathParams, ValidationPath
+from procedures.motion.motion_time import move_time_s
+from procedures.path.path_plan import PathPlan, plan_path, states_of_approach
+from procedures.path.validation_path import PathParams, ValidationPath
 from tests.unit.procedures.benches import IdealContext, arm_xy, bench
 
 

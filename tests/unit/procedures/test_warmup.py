@@ -13,8 +13,8 @@ from procedures.bench import Bench
 from procedures.context import Measurement
 from procedures.devices import Joints
 from procedures.errors import BeamLostError, NotWarmError, PlanError
-from procedures.warmup import Warmup, WarmupParams
-from procedures.warmup_plan import WarmupPlan
+from procedures.warming.warmup import Warmup, WarmupParams
+from procedures.warming.warmup_plan import WarmupPlan
 from tests.unit.procedures.benches import PLACES, IdealContext, bench, miss_along, with_optics
 
 TAU_S = 1500.0

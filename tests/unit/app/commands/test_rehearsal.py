@@ -15,7 +15,7 @@ from app.procedure_list import load_procedure
 from app.running import PlannedRun
 from procedures.bench import Bench
 from procedures.context import Prompt, Row
-from procedures.open_loop import OpenLoopParams
+from procedures.open_loop.open_loop import OpenLoopParams
 from tests.unit.procedures.benches import bench
 
 LIMITS = JointLimits((-170.0, 170.0), (-145.0, 145.0), (-360.0, 360.0))

@@ -1,0 +1,1 @@
+"""The beam while measuring: finding it, settling, losing it and going on."""

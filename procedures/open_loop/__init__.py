@@ -1,0 +1,1 @@
+"""The automated open-loop tracking measurement."""

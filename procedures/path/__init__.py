@@ -1,0 +1,1 @@
+"""The bidirectional validation path, by tracker, interferometer or a file."""

@@ -1,0 +1,1 @@
+"""Repeatability at chosen poses."""

@@ -1,0 +1,1 @@
+"""Reflector search: where the reflectors stand, and the beam's zero direction."""

@@ -1,0 +1,1 @@
+"""Warm-up: exercise until the drift at a reference pose is small."""
