@@ -30,16 +30,17 @@ def test_demo_does_the_whole_job_within_a_minute(tmp_path: Path) -> None:
     assert elapsed_s < 60.0
 
 
-def emulators() -> set[str]:
+def emulators(folder: Path) -> set[str]:
+    """Return the emulators that serve a bench below a folder."""
     listed = subprocess.run(["ps", "-eo", "pid,args"], capture_output=True, text=True, check=True).stdout
-    return {line.split()[0] for line in listed.splitlines() if "-m app emulate" in line}
+    mine = f"-m app emulate {folder}"
+    return {line.split()[0] for line in listed.splitlines() if mine in line}
 
 
 @pytest.mark.parametrize(("number", "code"), [(signal.SIGTERM, 143), (signal.SIGINT, 130)])
 def test_a_demo_ended_between_two_runs_says_so_and_leaves_no_emulator(
     tmp_path: Path, number: int, code: int
 ) -> None:
-    before = emulators()
     process = start("demo", "--out", tmp_path / "demo", cwd=tmp_path)
     assert process.stderr is not None
     for line in process.stderr:
@@ -55,19 +56,19 @@ def test_a_demo_ended_between_two_runs_says_so_and_leaves_no_emulator(
     _, stderr = process.communicate(timeout=60)
     assert process.returncode == code, stderr
     assert "Traceback" not in stderr
-    assert emulators() <= before
+    assert not emulators(tmp_path)
 
 
 def test_an_emulator_ends_with_the_demo_that_was_killed(tmp_path: Path) -> None:
-    before = emulators()
     process = start("demo", "--out", tmp_path / "demo", cwd=tmp_path)
     assert process.stderr is not None
     for line in process.stderr:
         if line.startswith("reflector-search"):
             break
+    assert emulators(tmp_path)
     process.kill()
     process.communicate(timeout=30)
     deadline_s = time.monotonic() + 10
-    while emulators() - before and time.monotonic() < deadline_s:
+    while emulators(tmp_path) and time.monotonic() < deadline_s:
         time.sleep(0.1)
-    assert emulators() <= before
+    assert not emulators(tmp_path)
