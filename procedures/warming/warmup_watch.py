@@ -15,6 +15,9 @@ _COMPLETE = 0.95
 FEWEST_VISITS = 6
 """Visits that a drift comes from at least, however long they took."""
 
+_PAUSE = 3.0
+"""A visit that comes this many times later than visits do ends a rest, in which the arm cooled."""
+
 
 @dataclass(frozen=True)
 class _Seen:
@@ -50,10 +53,11 @@ class Watch:
             return False
         seen = _Seen(number_of(row, "clock_s"), number_of(row, "displacement_mm"))
         segment = integer(row["segment"])
-        again = self._segment is not None and segment != self._segment
-        if self._segment != segment:
+        begins = self._segment != segment or self._rested(seen)
+        again = self._segment is not None and begins
+        if begins:
             self._segment, self._series, self._below = segment, [], 0
-        # Time between two processes of a run is no exercise.
+        # Time between two processes of a run, or of a hold, is no exercise.
         self.elapsed_s += seen.time_s - self._series[-1].time_s if self._series else self._plan.visit_s
         self._series.append(seen)
         self._judge()
@@ -72,6 +76,14 @@ class Watch:
         end_s = approach.below_after_s(self._plan.limit_um_per_10min) + 0.5 * self._plan.window_s
         checks_s = (self._plan.checks - self._below) * self._plan.visit_s
         return min(longest, max(end_s - float(time_s[-1]), 0.0) + checks_s)
+
+    def _rested(self, seen: _Seen) -> bool:
+        """Return whether the arm stood still for long before a visit: a hold, an open door, a question."""
+        if len(self._series) < 2:
+            return False
+        first, last = self._series[0], self._series[-1]
+        usual_s = max(self._plan.visit_s, (last.time_s - first.time_s) / (len(self._series) - 1))
+        return seen.time_s - last.time_s > _PAUSE * usual_s
 
     def _judge(self) -> None:
         last = self._series[-1].time_s

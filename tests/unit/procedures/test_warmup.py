@@ -239,6 +239,39 @@ def test_an_offset_that_a_limit_forbids_is_not_kept() -> None:
         run(plan, ctx)
 
 
+@dataclass
+class HeldContext(WarmingContext):
+    """A hold of an hour before one of the visits; the arm has shrunk by 20 µm meanwhile."""
+
+    held_before: int = 32
+
+    async def measure(self, settle_time_s: float, dwell_time_s: float, readings: int) -> Measurement:
+        """Return the distance, shorter after the hold."""
+        if self.measurements + 1 == self.held_before:
+            self.now_s += 3600.0
+        measured = await super().measure(settle_time_s, dwell_time_s, readings)
+        cooled_mm = 0.020 if self.measurements >= self.held_before else 0.0
+        return replace(measured, displacement_mm=measured.displacement_mm - cooled_mm)
+
+
+def test_an_arm_that_cooled_during_a_hold_is_not_warm_by_what_was_seen_before() -> None:
+    # Two of three checks have passed; 20 µm over an hour would be no drift to speak of.
+    ctx = run(planned(checks=3), HeldContext())
+    assert ctx.zeros == 1
+    assert [text for text in ctx.warnings if "watched anew" in text]
+    # A full window has to pass after the hold, and three visits below the limit.
+    assert ctx.measurements >= 31 + 30
+    # The hold is no exercise: one visit a minute.
+    assert verdict(ctx)["elapsed_min"] == pytest.approx(ctx.measurements, abs=1.0)
+
+
+def test_slow_visits_are_no_hold() -> None:
+    # A controller at a tenth of its speed: each visit takes ten times as long as planned.
+    ctx = run(planned(checks=1, duration_limit_min=240.0), WarmingContext(step_s=600.0))
+    assert not ctx.warnings
+    assert verdict(ctx)["warm"] is True
+
+
 def test_an_interrupted_run_goes_on_with_a_series_of_its_own() -> None:
     plan = planned(checks=1)
     first = WarmingContext(ends_after=10)
