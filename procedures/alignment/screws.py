@@ -297,6 +297,7 @@ class GuidedScrew:
                 kind="confirm",
                 text=f"{told[0].upper()}{told[1:]}, then confirm.",
                 task={"do": "turn-screw", "screw": screw.name, "turns": turns},
+                motion=True,
             ),
             self._watch,
         )

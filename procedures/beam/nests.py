@@ -37,6 +37,7 @@ class Nests:
                 text=f"Put the reflector into nest {reflector.name} at ({reflector.x_mm:g}, {reflector.y_mm:g}) mm, "
                 "facing the robot, step back, then confirm.",
                 task={"do": "place-reflector", "reflector": reflector.name},
+                motion=True,
             )
         )
         if answer != "yes":

@@ -79,6 +79,8 @@ async def test_hands_are_told_side_way_and_turns() -> None:
     assert prompt.kind == "confirm"
     assert prompt.text == "Move the stage 0.43 mm towards −y, 0.86 turns anticlockwise, then confirm."
     assert prompt.task == {"do": "turn-screw", "screw": "stage", "turns": -0.86}
+    # Hands are at the mount: the arm moves after a "yes", so that it takes a key of its own.
+    assert prompt.motion
     offsets = [live for live in context.shown if live.name == "offset of the beam from the J4 axis"]
     assert (offsets[0].low, offsets[0].high, offsets[0].unit) == (-0.1, 0.1, "mm")
     assert offsets[0].text == "move the stage 0.43 mm towards −y, 0.86 turns anticlockwise"

@@ -228,6 +228,7 @@ def test_a_reflector_that_is_done_is_not_asked_for_again() -> None:
 def test_a_reflector_that_is_not_placed_ends_it() -> None:
     def refused(prompt: Prompt) -> str:
         assert prompt.task == {"do": "place-reflector", "reflector": "P2"}
+        assert prompt.motion
         return "no"
 
     with pytest.raises(ReflectorNotFoundError, match="not put into nest P2"):
