@@ -29,6 +29,7 @@ SIGNALS: Final = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP, signal.SIGUSR1)
 """Signals that `RunControl.on_signal` understands."""
 
 _WAITING = frozenset({State.HOLDING, State.HELD, State.SUSPENDED})
+_BEFORE_MOTION = frozenset({State.IDLE, State.STARTING})
 
 
 class RunControl:
@@ -62,6 +63,7 @@ class RunControl:
         self._halting = 0
         self._changed = asyncio.Event()
         self._motion_permitted = False
+        self._hold_first: str | None = None
         self.moving = False
         self.waits = 0
 
@@ -72,6 +74,13 @@ class RunControl:
     def hold(self, reason: str) -> None:
         """Hold at the next checkpoint; the move under way ends by itself."""
         self._apply(Event.HOLD, reason)
+
+    def hold_before_motion(self, reason: str) -> None:
+        """Hold; a run whose devices are not ready yet is held when they are, before anything moves."""
+        if self.state in _BEFORE_MOTION:
+            self._hold_first = reason
+        else:
+            self.hold(reason)
 
     def unhold(self, reason: str) -> None:
         """Go on after a hold."""
@@ -114,6 +123,8 @@ class RunControl:
     def started(self) -> None:
         """The devices are ready."""
         self._apply(Event.STARTED, "devices are ready")
+        if self._hold_first is not None:
+            self.hold(self._hold_first)
 
     def done(self) -> None:
         """The procedure has come to its end."""
@@ -179,7 +190,9 @@ class RunControl:
             await asyncio.wait({task})
         finally:
             if not task.done():
-                self.abort(TerminatedRunError("the run was cancelled; the robot was stopped"))
+                # A command inside a command is cancelled together with it by a stop, which stays a stop.
+                if self.ending is None:
+                    self.abort(TerminatedRunError("the run was cancelled; the robot was stopped"))
                 await uncancelled(self.halted())
                 await cancel(task)
             self._commands.discard(task)

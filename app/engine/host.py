@@ -445,4 +445,6 @@ class _Run:
         self._announcer.say("state", state=state, reason=reason)
 
     def _front_end_lost(self) -> None:
-        self._control.hold("the front end is gone; send SIGUSR1 to go on without it, SIGTERM to end")
+        self._control.hold_before_motion(
+            "the front end is gone; send SIGUSR1 to go on without it, SIGTERM to end"
+        )

@@ -16,6 +16,7 @@ from app.engine.gate import JointLimits, MotionGate
 from app.engine.hands import Hands
 from app.engine.host import run_procedure
 from app.engine.operator import Answer, Operator
+from app.engine.states import State
 from app.errors import (
     ConfigError,
     InterruptedRunError,
@@ -29,7 +30,7 @@ from app.exitcode import ExitCode
 from app.store.reader import RunReader
 from app.store.run_store import RunStore
 from drivers.readings import CounterStatus, Joints, RobotStatus
-from procedures.context import Context, Json, Prompt, Row
+from procedures.context import Context, Json, Live, Prompt, Row
 from procedures.errors import MeasuredFileError
 from tests.unit.app.engine.fakes import AWAY, HOME, LIMITS, FakeBench, FakeRobot, Script, point
 
@@ -405,3 +406,32 @@ async def test_a_stop_ends_a_question_that_waits(parts: Parts) -> None:
     with pytest.raises(Exception, match="F12"):
         await waiting
     await parts.control.halted()
+
+
+async def test_a_stop_beside_a_live_value_stays_a_stop(parts: Parts, monkeypatch: pytest.MonkeyPatch) -> None:
+    """The look and the question are dropped together, and a look that ends slowly must not abort the run."""
+    looking = asyncio.Event()
+
+    async def slow_status() -> CounterStatus:
+        looking.set()
+        try:
+            await asyncio.Event().wait()
+        finally:
+            for _ in range(5):
+                # As a driver that ends its frame before it lets go.
+                await asyncio.sleep(0)
+        raise AssertionError
+
+    async def watch() -> Live:
+        await parts.ctx.beam()
+        raise AssertionError
+
+    monkeypatch.setattr(parts.bench.counter, "status", slow_status)
+    asking = asyncio.create_task(parts.ctx.ask(Prompt("stage/1", "confirm", "Turn."), watch))
+    await looking.wait()
+    parts.control.stop("F12")
+    with pytest.raises(InterruptedRunError, match="F12"):
+        await asking
+    await parts.control.halted()
+    assert parts.control.state == State.STOPPED
+    assert parts.bench.robot.calls == ["stop"]

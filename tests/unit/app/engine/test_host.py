@@ -426,6 +426,23 @@ async def test_a_lost_front_end_holds_the_run(bench: FakeBench) -> None:
     assert events[-1] == "run-ended"
 
 
+@pytest.mark.parametrize("lost_at", ["run-started", "STARTING", "warning", "EXECUTE"])
+async def test_a_front_end_that_is_lost_before_the_first_motion_holds_the_run(
+    bench: FakeBench, lost_at: str
+) -> None:
+    def publish(event: dict[str, Json]) -> None:
+        if event.get("state") == "HELD":
+            asyncio.get_running_loop().call_later(0, bench.signal, signal.SIGTERM)
+        if lost_at in {event["event"], event.get("state")}:
+            raise BrokenPipeError("closed")
+
+    request = bench.request(measuring(0))
+    async with asyncio.timeout(5):
+        outcome = await run_procedure(request, bench.build, bench.clock, publish, bench.install)
+    assert outcome.exit_code == ExitCode.TERMINATED
+    assert "move" not in bench.robot.calls
+
+
 async def test_no_run_is_begun_where_it_could_not_be_stored(bench: FakeBench) -> None:
     with pytest.raises(StorageError, match="MB free"):
         await run(bench, measuring(0), reserve_bytes=1 << 60)
