@@ -6,12 +6,16 @@ from pydantic import BaseModel, ConfigDict, Field
 
 from calibration.kinematics import Hand
 from procedures.bench import Bench
-from procedures.context import Context, Prompt, Row
-from procedures.errors import MeasuredFileError
-from procedures.motion.entry import way_in
+from procedures.context import Context, Location, Prompt, Row
+from procedures.devices import Joints
+from procedures.errors import ArmMovedError, MeasuredFileError
+from procedures.motion.entry import stands_at, way_in
 from procedures.path.measured_path import matched_rows
 from procedures.path.path_plan import Instrument, PathPlan, plan_path, take_up_of
 from procedures.path.tracked_path import PathPoint, TrackedCampaign
+
+_ATTEMPTS = 3
+"""So often a point is measured anew when the arm was moved meanwhile."""
 
 _MOST_FILES = 10
 """After so many files that cannot be used nobody will find the right one."""
@@ -65,6 +69,7 @@ class ValidationPath:
 
         Raises:
             BeamLostError: the operator ends the run since the beam does not come back.
+            ArmMovedError: the arm was moved again and again while a point was measured.
             MeasuredFileError: no file that was given can be used.
             WayBlockedError: the arm cannot be led to the path.
         """
@@ -90,12 +95,12 @@ class ValidationPath:
 
 
 class _Drive:
-    """Drives the path; knows whether the arm stands on it, with the directions of approach of the points."""
+    """Drives the path; knows where it left the arm, with the directions of approach of the points."""
 
     def __init__(self, ctx: Context, plan: PathPlan) -> None:
         self._ctx = ctx
         self._plan = plan
-        self._on_path = False
+        self._left: Joints | None = None
 
     async def run_in(self) -> Row:
         """Go to where the first point is approached from."""
@@ -104,14 +109,23 @@ class _Drive:
 
     async def visit(self, point: PathPoint, pass_number: int, number: int) -> Row:
         """Stand at a point and let it be measured."""
-        if not self._on_path:
-            # The run was interrupted: the arm may stand anywhere, and came there from any side.
-            start = take_up_of(point, self._plan.bench)
-            await self._enter(start[0], start[1])
-        await self._ctx.move((point.theta1_deg, point.theta2_deg, self._plan.bench.arm.j3_mm, 0.0))
-        if self._plan.instrument == "file":
-            return await self._hold(point, f"point/{pass_number}/{number:04d}")
-        return await self._locate(point, pass_number)
+        for attempt in range(_ATTEMPTS):
+            if not await self._undisturbed():
+                # The arm may stand anywhere, and came there from any side.
+                start = take_up_of(point, self._plan.bench)
+                await self._enter(start[0], start[1])
+            await self._move((point.theta1_deg, point.theta2_deg, self._plan.bench.arm.j3_mm, 0.0))
+            found = await self._measured(point, f"point/{pass_number}/{number:04d}", attempt)
+            if await self._undisturbed():
+                return self._kept(point, pass_number, found)
+            await self._ctx.warn(
+                f"the arm no longer stands at x {point.x_mm:g} mm, y {point.y_mm:g} mm, where it was sent: somebody "
+                "has moved it; the point is approached and measured again, leave the arm alone"
+            )
+        raise ArmMovedError(
+            f"the arm was moved {_ATTEMPTS} times while x {point.x_mm:g} mm, y {point.y_mm:g} mm was measured: find "
+            "out who or what moves it, then go on with catseye resume"
+        )
 
     def tell_progress(self, pass_number: int, number: int) -> None:
         """Tell how far the path is driven, in expected bench seconds."""
@@ -124,18 +138,33 @@ class _Drive:
         bench = self._plan.bench
         target = (theta1_deg, theta2_deg, bench.arm.j3_mm, 0.0)
         for pose in way_in(await self._ctx.joints(), target, bench):
-            await self._ctx.move(pose)
-        self._on_path = True
+            await self._move(pose)
 
-    async def _locate(self, point: PathPoint, pass_number: int) -> Row:
-        found = await self._ctx.locate(self._plan.bench.timing.settle_time_s)
+    async def _move(self, target: Joints) -> None:
+        await self._ctx.move(target)
+        self._left = target
+
+    async def _undisturbed(self) -> bool:
+        """Return whether the arm stands where this process left it."""
+        return self._left is not None and stands_at(await self._ctx.joints(), self._left)
+
+    async def _measured(self, point: PathPoint, prompt_id: str, attempt: int) -> Location | None:
+        """Let the instrument measure; None when it tells later, by its file."""
+        if self._plan.instrument != "file":
+            return await self._ctx.locate(self._plan.bench.timing.settle_time_s)
+        await self._hold(point, prompt_id + (f"/again{attempt}" if attempt else ""))
+        return None
+
+    def _kept(self, point: PathPoint, pass_number: int, found: Location | None) -> Row:
+        if found is None:
+            return {}
         measured = {"x_meas_mm": found.x_mm, "y_meas_mm": found.y_mm}
         self._ctx.record(
             "path", {**point.as_row(), **measured, "u_mm": found.u_mm, "pass_number": pass_number}
         )
         return measured
 
-    async def _hold(self, point: PathPoint, prompt_id: str) -> Row:
+    async def _hold(self, point: PathPoint, prompt_id: str) -> None:
         """Stand still for the instrument; a "no" of the operator gives it more time."""
         await self._ctx.pause(self._plan.hold_time_s)
         number = 1
@@ -144,7 +173,6 @@ class _Drive:
         ):
             await self._ctx.pause(self._plan.hold_time_s)
             number += 1
-        return {}
 
 
 def _point_prompt(point: PathPoint, prompt_id: str, number: int) -> Prompt:

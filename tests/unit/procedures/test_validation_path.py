@@ -3,7 +3,7 @@
 import math
 import re
 from collections.abc import Callable, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, field, replace
 from itertools import pairwise
 
 import numpy as np
@@ -11,8 +11,8 @@ import pytest
 
 from calibration.errors import OutOfReachError
 from procedures.bench import Bench
-from procedures.context import MeasuredPoint, Prompt
-from procedures.errors import MeasuredFileError, PlanError, PlanLimitError
+from procedures.context import Location, MeasuredPoint, Prompt, Row, Table
+from procedures.errors import ArmMovedError, MeasuredFileError, PlanError, PlanLimitError
 from procedures.motion.motion_time import move_time_s
 from procedures.path.path_plan import PathPlan, plan_path, states_of_approach
 from procedures.path.validation_path import PathParams, ValidationPath
@@ -188,6 +188,73 @@ async def test_an_interrupted_run_comes_back_to_the_path_from_the_proper_side() 
     assert there[:2] == pytest.approx((point.theta1_deg, point.theta2_deg))
     assert (there[0] - before[0]) * point.direction1 == pytest.approx(1.0)
     assert (there[1] - before[1]) * point.direction2 == pytest.approx(1.0)
+
+
+@dataclass
+class PushedContext(IdealContext):
+    """Somebody moves the arm at chosen moments.
+
+    Attributes:
+        pushes: J1 by so much, deg, by the number of the measurement during which it happens.
+        after: the same, after that measurement: while the run is held before the next point.
+        located: J1 and J2 at each measurement, deg.
+    """
+
+    pushes: dict[int, float] = field(default_factory=dict)
+    after: dict[int, float] = field(default_factory=dict)
+    located: list[tuple[float, float]] = field(default_factory=list)
+
+    async def locate(self, settle_time_s: float) -> Location:
+        """Return where the arm stands by then."""
+        number = len(self.located)
+        self._push(self.pushes.get(number, 0.0))
+        self.located.append(self.pose[:2])
+        return await super().locate(settle_time_s)
+
+    def record(self, table: Table, row: Row) -> None:
+        """Keep a row; then the run is held."""
+        super().record(table, row)
+        self._push(self.after.get(len(self.rows) - 1, 0.0))
+
+    def _push(self, by_deg: float) -> None:
+        self.pose = (self.pose[0] + by_deg, *self.pose[1:])
+
+
+def approach_of(context: IdealContext, last: int) -> tuple[float, float]:
+    """Return what J1 and J2 move by in a move."""
+    before, there = context.moves[last - 1], context.moves[last]
+    return there[0] - before[0], there[1] - before[1]
+
+
+async def test_an_arm_that_was_moved_while_held_comes_to_the_next_point_from_its_side() -> None:
+    plan, context = small(), PushedContext(after={3: 25.0})
+    await ValidationPath().run(context, plan)
+    rows = [row for table, row in context.rows if table == "path"]
+    assert len(rows) == 12
+    point = plan.points[4]
+    # Run-in, four points, take-up, fifth point.
+    assert context.moves[6][:2] == pytest.approx((point.theta1_deg, point.theta2_deg))
+    assert approach_of(context, 6) == pytest.approx((point.direction1, point.direction2))
+
+
+async def test_a_point_at_which_the_arm_was_moved_is_measured_again() -> None:
+    plan, context = small(), PushedContext(pushes={2: 0.5})
+    await ValidationPath().run(context, plan)
+    rows = [row for table, row in context.rows if table == "path"]
+    assert len(rows) == 12
+    assert len(context.located) == 13
+    for row in rows:
+        assert (row["x_meas_mm"], row["y_meas_mm"]) == pytest.approx(
+            (float(str(row["x_mm"])) + 1000.0, float(str(row["y_mm"])) - 500.0)
+        )
+    assert ["somebody has moved it" in text for text in context.warnings] == [True]
+
+
+async def test_an_arm_that_is_moved_again_and_again_ends_the_run() -> None:
+    context = PushedContext(pushes={2: 0.5, 3: 0.5, 4: 0.5})
+    with pytest.raises(ArmMovedError, match=r"moved 3 times while x 200 mm, y 20 mm.*catseye resume"):
+        await ValidationPath().run(context, small())
+    assert len(context.rows) == 2
 
 
 def held(plan: PathPlan) -> list[MeasuredPoint]:
