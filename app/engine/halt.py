@@ -14,6 +14,8 @@ FAILURES = (DeviceError, OSError, TimeoutError)
 
 _SAME_PLACE = 0.01
 _FEWEST_POLLS = 5
+_MOST_FAILURES = 2
+"""A look that fails takes as long as a link waits for an answer; after one a link may have healed."""
 
 
 @dataclass(frozen=True)
@@ -30,7 +32,7 @@ class HaltLimits:
     taken_s: float = 1.0
     standstill_s: float = 3.0
     poll_s: float = 0.05
-    hang_s: float = 20.0
+    hang_s: float = 6.0
 
     def at_speed(self, speed: float) -> "HaltLimits":
         """Return the same real times as seconds of a clock that runs faster: links do not run faster with it."""
@@ -89,9 +91,14 @@ async def _stands_still(robot: Robot, clock: Clock, limits: HaltLimits) -> bool:
     # At least a few looks are made: bench time may run so fast that the limit passes during one answer.
     deadline_s = clock.monotonic_s() + limits.standstill_s
     before: Joints | None = None
-    polls = 0
-    while polls < _FEWEST_POLLS or clock.monotonic_s() < deadline_s:
-        now = await _place_at_rest(robot)
+    polls = failed = 0
+    while clock.monotonic_s() < deadline_s or (polls < _FEWEST_POLLS and failed < _MOST_FAILURES):
+        try:
+            now = await _place_at_rest(robot)
+        except FAILURES:
+            # A link that was cut off in the middle of a command heals with the next question.
+            now = None
+            failed += 1
         if now is not None and before is not None and _same(before, now):
             return True
         before = now
@@ -101,15 +108,11 @@ async def _stands_still(robot: Robot, clock: Clock, limits: HaltLimits) -> bool:
 
 
 async def _place_at_rest(robot: Robot) -> Joints | None:
-    try:
-        if (await robot.status()).running:
-            # A motion command that was on its way when the stop overtook it is stopped here.
-            await robot.stop()
-            return None
-        return await robot.joints()
-    except FAILURES:
-        # A link that was cut off in the middle of a command heals with the next question.
+    if (await robot.status()).running:
+        # A motion command that was on its way when the stop overtook it is stopped here.
+        await robot.stop()
         return None
+    return await robot.joints()
 
 
 def _same(first: Joints, second: Joints) -> bool:

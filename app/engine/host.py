@@ -50,6 +50,10 @@ _POLL_S = 0.5
 """Real seconds between two looks at what is missing, or may be."""
 
 
+_CLOSING_LIMIT_S = 5.0
+"""Real seconds for the lamps, and for the links: a bench that is gone keeps nobody waiting who ends the run."""
+
+
 class Procedure(Protocol):
     """What happens on the bench.
 
@@ -196,6 +200,7 @@ class _Run:
         self._torn_down = False
         self._watch: asyncio.Task[None] | None = None
         self._bound_s = request.teardown_limit_s * request.clock_speed
+        self._closing_bound_s = min(request.teardown_limit_s, _CLOSING_LIMIT_S) * request.clock_speed
         store.on_failure = self._control.fault
         self._sealed = False
         procedure = request.procedure
@@ -391,12 +396,7 @@ class _Run:
     async def _close(self, devices: Devices, ending: Ending) -> RunOutcome:
         if self._watch is not None:
             await cancel(self._watch)
-        try:
-            if self._light is not None:
-                await within(self._clock, self._bound_s, self._light.end())
-            troubles = await within(self._clock, self._bound_s, close_all(devices))
-        except FAILURES as error:
-            troubles = {"devices": str(error)}
+        troubles = await self._let_go(devices)
         try:
             if troubles:
                 await self._store.event("close-failed", dict(troubles))
@@ -415,6 +415,19 @@ class _Run:
         )
         times = self._context.step_times if self._context else []
         return RunOutcome(self._store.path, ending.status, ending.exit_code, ending.text, times)
+
+    async def _let_go(self, devices: Devices) -> dict[str, str]:
+        """Put the lamps out and disconnect, whatever happens to either; return what went wrong."""
+        troubles: dict[str, str] = {}
+        try:
+            if self._light is not None:
+                await within(self._clock, self._closing_bound_s, self._light.end())
+        except FAILURES as error:
+            troubles["light"] = str(error)
+        try:
+            return troubles | await within(self._clock, self._closing_bound_s, close_all(devices))
+        except FAILURES as error:
+            return troubles | {"devices": str(error)}
 
     def _tell(self, event: dict[str, Json]) -> None:
         if self._light is not None:
@@ -441,7 +454,9 @@ class _Run:
         self._announcer.say("error", text=ending.text, exit_code=int(ending.exit_code))
 
     def _state_changed(self, state: State, reason: str) -> None:
-        self._store.post("state", {"state": state, "reason": reason})
+        # Ctrl-C while the record is being sealed changes nothing and finds no record to write into.
+        if not self._sealed:
+            self._store.post("state", {"state": state, "reason": reason})
         self._announcer.say("state", state=state, reason=reason)
 
     def _front_end_lost(self) -> None:

@@ -12,6 +12,7 @@ from app.engine.halt import HaltLimits
 from app.engine.states import State
 from app.errors import InterruptedRunError, SafetyError, TerminatedRunError
 from drivers.errors import LinkError
+from drivers.readings import RobotStatus
 from tests.unit.app.engine.fakes import AWAY, FakeRobot, ManualClock
 
 
@@ -295,10 +296,40 @@ async def test_a_stop_that_is_not_taken_in_time_does_not_delay_the_rest(bench: B
         await move
     # The looks at the robot hang in their own repeated stop: the halt is given up after a while.
     await turns()
-    bench.clock.advance(20.0)
+    bench.clock.advance(6.0)
     await bench.control.halted()
     assert robot.calls == ["move", "stop", "move cancelled", "stop", "servo off"]
     assert "did not acknowledge" in bench.control.reports[0].text
+
+
+async def test_a_controller_that_is_gone_is_given_up_after_a_few_seconds(bench: Bench) -> None:
+    """Each question to a hung controller costs 2 s; nobody who ends a run waits half a minute for it."""
+
+    async def hung() -> RobotStatus:
+        bench.clock.advance(2.0)
+        raise LinkError("no answer within 2 s")
+
+    bench.robot.status = hung  # type: ignore[method-assign]  # a controller that hangs from now on
+    bench.control.stop("F12")
+    await bench.control.halted()
+    assert bench.robot.calls == ["stop", "servo off"]
+    assert bench.clock.time_s < 5.0
+
+
+async def test_a_link_that_heals_at_the_next_question_still_proves_standstill(bench: Bench) -> None:
+    status, failures = bench.robot.status, [LinkError("cut off in the middle of a command")]
+
+    async def healing() -> RobotStatus:
+        bench.clock.advance(4.0)
+        if failures:
+            raise failures.pop()
+        return await status()
+
+    bench.robot.status = healing  # type: ignore[method-assign]  # a link that reconnects
+    bench.control.stop("F12")
+    await bench.control.halted()
+    assert bench.control.reports[0].standstill
+    assert bench.robot.calls == ["stop"]
 
 
 async def test_a_cancelled_caller_stops_the_robot_before_it_ends(bench: Bench) -> None:
