@@ -195,7 +195,11 @@ class Context(Protocol):
         ...
 
     async def move(self, target: Joints) -> None:
-        """Interpolate the joints to a target through the limit gate and wait for standstill."""
+        """Interpolate the joints to a target through the limit gate and wait for standstill.
+
+        Raises:
+            ArmMovedError: somebody moved the arm while the run was held or suspended; nothing is driven.
+        """
         ...
 
     async def follow(self, way: Sequence[Joints]) -> None:
@@ -204,7 +208,7 @@ class Context(Protocol):
         The robot stands still at each target, passes it or is led through it, as its driver can.
 
         Raises:
-            ArmMovedError: somebody moved the arm while the run was held on the way; the rest is not driven.
+            ArmMovedError: somebody moved the arm while the run was held or suspended; the rest is not driven.
         """
         ...
 

@@ -26,7 +26,7 @@ class NoBeamError(ProcedureError):
 
 
 class ArmMovedError(ProcedureError):
-    """Somebody has moved the arm while a run was held on its way; the rest of the way is not driven."""
+    """Somebody has moved the arm while a run was held or suspended; the rest of its way is not driven."""
 
 
 class WayBlockedError(ProcedureError):

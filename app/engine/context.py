@@ -98,6 +98,8 @@ class RunContext:
         self._prompt_open = False
         self._zeroed = False
         self._looking = 0
+        self._stood: Joints | None = None
+        self._waits_then = 0
 
     @property
     def resumed(self) -> bool:
@@ -158,6 +160,7 @@ class RunContext:
         Raises:
             LimitError: the target is outside the limits.
             SafetyError: the controller may not move.
+            ArmMovedError: the arm was moved while the run was held or suspended.
         """
         await self._moved((target,), lambda: self._devices.robot.move_joints(target))
 
@@ -167,21 +170,22 @@ class RunContext:
         Raises:
             LimitError: a target is outside the limits; nothing of the way is driven.
             SafetyError: the controller may not move.
-            ArmMovedError: the arm was moved while the run was held on the way.
+            ArmMovedError: the arm was moved while the run was held or suspended.
         """
         robot = self._devices.robot
         if len(way) > 1 and isinstance(robot, WayRobot):
             await self._moved(way, lambda: robot.follow(way))
             return
-        before: Joints | None = None
         for target in way:
-            await self._moved((target,), partial(robot.move_joints, target), stood=before)
-            before = target
+            await self._moved((target,), partial(robot.move_joints, target))
 
     async def joints(self) -> Joints:
         """Return the reported joints."""
         await self.checkpoint()
-        return await self._control.command(self._devices.robot.joints())
+        waits = self._control.waits
+        here = await self._control.command(self._devices.robot.joints())
+        self._stood, self._waits_then = here, waits
+        return here
 
     async def measure(self, settle_time_s: float, dwell_time_s: float, readings: int) -> Measurement:
         """Settle, then average readings over the dwell.
@@ -333,25 +337,29 @@ class RunContext:
         self,
         targets: Sequence[Joints],
         action: Callable[[], Awaitable[None]],
-        stood: Joints | None = None,
     ) -> None:
         """Pass the gate and move; while a condition is missing the run is suspended and the gate asked again.
+
+        Every way is checked from where the procedure knows the arm to stand. After a wait it need not stand there.
 
         Args:
             targets: the way.
             action: moves.
-            stood: where the arm stands on its way to these targets; None where a way begins.
         """
-        waits = self._control.waits
 
         async def look() -> None:
-            if stood is not None and self._control.waits != waits:
-                self._require_place(await self._devices.robot.joints(), stood)
+            if self._stood is not None and self._control.waits != self._waits_then:
+                self._require_place(await self._devices.robot.joints(), self._stood)
             await self._gate.require(*targets)
+
+        async def moved() -> None:
+            self._stood = None
+            await self._timed(action())
+            self._stood, self._waits_then = targets[-1], self._control.waits
 
         while True:
             try:
-                await self._control.motion(look, lambda: self._timed(action()))
+                await self._control.motion(look, moved)
             except ConditionLostError as error:
                 await self.wait_until(str(error), self._gate.conditions_hold)
             else:
@@ -362,9 +370,9 @@ class RunContext:
         """Refuse to drive on from where nobody planned to be."""
         if max(abs(a - b) for a, b in zip(here, stood, strict=True)) > _SAME_PLACE:
             raise ArmMovedError(
-                f"the arm was moved while the run was held: its joints are {_listed(here)} and were {_listed(stood)} "
-                "when it was left (J1 deg, J2 deg, J3 mm, J4 deg); the rest of its way was not "
-                "driven; go on with catseye resume, and leave the arm alone while a run is held"
+                f"the arm was moved while the run was held or suspended: its joints are {_listed(here)} and were "
+                f"{_listed(stood)} when it was left (J1 deg, J2 deg, J3 mm, J4 deg); the rest of its way was not "
+                "driven; go on with catseye resume, and leave the arm alone while a run is under way"
             )
 
     async def _look(self, look: Callable[[], Awaitable[T]]) -> T:

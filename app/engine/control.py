@@ -45,7 +45,7 @@ class RunControl:
         ending: why the run ends early, raised by every further checkpoint; None while it goes on.
         reports: how each halt ended.
         moving: a motion is under way.
-        waits: how often a checkpoint has waited; somebody may have moved the arm meanwhile.
+        waits: how often the run was held or suspended so far; somebody may have moved the arm meanwhile.
     """
 
     def __init__(
@@ -165,6 +165,7 @@ class RunControl:
         """
         await self.checkpoint()
         self.suspend(reason)
+        self.waits += 1
         while not await back():
             self.raise_ending()
             await self._clock.sleep(poll_s)

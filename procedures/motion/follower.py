@@ -114,9 +114,16 @@ class Follower:
     async def enter(self, visit: Visit) -> None:
         """Go to a point from wherever the arm stands, both joints from the point's sides.
 
+        An arm that is moved by hand on the way enters once more, from where it stands then.
+
         Raises:
             WayBlockedError: no way there is free.
         """
+        while not await self._entered(visit):
+            await self._ctx.warn(f"entry, reflector {self._reflector.name}: {MOVED_BY_HAND.text}")
+
+    async def _entered(self, visit: Visit) -> bool:
+        """Go to a point; return whether nobody moved the arm meanwhile."""
         self.lose()
         self._aim.restart()
         here = await self._ctx.joints()
@@ -126,10 +133,15 @@ class Follower:
             "entry", reflector=self._reflector.name, point=visit.command.index, targets=len(way)
         )
         for target in way:
-            await self._ctx.move(target)
+            try:
+                await self._ctx.move(target)
+            except ArmMovedError:
+                self.lose()
+                return False
             self._left = target
         self.extra_s += sum(driving_time_s(a, ((b,),), self._bench) for a, b in pairwise((here, *way)))
         self.at = visit
+        return True
 
     async def begin_segment(self, visit: Visit, *, centre: bool) -> Loss | None:
         """Zero the count at the node where the arm stands; a beam that is missing or weak is looked for nearby.
@@ -143,8 +155,13 @@ class Follower:
             await self._ctx.wait_until(_LASER, self._laser_ready)
             status = await self._ctx.beam()
         good = status.beam_ok and status.signal >= self._bench.optics.signal_min
-        if (centre or not good) and await self._scan(visit.node) is None:
-            return Loss(self._gone(visit.node))
+        if centre or not good:
+            try:
+                found_deg = await self._scan(visit.node)
+            except ArmMovedError:
+                return self._moved_by_hand()
+            if found_deg is None:
+                return Loss(self._gone(visit.node))
         try:
             await self._ctx.zero(visit.beam_mm)
         except NoBeamError as error:
@@ -163,7 +180,11 @@ class Follower:
         measured = await self._measured(where)
         if not isinstance(measured, Measurement) or measured.signal >= self._bench.optics.signal_min:
             return measured
-        if not await self._brightened(visit):
+        try:
+            kept = await self._brightened(visit)
+        except ArmMovedError:
+            return self._moved_by_hand()
+        if not kept:
             return Loss(weak(measured.signal, self._bench))
         self.extra_s += measuring_time_s(self._bench)
         again = await self._measured(where)
@@ -189,7 +210,11 @@ class Follower:
             return MOVED_BY_HAND
         if status.beam_ok:
             return INTERRUPTED
-        return await self._looked_for()
+        try:
+            return await self._looked_for()
+        except ArmMovedError:
+            self.lose()
+            return MOVED_BY_HAND
 
     async def _looked_for(self) -> Cause:
         """Look for the beam where the arm stands, unless geometry says why it is gone."""
@@ -208,6 +233,10 @@ class Follower:
     def _gone(self, joints: Joints) -> Cause:
         looked_deg = look_around_deg(joints, self._bench, self._reflector)
         return hidden(joints, self._bench, self._reflector) or no_return(looked_deg)
+
+    def _moved_by_hand(self) -> Loss:
+        self.lose()
+        return Loss(MOVED_BY_HAND)
 
     async def _broken(self) -> Loss | None:
         status = await self._ctx.beam()

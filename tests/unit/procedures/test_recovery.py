@@ -313,6 +313,24 @@ async def test_an_arm_that_was_moved_in_the_middle_of_a_leg_does_not_drive_on() 
     assert context.moves[move + 1] == plan.reflectors[0].visits[place - 1].node
 
 
+@pytest.mark.parametrize("after", range(1, 9))
+@pytest.mark.parametrize("off_deg", [0.0, 0.3])
+async def test_an_arm_that_is_moved_during_a_recovery_enters_anew(after: int, off_deg: float) -> None:
+    context = TroubledContext(breaks_at={6})
+
+    def drift(number: int) -> None:
+        if number == 6:
+            # From here on the aim is off: the way back has to look for the beam.
+            context.theta40_deg += off_deg
+            context.moved_on_way = {len(context.moves) + after}
+
+    context.before_measuring = drift
+    await ran(context)
+    require_right(context)
+    assert context.prompts == []
+    assert any("somebody has moved it" in text for text in context.warnings)
+
+
 async def test_ways_that_are_not_subdivided_are_told_once_and_zeroed_where_the_arm_stands() -> None:
     plan = plan_open_loop(bench(*NODES), reflectors=("P2",), subdivide=False)
     visits = plan.reflectors[0].visits

@@ -1,7 +1,8 @@
 """An arm that somebody moves while a run is held in the middle of a way."""
 
 import asyncio
-from collections.abc import AsyncIterator
+from collections.abc import AsyncIterator, Callable
+from dataclasses import dataclass
 from pathlib import Path
 
 import pytest
@@ -29,8 +30,32 @@ async def store(tmp_path: Path) -> AsyncIterator[RunStore]:
     await opened.abandon()
 
 
-async def held_on_the_way(store: RunStore, tmp_path: Path, jogged_deg: float) -> FakeBench:
-    """Hold a way after its first targets, move J1 meanwhile, and go on."""
+@dataclass
+class Door:
+    """A condition of the surroundings.
+
+    Attributes:
+        open: it forbids motion.
+        looks: how often it was looked at while open.
+        meanwhile: called at the first look that finds it open.
+    """
+
+    open: bool = False
+    looks: int = 0
+    meanwhile: Callable[[], None] = lambda: None
+
+    async def trouble(self) -> str | None:
+        if not self.open:
+            return None
+        self.looks += 1
+        self.meanwhile()
+        # Closed again before the next look.
+        self.open = self.looks < 2
+        return "the door is open"
+
+
+async def ready(store: RunStore, tmp_path: Path, *doors: Door) -> tuple[RunContext, RunControl, FakeBench]:
+    """Return a context on a bench whose robot may move."""
     bench = FakeBench(tmp_path)
     control = RunControl(bench.clock, lambda _state, _reason: None)
     control.attach(bench.robot)
@@ -41,25 +66,40 @@ async def held_on_the_way(store: RunStore, tmp_path: Path, jogged_deg: float) ->
     announcer = Announcer(store.path.name, bench.clock, bench.publish, lambda: None)
     devices = Devices(bench.robot, bench.counter, bench.air)
     operator = Operator(bench.clock, {}, None, simulated=True)
-    gate = MotionGate(bench.robot, LIMITS, 20.0)
+    gate = MotionGate(bench.robot, LIMITS, 20.0, doors)
     ctx = RunContext(devices, store, control, bench.clock, gate, operator, announcer)
-    driving = asyncio.create_task(ctx.follow(WAY))
-    await bench.robot.moving.wait()
+    return ctx, control, bench
+
+
+def jog(bench: FakeBench, by_deg: float) -> None:
+    """Move J1 by hand."""
+    one, two, three, four = bench.robot.pose
+    bench.robot.pose = (one + by_deg, two, three, four)
+
+
+async def until_held(control: RunControl) -> None:
     control.hold("a person")
     for _ in range(1000):
         if control.state == State.HELD:
             break
         await asyncio.sleep(0)
     assert control.state == State.HELD
-    one, two, three, four = bench.robot.pose
-    bench.robot.pose = (one + jogged_deg, two, three, four)
+
+
+async def held_on_the_way(store: RunStore, tmp_path: Path, jogged_deg: float) -> FakeBench:
+    """Hold a way after its first targets, move J1 meanwhile, and go on."""
+    ctx, control, bench = await ready(store, tmp_path)
+    driving = asyncio.create_task(ctx.follow(WAY))
+    await bench.robot.moving.wait()
+    await until_held(control)
+    jog(bench, jogged_deg)
     control.unhold("a person")
     await driving
     return bench
 
 
 async def test_a_way_does_not_go_on_from_where_nobody_planned_to_be(store: RunStore, tmp_path: Path) -> None:
-    with pytest.raises(ArmMovedError, match="was moved while the run was held") as caught:
+    with pytest.raises(ArmMovedError, match="was moved while the run was held or suspended") as caught:
         await held_on_the_way(store, tmp_path, 5.0)
     assert "leave the arm alone" in str(caught.value)
 
@@ -69,3 +109,46 @@ async def test_a_way_goes_on_where_it_was_left(store: RunStore, tmp_path: Path, 
     bench = await held_on_the_way(store, tmp_path, jogged_deg)
     assert bench.robot.pose == WAY[-1]
     assert bench.robot.calls.count("move") == len(WAY)
+
+
+async def test_an_arm_that_is_moved_while_a_door_is_open_does_not_drive_on(
+    store: RunStore, tmp_path: Path
+) -> None:
+    door = Door()
+    ctx, _, bench = await ready(store, tmp_path, door)
+    await ctx.move(WAY[0])
+    door.open, door.meanwhile = True, lambda: jog(bench, 5.0)
+    with pytest.raises(ArmMovedError, match="held or suspended"):
+        await ctx.move(WAY[1])
+    assert door.looks == 2
+    assert bench.robot.calls.count("move") == 1
+
+
+async def test_a_single_move_does_not_begin_from_where_nobody_planned_to_be(
+    store: RunStore, tmp_path: Path
+) -> None:
+    ctx, control, bench = await ready(store, tmp_path)
+    await ctx.move(WAY[0])
+    control.hold("a person")
+    moving = asyncio.create_task(ctx.move(WAY[1]))
+    await until_held(control)
+    jog(bench, 5.0)
+    control.unhold("a person")
+    with pytest.raises(ArmMovedError, match="held or suspended"):
+        await moving
+    assert bench.robot.calls.count("move") == 1
+
+
+async def test_who_has_looked_where_the_arm_stands_may_lead_it_from_there(
+    store: RunStore, tmp_path: Path
+) -> None:
+    ctx, control, bench = await ready(store, tmp_path)
+    await ctx.move(WAY[0])
+    control.hold("a person")
+    looking = asyncio.create_task(ctx.joints())
+    await until_held(control)
+    jog(bench, 5.0)
+    control.unhold("a person")
+    assert (await looking)[0] == WAY[0][0] + 5.0
+    await ctx.move(WAY[1])
+    assert bench.robot.pose == WAY[1]
