@@ -10,6 +10,7 @@ from app.store.reader import RunReader
 from procedures.bench import Bench
 
 SEARCH = "reflector-search"
+_ALIGNMENT = "beam-to-j4"
 
 
 @dataclass(frozen=True)
@@ -37,13 +38,17 @@ def find_aim(bench: Bench, root: Path, wanted: str = "auto") -> Aim:
             file's rough places, anything else names a search run.
 
     Raises:
-        UsageError: the named run is no complete search, or one of other reflectors.
+        UsageError: the named run is no complete search, or one of other reflectors; the newest search is older than
+            an alignment that moved the beam.
     """
     if wanted == "none":
         return Aim(bench, "cell file")
     if wanted == "auto":
         found = _newest(root, bench)
-        return Aim(bench, "cell file") if found is None else _aimed(bench, found)
+        if found is None:
+            return Aim(bench, "cell file")
+        _require_beam_unmoved(root, bench, found)
+        return _aimed(bench, found)
     path = resolve_run(root, wanted)
     reader = RunReader(path)
     if _solution(reader) is None:
@@ -68,6 +73,31 @@ def _newest(root: Path, bench: Bench) -> Path | None:
             if reader.meta.get("cell") == bench.name and _solution(reader) and _same_places(bench, reader):
                 return run.path
     return None
+
+
+def _require_beam_unmoved(root: Path, bench: Bench, search: Path) -> None:
+    """Refuse a search whose beam passed the J4 axis elsewhere; a named one is taken at the operator's word."""
+    for run in reversed(list_runs(root)):
+        if run.name <= search.name:
+            return
+        if (
+            run.procedure == _ALIGNMENT
+            and run.status != "damaged"
+            and _moved_beam(RunReader(run.path), bench)
+        ):
+            raise UsageError(
+                f"{run.name} moved the beam after {search.name} had searched with it: its places and θ40 do not hold "
+                f"any more. Search again (catseye run {SEARCH}), or take the old aim all the same with --search "
+                f"{search.name}"
+            )
+
+
+def _moved_beam(reader: RunReader, bench: Bench) -> bool:
+    """Return whether hands were sent to the stage; a question that a process died over may have been acted on."""
+    asked = [event for event in reader.events() if event.kind == "asked"]
+    stage = {str(event.data["id"]) for event in asked if str(event.data["id"]).startswith("stage/")}
+    refused = {str(prompt["id"]) for prompt in reader.prompts() if prompt["answer"] == "no"}
+    return reader.meta.get("cell") == bench.name and bool(stage - refused)
 
 
 def _same_places(bench: Bench, reader: RunReader) -> bool:

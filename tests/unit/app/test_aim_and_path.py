@@ -37,6 +37,7 @@ class Shelf:
         cell: str = "lab-1",
         rows: list[Row] | None = None,
         off_mm: float = 0.0,
+        asked: Mapping[str, str | None] | None = None,
     ) -> Path:
         """Store a run of a cell file whose reflectors stand off by some mm."""
         places: list[Json] = [
@@ -48,6 +49,10 @@ class Shelf:
             await store.append_step("rows", 1, "rows", {}, [("path", row) for row in rows])
         if result is not None:
             await store.append_step("solve", 1, "solve", result, [])
+        for prompt_id, answer in (asked or {}).items():
+            await store.event("asked", {"id": prompt_id, "text": "Turn it.", "asked_utc": "now"})
+            if answer is not None:
+                await store.prompt(prompt_id, "confirm", "Turn it.", "now", answer, "somebody")
         await store.finish(status, 0)
         return store.path
 
@@ -70,6 +75,27 @@ async def test_the_newest_complete_search_of_the_cell_gives_the_aim(shelf: Shelf
     assert (aim.bench.reflectors[0].x_mm, aim.bench.reflectors[0].y_mm) == (652.0, -401.0)
     assert aim.bench.reflectors[1:] == bench().reflectors[1:]
     assert aim.bench.optics.theta40_deg == 1.25
+
+
+@pytest.mark.parametrize("answer", ["yes", None])
+async def test_a_search_before_the_beam_was_moved_is_refused(shelf: Shelf, answer: str | None) -> None:
+    before = await shelf.put("beam-to-j4", None, asked={"stage/1": "yes"})
+    search = await shelf.put("reflector-search", solution(651.0))
+    # None of these moves this beam after the search.
+    await shelf.put("beam-to-j4", None)
+    await shelf.put("beam-to-j4", None, status="failed", asked={"stage/1": "no"})
+    await shelf.put("beam-to-j4", None, cell="lab-2", asked={"stage/1": "yes"})
+    await shelf.put("beam-level", None, asked={"level/1": "yes"})
+    assert find_aim(bench(), shelf.root).source == search.name
+    # The last question was put to hands before the process died, or they said so: the run need not be complete.
+    moved = await shelf.put("beam-to-j4", None, status="stopped", asked={"stage/1": answer})
+    assert before.name < search.name < moved.name
+    with pytest.raises(UsageError, match=f"{moved.name} moved the beam after {search.name}.*Search again"):
+        find_aim(bench(), shelf.root)
+    assert find_aim(bench(), shelf.root, search.name).source == search.name
+    assert find_aim(bench(), shelf.root, "none").source == "cell file"
+    again = await shelf.put("reflector-search", solution(652.0))
+    assert find_aim(bench(), shelf.root).source == again.name
 
 
 async def test_without_a_search_the_cell_file_gives_the_aim(shelf: Shelf) -> None:
