@@ -19,6 +19,9 @@ _COMMAND_DEG = 0.005
 _MEASURED_MM = 5.0
 """No arm that is worth an error map stands farther from its command than this, frames aligned."""
 
+_LARGEST_U_MM = 1.0
+"""An instrument with a larger uncertainty would tell nothing about an error map: such numbers are µm."""
+
 _LENGTHS = {
     1e3: "µm",
     1e-3: "m",
@@ -57,6 +60,7 @@ def matched_rows(
     for number, (point, row) in enumerate(zip(driven, measured, strict=True), 1):
         _require_command(file, number, point, row)
     _require_places(file, driven, measured)
+    _require_uncertainties(file, measured)
     return [
         {
             **point.as_row(),
@@ -133,6 +137,15 @@ def _require_places(file: str, driven: Sequence[PathPoint], measured: Sequence[M
             f"the frames are aligned, more than {_MEASURED_MM:g} mm: it belongs to another point, or x and y are "
             "mixed up"
         )
+
+
+def _require_uncertainties(file: str, measured: Sequence[MeasuredPoint]) -> None:
+    for row in measured:
+        if row.u_mm is not None and row.u_mm > _LARGEST_U_MM:
+            raise MeasuredFileError(
+                f"{file}:{row.line}: u_mm = {row.u_mm:g} is more than {_LARGEST_U_MM:g} mm: it seems to be in µm; "
+                "convert it to mm, or leave the column out"
+            )
 
 
 def _places(driven: Sequence[PathPoint]) -> Floats:

@@ -86,6 +86,21 @@ async def test_a_measurement_that_determines_nothing_is_told(tmp_path: Path) -> 
     assert found.notes[0].startswith(f"the path cannot be compared with the models of {poor.path.name}: ")
 
 
+async def test_a_left_handed_frame_is_told(tmp_path: Path) -> None:
+    seen = [true_place(TRUTH, row) for row in commands()]
+    await stored(tmp_path, "open-loop", measured())
+
+    async def notes(axes: int) -> list[str]:
+        places: list[tuple[str, Row]] = [
+            ("path", {**along(i), "x_mm": x, "y_mm": y, "x_meas_mm": x, "y_meas_mm": axes * y, "u_mm": 0.01})
+            for i, (x, y) in enumerate(seen)
+        ]
+        return compare_path(await stored(tmp_path, "validation-path", places), tmp_path).notes
+
+    assert len(await notes(1)) == 1
+    assert "with x and y exchanged: the instrument's frame seems to be left-handed" in (await notes(-1))[-1]
+
+
 async def test_positions_are_compared_too(tmp_path: Path) -> None:
     # An instrument in a frame of its own, turned by a right angle, that states no uncertainty.
     seen = [true_place(TRUTH, row) for row in commands()]

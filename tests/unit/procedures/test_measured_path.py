@@ -69,6 +69,14 @@ def test_another_number_of_points_is_told() -> None:
     assert "the path has 52 (2 pass(es)" in refused(places(), passes=2)
 
 
+def test_an_uncertainty_in_um_is_told() -> None:
+    # 15 µm + 6 µm/m of a tracker, as its data sheet writes it.
+    stated = [replace(row, u_mm=0.015) for row in places()]
+    assert len(matched_rows("t.csv", POINTS, 1, stated)) == 26
+    stated[4] = replace(stated[4], u_mm=15.0)
+    assert "t.csv:6: u_mm = 15 is more than 1 mm: it seems to be in µm" in refused(stated)
+
+
 def test_points_of_another_path_or_order_are_told_with_their_line() -> None:
     swapped = places()
     swapped[3], swapped[4] = replace(swapped[4], line=5), replace(swapped[3], line=6)
