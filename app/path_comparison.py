@@ -100,7 +100,7 @@ def _mirrored(
         return []
     return [
         f"the measured positions leave {found:.1f} µm (2D rms) as they are and {exchanged:.1f} µm with x and y "
-        "exchanged: the instrument's frame seems to be left-handed; exchange x_meas_mm and y_meas_mm, or turn one of them round"
+        "exchanged: the instrument's frame seems to be left-handed; exchange x_meas_mm and y_meas_mm"
     ]
 
 
