@@ -7,7 +7,7 @@ from procedures.bench import Bench
 from procedures.context import Context, Measurement, Prompt
 from procedures.devices import Joints
 from procedures.errors import BeamLostError, NoBeamError
-from procedures.motion.entry import way_in
+from procedures.motion.entry import stands_at, way_in
 from procedures.motion.round_trip import RoundTrip
 from procedures.motion.visits import Leg
 
@@ -38,6 +38,7 @@ class Rounds:
         self._failures = 0
         self._questions = 0
         self._offset_deg = 0.0
+        self._left: Joints | None = None
         self.trip = trip
         self.segment = segment
         self.ready = False
@@ -64,7 +65,9 @@ class Rounds:
 
     async def drive(self, leg: Leg) -> None:
         """Drive a leg with the beam kept."""
-        await self._ctx.follow(tuple(self._aimed(target) for target in leg))
+        way = tuple(self._aimed(target) for target in leg)
+        await self._ctx.follow(way)
+        self._left = way[-1]
 
     async def measure(self, where: str) -> Measurement | None:
         """Measure at a stop.
@@ -82,6 +85,9 @@ class Rounds:
             return None
         if measured is not None and (cause := _cause(measured, self._bench.optics.signal_min)):
             await self._lose(where, cause)
+            return None
+        if measured is not None and self._left is not None and not stands_at(measured.reported, self._left):
+            await self._lose(where, "moved by hand")
             return None
         return measured
 

@@ -179,6 +179,26 @@ def test_a_cycle_with_a_lost_beam_is_driven_again_in_a_new_segment() -> None:
     assert [data["where"] for kind, data in ctx.events if kind == "beam-lost"] == ["P2 pose 2 cycle 4"]
 
 
+def test_an_arm_that_was_moved_beside_its_pose_is_no_repeat_of_it() -> None:
+    @dataclass
+    class PushedContext(ScatteringContext):
+        """The arm stands a little beside its pose once; the beam follows it within its window."""
+
+        async def measure(self, settle_time_s: float, dwell_time_s: float, readings: int) -> Measurement:
+            measured = await super().measure(settle_time_s, dwell_time_s, readings)
+            if self.measurements != 6:
+                return measured
+            one, *others = measured.reported
+            beside = (one + 0.15, others[0], others[1], others[2])
+            return replace(measured, displacement_mm=measured.displacement_mm + 0.8, reported=beside)
+
+    ctx = run(planned(), PushedContext())
+    assert [data["cause"] for kind, data in ctx.events if kind == "beam-lost"] == ["moved by hand"]
+    assert len([row for _, row in ctx.rows]) == 20
+    assert all(beam["s_um"] < 20.0 for beam in beams(ctx))
+    assert ctx.zeros == 2
+
+
 def test_a_beam_that_breaks_all_the_time_is_a_question() -> None:
     ctx = ScatteringContext(breaks_at=set(range(5, 100)), answers={"beam/P2/1": "retry", "beam/P2/2": "stop"})
     with pytest.raises(BeamLostError, match="P2 was lost 3 times in a row"):
