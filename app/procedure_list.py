@@ -6,8 +6,10 @@ from importlib import metadata
 from typing import Any, Protocol, cast
 
 from pydantic import BaseModel, ValidationError
+from pydantic_core import ErrorDetails
 
 from app.errors import UsageError
+from app.parameter_words import range_text
 from procedures.bench import Bench
 from procedures.context import Context
 
@@ -95,10 +97,14 @@ def _toml_value(text: str) -> Any:
 
 
 def _explain(params_type: type[BaseModel], error: ValidationError) -> str:
-    known = ", ".join(params_type.model_fields)
-    faults = [
-        f"--param {'.'.join(str(part) for part in fault['loc'])}: "
-        + (f"unknown; known are {known}" if fault["type"] == "extra_forbidden" else f"{fault['msg']}")
-        for fault in error.errors()
-    ]
-    return "; ".join(faults)
+    return "; ".join(_fault_text(params_type, fault) for fault in error.errors())
+
+
+def _fault_text(params_type: type[BaseModel], fault: ErrorDetails) -> str:
+    name = ".".join(str(part) for part in fault["loc"])
+    if fault["type"] == "extra_forbidden":
+        return f"--param {name}: unknown; known are {', '.join(params_type.model_fields)}"
+    facts = params_type.model_json_schema()["properties"].get(fault["loc"][0] if fault["loc"] else None)
+    if facts is None or fault["type"] == "value_error":
+        return f"--param {name}: {fault['msg'].removeprefix('Value error, ')}"
+    return f"--param {name}: {fault['input']} is not possible; it takes {range_text(facts)}"

@@ -198,8 +198,14 @@ def _answers(path: Path | None) -> dict[str, str]:
         return {}
     try:
         table = tomllib.loads(path.read_text(encoding="utf-8"))
-    except (OSError, UnicodeDecodeError, tomllib.TOMLDecodeError) as error:
-        raise ConfigError(f"{path}: no answers can be read: {error}") from error
+    except OSError as error:
+        raise ConfigError(
+            f"{path}: the answers cannot be read: {error.strerror}; check the path behind --answers"
+        ) from error
+    except (UnicodeDecodeError, tomllib.TOMLDecodeError) as error:
+        raise ConfigError(
+            f'{path}: the answers cannot be read: {error}; a line of such a file is: "beam/P1/0042" = "retry"'
+        ) from error
     return {key: _answer_text(value) for key, value in table.items()}
 
 

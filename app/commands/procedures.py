@@ -1,6 +1,9 @@
 """procedures: what can be run, and what may be chosen."""
 
+from typing import Any
+
 from app.commands.output import emit, emit_json
+from app.parameter_words import range_text
 from app.procedure_list import load_procedure, procedure_names
 
 
@@ -14,14 +17,17 @@ def procedures_command(as_json: bool) -> None:
             continue
         emit(f"{name}: {procedure.title}")
         for key, facts in schema.items():
-            emit(f"    {key} = {facts.get('default')}  {facts.get('description', '')}{_range(facts)}")
+            emit(f"    {key:<20} {facts.get('description', '')}")
+            emit(f"    {'':<20} {range_text(facts)}{_default(facts)}")
 
 
-def _range(facts: dict[str, object]) -> str:
-    low = facts.get("minimum", facts.get("exclusiveMinimum"))
-    high = facts.get("maximum", facts.get("exclusiveMaximum"))
-    return (
-        ""
-        if low is None and high is None
-        else f" ({low if low is not None else ''}…{high if high is not None else ''})"
-    )
+def _default(facts: dict[str, Any]) -> str:
+    value = facts.get("default")
+    if value is None or value in ("", []):
+        return ""
+    text = str(value).lower() if isinstance(value, bool) else f"{value:g}" if _number(value) else str(value)
+    return f"; default {text}"
+
+
+def _number(value: object) -> bool:
+    return isinstance(value, (int, float))

@@ -8,6 +8,8 @@ from app.service.questions import hint
 from procedures.context import Json, Prompt
 
 _INPUT = "> "
+# What a technician can act on; more digits only flicker.
+_DECIMALS = {"mm": 3, "mrad": 2, "deg": 3, "mdeg": 1, "µm": 1, "µm/10 min": 1, "": 2}
 
 
 def live_text(data: Mapping[str, Json]) -> str:
@@ -17,7 +19,7 @@ def live_text(data: Mapping[str, Json]) -> str:
     band = f"[{_limit(low)} … {_limit(high)}]" if (low, high) != (None, None) else ""
     verdict = "" if not band else "ok" if data.get("accepted") else "outside"
     parts = (
-        f"{data.get('name')} {_limit(data.get('value'))} {unit}".rstrip(),
+        f"{data.get('name')} {_value_text(data.get('value'), unit)} {unit}".rstrip(),
         band,
         verdict,
         data.get("text"),
@@ -73,6 +75,13 @@ class QuestionLine:
         """The question is over."""
         self.leave()
         self._asked = None
+
+
+def _value_text(value: Json, unit: str) -> str:
+    if not isinstance(value, (int, float)) or unit not in _DECIMALS:
+        return _limit(value)
+    text = f"{value:.{_DECIMALS[unit]}f}"
+    return text.removeprefix("-") if float(text) == 0.0 else text
 
 
 def _limit(value: Json) -> str:

@@ -34,9 +34,9 @@ def test_texts_become_values_of_their_type() -> None:
     ("texts", "parts"),
     [
         (["poses"], ["'poses'", "name=value"]),
-        (["poses=3"], ["--param poses", "greater than or equal to 4"]),
-        (["poses=many"], ["--param poses", "integer"]),
-        (["poses=4.5"], ["--param poses", "integer"]),
+        (["poses=3"], ["--param poses: 3", "4 … 40"]),
+        (["poses=many"], ["--param poses: many", "whole number"]),
+        (["poses=4.5"], ["--param poses: 4.5", "whole number"]),
         (["half_range_deg=nan"], ["--param half_range_deg"]),
         (["half_range_deg=inf"], ["--param half_range_deg"]),
         (

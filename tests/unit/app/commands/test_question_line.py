@@ -58,15 +58,17 @@ def live(value: float, accepted: bool) -> dict[str, Json]:
 @pytest.mark.parametrize(
     ("data", "text"),
     [
-        (live(0.43, False)["data"], "offset 0.43 mm  [-0.1 … 0.1]  outside  turn the stage clockwise"),
+        (live(0.43, False)["data"], "offset 0.430 mm  [-0.1 … 0.1]  outside  turn the stage clockwise"),
         (
             {"name": "signal", "value": 0.5, "unit": "", "low": 0.1, "high": None, "accepted": True},
-            "signal 0.5  [0.1 … ]  ok",
+            "signal 0.50  [0.1 … ]  ok",
         ),
         (
             {"name": "drift", "value": 1.25, "unit": "µm", "low": None, "high": None, "accepted": True},
-            "drift 1.25 µm",
+            "drift 1.2 µm",
         ),
+        (live(0.489638, False)["data"], "offset 0.490 mm  [-0.1 … 0.1]  outside  turn the stage clockwise"),
+        (live(-0.0001, True)["data"], "offset 0.000 mm  [-0.1 … 0.1]  ok  turn the stage clockwise"),
     ],
 )
 def test_a_live_value_reads_with_its_band(data: dict[str, Json], text: str) -> None:
@@ -92,7 +94,7 @@ def test_what_is_typed_stays_while_the_value_above_it_changes(capsys: pytest.Cap
         narrator.publish(live(value, accepted=value < 0.1))
     assert shown() == [
         "question stage/1: Turn the stage.",
-        "offset 0.05 mm  [-0.1 … 0.1]  ok  turn the stage clockwise",
+        "offset 0.050 mm  [-0.1 … 0.1]  ok  turn the stage clockwise",
         "(the arm moves: type move, or no) > mo",
     ]
     narrator.publish({"event": "warning", "text": "the signal is weak"})
