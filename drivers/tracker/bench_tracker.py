@@ -6,7 +6,7 @@ from typing import Any, ClassVar, Self
 
 from pydantic import BaseModel, ConfigDict, Field
 
-from drivers.clock import Clock
+from drivers.clock import Clock, SystemClock
 from drivers.endpoint import open_transport
 from drivers.errors import DeviceError, LinkError, ProtocolError, WrongDeviceError
 from drivers.link import RequestLink
@@ -15,6 +15,9 @@ from drivers.record import Sink
 from drivers.transport import Transport
 
 _LONGEST_ANSWER_BYTES = 65536
+
+_SAME_SPEED = 0.01
+"""Speeds that differ by a smaller share are the same."""
 
 
 class BenchTrackerSettings(BaseModel):
@@ -92,12 +95,23 @@ class BenchTracker:
     Args:
         transport: leads to the control port.
         settings: see there.
+        clock_speed: seconds of the run's clock in one real second; None where nobody knows.
+
+    Attributes:
+        notes: what the operator should know about the connection.
     """
 
     Settings: ClassVar[type[BenchTrackerSettings]] = BenchTrackerSettings
 
-    def __init__(self, transport: Transport, settings: BenchTrackerSettings | None = None) -> None:
+    def __init__(
+        self,
+        transport: Transport,
+        settings: BenchTrackerSettings | None = None,
+        clock_speed: float | None = None,
+    ) -> None:
         self._settings = settings or BenchTrackerSettings()
+        self._clock_speed = clock_speed
+        self.notes: tuple[str, ...] = ()
         self._link = RequestLink(transport, name="tracker", greet=self._greet, quiet_s=self._settings.quiet_s)
         self._name = ""
 
@@ -105,7 +119,7 @@ class BenchTracker:
     def at(
         cls,
         endpoint: str,
-        clock: Clock,  # noqa: ARG003  # shape of all drivers
+        clock: Clock,
         sink: Sink | None = None,
         **settings: Any,
     ) -> Self:
@@ -116,7 +130,8 @@ class BenchTracker:
             pydantic.ValidationError: a setting is unknown or wrong.
         """
         checked = BenchTrackerSettings(**settings)
-        return cls(open_transport(endpoint, connect_timeout_s=checked.connect_timeout_s, sink=sink), checked)
+        transport = open_transport(endpoint, connect_timeout_s=checked.connect_timeout_s, sink=sink)
+        return cls(transport, checked, clock.speed if isinstance(clock, SystemClock) else None)
 
     async def connect(self) -> Identity:
         """Open the link and check who answers.
@@ -162,6 +177,19 @@ class BenchTracker:
         except (LinkError, ProtocolError) as exc:
             raise self._stranger(exc) from None
         self._name = name
+        self.notes = self._speeds(answer.get("speed"))
+
+    def _speeds(self, bench: object) -> tuple[str, ...]:
+        """Tell of a bench whose time runs otherwise than the run's."""
+        own = self._clock_speed
+        if own is None or not isinstance(bench, int | float) or bench <= 0.0:
+            return ()
+        if abs(bench / own - 1.0) < _SAME_SPEED:
+            return ()
+        return (
+            f"the emulated bench runs at {bench:g} times real time and this run reckons with {own:g}: settling times "
+            f"and drift rates are wrong by {max(bench / own, own / bench):.3g} times; give both the same --speed",
+        )
 
     def _stranger(self, cause: DeviceError) -> DeviceError:
         came = self._link.greeting or self._link.last_bytes

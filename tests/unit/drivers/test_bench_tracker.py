@@ -8,6 +8,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from drivers.clock import SystemClock
 from drivers.errors import LinkTimeoutError, ProtocolError, WrongDeviceError
 from drivers.tracker.bench_tracker import (
     BenchTracker,
@@ -47,6 +48,34 @@ async def test_it_tells_who_it_is_and_where_the_axis_is() -> None:
         assert (identity.model, identity.simulated) == ("catseye bench EMULATOR", True)
         assert await tracker.locate() == TrackerPosition(12.5, -3.25, 0.0075)
         assert peer.requests == [b'{"op": "identify"}\n', b'{"op": "tracker"}\n']
+
+
+@pytest.mark.parametrize(
+    ("bench_speed", "own", "told"),
+    [
+        ("400", 100.0, True),
+        ("1", 50.0, True),
+        ("400", 400.0, False),
+        ("1.0", 1.0, False),
+        ('"fast"', 1.0, False),
+    ],
+)
+async def test_a_bench_whose_time_runs_otherwise_than_the_runs_is_told(
+    bench_speed: str, own: float, told: bool
+) -> None:
+    port = Port()
+    port.identify = [IDENTITY.replace("}", f', "speed": {bench_speed}}}')]
+    async with Peer(port.answer, endpoint="memory://control") as peer:
+        settings = BenchTrackerSettings(answer_timeout_s=0.1, quiet_s=0.001)
+        tracker = BenchTracker(peer.transport, settings, clock_speed=own)
+        await tracker.connect()
+        assert ["give both the same --speed" in note for note in tracker.notes] == [True] * told
+        await tracker.close()
+
+
+def test_the_runs_clock_tells_its_speed() -> None:
+    tracker = BenchTracker.at("tcp://127.0.0.1:1", SystemClock(50.0))
+    assert tracker._clock_speed == 50.0  # noqa: SLF001  # nothing is opened, nothing else shows it
 
 
 @pytest.mark.parametrize("first", ["SSH-2.0-OpenSSH_9.2\r\n", '{"ok": false, "error": "what?"}\n', "[]\n"])
