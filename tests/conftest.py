@@ -18,7 +18,10 @@ def _open_files() -> dict[str, str]:
             target = os.readlink(entry)
         except OSError:
             continue
-        if target.startswith("socket:") or (target.startswith("/") and not target.startswith("/dev/")):
+        # matplotlib keeps each font open that it has used once, for as long as the process lives.
+        if target.startswith("/dev/") or "/mpl-data/fonts/" in target:
+            continue
+        if target.startswith(("socket:", "/")):
             links[entry.name] = target
     return links
 
