@@ -11,7 +11,7 @@ from procedures.errors import BeamLostError
 from procedures.motion.bench_time import BenchTime
 from procedures.motion.follower import Follower
 from procedures.motion.visits import Visit
-from procedures.open_loop.closures import Closure
+from procedures.open_loop.closures import Closure, trip_within_reach
 from procedures.open_loop.live_knowledge import Knowledge
 from procedures.open_loop.open_loop_plan import OpenLoopPlan, ReflectorPlan
 from procedures.open_loop.point_row import point_row, title_of
@@ -107,7 +107,7 @@ class ReflectorCampaign:
     async def _closure(self, closure: Closure) -> None:
         reference = self._part.visits[closure.reference]
         step_id = f"{self._name}/closure/{closure.number:02d}"
-        title = f"closure visit {closure.number} to {title_of(self._name, reference.command)}"
+        title = f"closure visit {closure.number}, planned to {title_of(self._name, reference.command)}"
         result = await self._ctx.step(step_id, title, self._noted([], lambda: self._closed(closure)))
         self._follower.segment = max(self._follower.segment, integer(result["segment"]))
         self._passed(closure.duration_s, title)
@@ -138,17 +138,17 @@ class ReflectorCampaign:
         )
         return {"measured": True, "segment": segment, "displacement_mm": measured.displacement_mm}
 
-    async def _closed(self, closure: Closure) -> Row:
+    async def _closed(self, planned: Closure) -> Row:
         """Drive to the reference pose, measure there, and drive back."""
         follower, visits = self._follower, self._part.visits
-        here, reference = visits[closure.after], visits[closure.reference]
-        known = self._reference(closure)
+        here = visits[planned.after]
         if follower.at is not here or not await follower.undisturbed():
             return await self._no_closure("the arm does not stand where the trip begins")
-        if known is None or not follower.counting:
-            return await self._no_closure(
-                "the count began anew since the reference pose was measured, without an overlap"
-            )
+        closure = self._within_reach(planned)
+        known = None if closure is None else self._reference(closure)
+        if closure is None or known is None or not follower.counting:
+            return await self._no_closure("the present count goes back to no pose that can be driven to")
+        reference = visits[closure.reference]
         found = await follower.track(closure.out, reference) or await follower.measure(
             reference, f"{self._name}/closure/{closure.number:02d}"
         )
@@ -161,6 +161,17 @@ class ReflectorCampaign:
             await self._recovery.tell(loss, here)
             follower.at = None
         return result
+
+    def _within_reach(self, planned: Closure) -> Closure | None:
+        """Return the trip, or one to another pose when a gap lies between the planned one and the present count."""
+        if self._reference(planned) is not None:
+            return planned
+        places = [
+            place
+            for place, known in self._distances.items()
+            if self._recovery.carried(known.segment) is not None
+        ]
+        return trip_within_reach(self._part.visits, planned, places, self._bench, self._part.reflector)
 
     def _reference(self, closure: Closure) -> "_Reference | None":
         """Return what the reference pose gave, as counted from the present zero."""

@@ -70,6 +70,28 @@ def plan_closures(
     return tuple(found), (text,)
 
 
+def trip_within_reach(
+    visits: tuple[Visit, ...], planned: Closure, places: list[int], bench: Bench, reflector: Reflector
+) -> Closure | None:
+    """Plan a trip in place of one whose reference was measured before a gap in the count.
+
+    Args:
+        visits: points in measuring order.
+        planned: the trip that was planned.
+        places: among the visits; points that the present count goes back to.
+        bench: nominal arm, optics, limits.
+        reflector: what is aimed at.
+
+    Returns:
+        The trip to the earliest of those points; None when the beam cannot be kept on the way to the first few.
+    """
+    for place in sorted(place for place in places if place < planned.after)[:_TRIES]:
+        trip = _trip(visits, planned.after, place, bench, reflector)
+        if trip is not None:
+            return replace(trip, number=planned.number)
+    return None
+
+
 def _places(visits: int, count: int) -> list[int]:
     return [round(number * visits / count) - 1 for number in range(1, count + 1)]
 

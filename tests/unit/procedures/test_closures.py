@@ -157,11 +157,40 @@ async def test_an_overlap_carries_the_reference_over_a_loss() -> None:
     assert first["drift_um"] == pytest.approx(0.0, abs=1e-6)
 
 
-async def test_a_gap_without_an_overlap_leaves_closures_out() -> None:
+def require_first_of_the_count(context: TroubledContext) -> None:
+    """Each closure leads to the first point of its segment, from that point's sides, and tells no drift."""
+    measured = [row for row in rows(context, "records") if row["kind"] == "closure"]
+    assert [row["number"] for row in measured] == [1, 2]
+    for row in measured:
+        first = next(point for point in rows(context, "points") if point["segment"] == row["segment"])
+        keys = ("theta1_deg", "theta2_deg", "direction1", "direction2")
+        assert [row[key] for key in keys] == [first[key] for key in keys]
+        assert row["reference_displacement_mm"] == first["displacement_mm"]
+        assert row["drift_um"] == pytest.approx(0.0, abs=1e-6)
+
+
+async def test_after_a_gap_without_an_overlap_closures_lead_to_a_pose_of_the_present_count() -> None:
     # The overlap itself is broken, so the segment begins at the point.
     context = await ran(TroubledContext(breaks_at={6, 7}))
-    assert [row["kind"] for row in rows(context, "records")] == []
-    assert len(events(context, "closure-left-out")) == 2
+    require_first_of_the_count(context)
+    assert {row["segment"] for row in rows(context, "records")} == {2}
+    assert len(rows(context, "points")) == COUNT
+
+
+async def test_a_resumed_run_goes_on_with_closures() -> None:
+    whole = await ran(TroubledContext())
+    done = {name: result for name, result in whole.stored.items() if name <= "P2/0004"}
+    assert len(done) == 5
+    again = await ran(TroubledContext(stored=done))
+    require_first_of_the_count(again)
+    assert [row["point"] for row in rows(again, "records")] == [5, 5]
+
+
+async def test_a_closure_right_after_a_gap_is_left_out() -> None:
+    after = small_plan().reflectors[0].closures[0].after
+    context = await ran(TroubledContext(breaks_at={after + 1, after + 2}))
+    (left_out,) = events(context, "closure-left-out")
+    assert "goes back to no pose" in left_out["reason"]
     assert context.stored["P2/closure/01"]["measured"] is False
     assert len(rows(context, "points")) == COUNT
 
