@@ -158,6 +158,7 @@ class EngineProcess:
                 ExitCode.SAFETY,
             )
         opened: asyncio.Future[Message] = asyncio.get_running_loop().create_future()
+        self.hub.beginning = True
         self._job = asyncio.create_task(self._run(request, opened))
         return opened
 
@@ -174,6 +175,7 @@ class EngineProcess:
             return None
         finally:
             opened.cancel()
+            self.hub.beginning = False
             self._job = None
         if outcome.status == "aborted":
             self.hub.idle_state, self._aborted = State.ABORTED, outcome.text

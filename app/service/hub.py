@@ -97,6 +97,7 @@ class Hub:
         desk: questions lie open here.
         run: under way; None between runs.
         idle_state: where the engine stands between runs.
+        beginning: a run was asked for and is not open yet.
         facts: more for the snapshot.
     """
 
@@ -106,6 +107,7 @@ class Hub:
         self.desk = PromptDesk(lambda: waits or self.console is not None or self._holder is not None)
         self.run: RunHandle | None = None
         self.idle_state = State.IDLE
+        self.beginning = False
         self.facts: dict[str, Json] = {}
         self._clock = clock
         self._members: dict[str, Member] = {}
@@ -113,6 +115,7 @@ class Hub:
         self._count = 0
         self._seen = Seen()
         self._hold_when_running: str | None = None
+        self._lost_early: tuple[Member, str] | None = None
 
     @property
     def members(self) -> list[Member]:
@@ -146,10 +149,13 @@ class Hub:
         if self._holder is not member:
             return
         self._holder = None
-        if reason is None or self.run is None or self.run.control.state in ENDED:
-            self._control_changed("left", None, member.text)
-        else:
+        if reason is not None and self.run is not None and self.run.control.state not in ENDED:
             self._lost(self.run, member, reason)
+            return
+        if reason is not None and self.run is None and self.beginning:
+            # What it asked for is still being planned: nobody may be there when it begins to move.
+            self._lost_early = (member, reason)
+        self._control_changed("left", None, member.text)
 
     def take_control(self, member: Member, *, force: bool) -> None:
         """Give a client control.
@@ -165,7 +171,7 @@ class Hub:
                 f"{present} holds control: ask for it to be handed over, or take it with force"
             )
         self._holder = member
-        self._hold_when_running = None
+        self._hold_when_running = self._lost_early = None
         self._control_changed("taken by force" if present else "taken", member.text, present)
 
     def release(self, member: Member) -> None:
@@ -235,8 +241,12 @@ class Hub:
         """Serve a run while its record is open."""
         self.run, self._seen = handle, Seen()
         self._hold_when_running = None
+        self.beginning = False
+        lost, self._lost_early = self._lost_early, None
         if self._holder is not None:
             handle.note("control", {"what": "held from the start", "by": self._holder.text})
+        elif lost is not None:
+            self._lost(handle, *lost)
         try:
             yield
         finally:

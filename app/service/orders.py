@@ -22,6 +22,9 @@ from app.service.messages import (
 )
 
 _HOLDS = frozenset({State.HOLDING, State.HELD})
+_BEFORE_MOTION = frozenset({State.IDLE, State.STARTING})
+_OPEN = RUNNING | {State.IDLE}
+"""An aborted run that goes on is IDLE until its operator has cleared it; it can be stopped then as ever."""
 
 
 class Engine(Protocol):
@@ -114,7 +117,7 @@ class Orders:
         control = self._running().control
         if control.state in _HOLDS:
             return
-        if control.state == State.STARTING:
+        if control.state in _BEFORE_MOTION:
             raise RefusedError(
                 "the devices are being connected and nothing moves: hold when it runs, or stop"
             )
@@ -145,7 +148,7 @@ class Orders:
         run = self._hub.run
         if run is None:
             raise RefusedError("no run is under way")
-        if run.control.ending is not None or run.control.state not in RUNNING:
+        if run.control.ending is not None or run.control.state not in _OPEN:
             # A stop may become an abort while it is under way.
             if run.control.state in {State.STOPPING, State.ABORTING}:
                 return run

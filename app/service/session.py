@@ -68,6 +68,10 @@ class Session:
         reason: str | None = None
         try:
             reason = await self._ended
+        except Exception:
+            # A fault of the program leaves nobody in control just as a broken connection does.
+            reason = "its session failed"
+            raise
         finally:
             # The hub hears of it before anything is waited for: a run without its client is held now.
             if self._member is not None:

@@ -6,7 +6,7 @@ import pytest
 
 from app.engine.states import State
 from app.errors import SafetyError
-from app.service.errors import RefusedError
+from app.service.errors import RefusedError, ServiceError
 from app.service.hub import Policy
 from tests.unit.app.engine.fakes import HOME
 from tests.unit.app.service.benches import ServiceBench, close, event_of, settled
@@ -110,6 +110,31 @@ async def test_a_hold_before_anything_moves_is_refused_with_the_reason() -> None
         await bench.control.halted()
         with pytest.raises(RefusedError, match="has ended"):
             await client.request("stop")
+
+
+async def test_an_aborted_run_that_waits_to_be_cleared_can_be_stopped() -> None:
+    bench = ServiceBench()
+    with bench.hub.running(bench.handle):
+        async with bench.client() as client:
+            with pytest.raises(RefusedError, match="nothing moves"):
+                await client.request("hold")
+            await client.request("stop")
+            assert bench.state() == "STOPPED"
+        await bench.server.end()
+
+
+async def test_a_session_that_fails_has_lost_its_client(
+    monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
+) -> None:
+    async with ServiceBench().running() as bench, bench.client("Ada") as ada:
+        await ada.take_control()
+        monkeypatch.setattr(bench.gate, "want_override", lambda _percent: 1 // 0)
+        with pytest.raises(ServiceError):
+            await ada.request("override", percent=5.0)
+        await settled()
+        assert bench.state() == "HOLDING"
+        assert bench.noted("client-lost")[0]["reason"] == "its session failed"
+    assert "session failed" in caplog.text
 
 
 async def test_a_run_that_serves_itself_starts_and_clears_nothing() -> None:

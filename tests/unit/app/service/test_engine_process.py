@@ -3,6 +3,7 @@
 import asyncio
 import os
 import signal
+import threading
 from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
 from pathlib import Path
@@ -12,6 +13,7 @@ from typing import Any
 import pytest
 
 from app.engine.host import run_procedure
+from app.engine.waiting import cancel
 from app.errors import UsageError
 from app.exitcode import ExitCode
 from app.service import engine_process
@@ -151,6 +153,42 @@ async def test_a_lost_client_means_what_the_cell_of_the_run_says(bench: FakeBenc
         assert (await event_of(ben, "run-ended"))["status"] == "stopped"
         await event_of(ben, "idle")
         await ben.request("shutdown")
+
+
+@pytest.mark.parametrize("policy", ["hold", "stop", "continue"])
+async def test_a_client_that_is_lost_while_its_run_is_planned_is_lost_to_the_run(
+    bench: FakeBench, monkeypatch: pytest.MonkeyPatch, policy: str
+) -> None:
+    planning, go_on, plan = threading.Event(), threading.Event(), engine_process.plan_run
+
+    def slow(*arguments: Any) -> Any:
+        planning.set()
+        assert go_on.wait(5)
+        return plan(*arguments)
+
+    cell = SimpleNamespace(cell=SimpleNamespace(engine=SimpleNamespace(on_client_lost=policy)))
+    monkeypatch.setattr(engine_process, "load_cell", lambda _path: cell)
+    monkeypatch.setattr(engine_process, "plan_run", slow)
+    async with serving(bench.root), engine_client(bench.root) as ben:
+        await ben.release()
+        async with engine_client(bench.root) as ada:
+            asking = asyncio.create_task(ada.request("start", procedure="script"))
+            await asyncio.to_thread(planning.wait, 5)
+        await cancel(asking)
+        await event_of(ben, "control", what="left")
+        go_on.set()
+        assert (await event_of(ben, "client-lost"))["policy"] == policy
+        if policy == "hold":
+            await event_of(ben, "state", state="HOLDING")
+        if policy == "continue":
+            await event_of(ben, "warning")
+            await event_of(ben, "state", state="EXECUTE")
+        if policy != "stop":
+            await ben.request("stop")
+        assert (await event_of(ben, "run-ended"))["status"] == "stopped"
+        await event_of(ben, "idle")
+        await ben.request("shutdown")
+    assert "move" not in bench.robot.calls
 
 
 @pytest.mark.parametrize(
