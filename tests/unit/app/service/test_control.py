@@ -123,6 +123,23 @@ async def test_an_aborted_run_that_waits_to_be_cleared_can_be_stopped() -> None:
         await bench.server.end()
 
 
+@pytest.mark.parametrize(("policy", "state"), [("continue", "EXECUTE"), ("hold", "HOLDING")])
+async def test_a_client_that_is_lost_before_its_run_is_open_is_lost_to_the_run(
+    policy: Policy, state: str
+) -> None:
+    bench = ServiceBench()
+    bench.hub.policy, bench.hub.beginning = policy, True
+    async with bench.client("Ada") as ada:
+        await ada.take_control()
+    await settled()
+    async with bench.running():
+        await settled()
+        assert bench.state() == state
+        assert bench.noted("client-lost")[0]["who"] == "Ada"
+        assert len(bench.warnings) == (policy == "continue")
+        assert bench.robot.calls == []
+
+
 async def test_a_session_that_fails_has_lost_its_client(
     monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
 ) -> None:
