@@ -81,6 +81,9 @@ class BeamLevel:
     needs_tracker = False
     params_type = BeamLevelParams
 
+    def __init__(self) -> None:
+        self._away_from_mm: float | None = None
+
     def plan(self, bench: Bench, params: BeamLevelParams) -> BeamLevelPlan:
         """Choose poses at different distances to one reflector.
 
@@ -107,15 +110,29 @@ class BeamLevel:
             AlignmentError: the pitch did not come within its tolerance, or J3's range is too small.
             BeamLostError: the reflector does not return the beam.
         """
+        self._away_from_mm = plan.bench.arm.j3_mm
         rounds = _Rounds(ctx, plan)
         guided = GuidedScrew(
             ctx, level_screw(plan.bench), rounds.measure, rounds.watch, plan.params.max_rounds
         )
         row = await guided.align()
         await ctx.step("result", "height at which everything is measured", lambda: _result(ctx, plan, row))
+        await ctx.step("height", "J3 back at the height of the cell file", lambda: _back(ctx, plan))
+        self._away_from_mm = None
 
     async def teardown(self, ctx: Context) -> None:
-        """Leave the arm where it stands."""
+        """Leave the arm where it stands, and say so when J3 was not brought back."""
+        if self._away_from_mm is not None:
+            await ctx.warn(
+                f"J3 stands where the levelling left it, not at j3_mm = {self._away_from_mm:g}: the next procedure "
+                "brings it there first, or move it yourself"
+            )
+
+
+async def _back(ctx: Context, plan: BeamLevelPlan) -> Row:
+    one, two, _, four = await ctx.joints()
+    await ctx.move((one, two, plan.bench.arm.j3_mm, four))
+    return {"j3_mm": plan.bench.arm.j3_mm}
 
 
 def level_screw(bench: Bench) -> Screw:
@@ -262,7 +279,8 @@ class _Rounds:
         raise BeamLostError(
             f"reflector {pose.reflector.name} does not return the beam at θ1 = {pose.theta1_deg:g}°, "
             f"θ2 = {pose.theta2_deg:g}° ({pose.beam_mm:.0f} mm away) at any height of J3 from {low:g} to {high:g} "
-            "mm: check that the beam is free, the rough place, theta40_deg and j3_range_mm, or raise half_range_deg"
+            "mm: check that the beam is free, the rough place, theta40_deg and j3_range_mm, "
+            "turn the level screw back if it was turned the wrong way, or raise half_range_deg"
         )
 
     def _direction(

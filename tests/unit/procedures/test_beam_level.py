@@ -47,6 +47,20 @@ async def test_the_pitch_is_taken_away_in_one_turn(pitch: float) -> None:
     assert rows[0]["quantity"] == "pitch of the beam"
 
 
+async def test_j3_is_brought_back_or_its_height_is_told() -> None:
+    base = mounted_bench()
+    context = await levelled(MountContext(pitch_mrad=1.3, height_mm=50.4))
+    assert context.moves[-1][2] == context.pose[2] == base.arm.j3_mm
+    assert {move[2] for move in context.moves} - {base.arm.j3_mm}
+    assert not any("J3 stands" in text for text in context.warnings)
+    # A run that ends early cannot move any more: it says where J3 belongs.
+    procedure, dark = BeamLevel(), MountContext(pitch_mrad=1.3, blocked=lambda _pose: True)
+    with pytest.raises(BeamLostError, match="turn the level screw back"):
+        await procedure.run(dark, planned())
+    await procedure.teardown(dark)
+    assert any(f"not at j3_mm = {base.arm.j3_mm:g}" in text for text in dark.warnings)
+
+
 async def test_hands_are_told_up_or_down_and_turns() -> None:
     context = await levelled(MountContext(pitch_mrad=1.0))
     (prompt,) = context.prompts
