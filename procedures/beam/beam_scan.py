@@ -12,6 +12,12 @@ _J3, _J4 = 2, 3
 _EDGE_RESOLUTION = {_J3: 0.01, _J4: 0.002}
 """An edge of the window is bisected to this, mm and deg; the controller resolves 0.001."""
 
+_BESIDE = 0.25
+"""So far outside of an edge, in half widths of the window, nothing may return."""
+
+_TRIES = 3
+"""Something that passes through the beam while an edge is looked for feigns an edge: both are looked for again."""
+
 _NAMES: dict[int, tuple[str, str]] = {_J3: ("J3", "mm"), _J4: ("J4", "deg")}
 
 
@@ -157,13 +163,28 @@ class _Scan:
         return None
 
     async def _centre(self, hit: float) -> tuple[float, float, float] | None:
-        upper = await self._edge(hit, self._half_window)
-        lower = await self._edge(hit, -self._half_window)
-        if upper is None or lower is None:
-            self.cut_off = "upper" if upper is None else "lower"
-            return None
-        await self._returns_at(0.5 * (lower + upper))
-        return lower, upper, self._signal
+        for _ in range(_TRIES):
+            upper = await self._edge(hit, self._half_window)
+            lower = await self._edge(hit, -self._half_window)
+            if upper is None or lower is None:
+                self.cut_off = "upper" if upper is None else "lower"
+                return None
+            if await self._are_edges(lower, upper):
+                return lower, upper, self._signal
+        return None
+
+    async def _are_edges(self, lower: float, upper: float) -> bool:
+        """Return whether the beam returns in the middle and not beside the edges; the joint ends in the middle.
+
+        Two looks at the middle: what has stood in the beam since the edges were looked for shows at the first.
+        """
+        low, high = self._limits
+        beside, middle = _BESIDE * self._half_window, 0.5 * (lower + upper)
+        returns = await self._returns_at(middle)
+        for value in (upper + beside, lower - beside):
+            if returns and low <= value <= high:
+                returns = not await self._returns_at(value)
+        return await self._returns_at(middle) and returns
 
     async def _edge(self, hit: float, stride: float) -> float | None:
         """Return where the return ends on the side of the stride's sign; None beyond the limits."""

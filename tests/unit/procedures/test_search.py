@@ -47,6 +47,22 @@ async def test_the_middle_of_the_window_is_found(centre: float) -> None:
     assert context.pose == (*POSE[:3], window.centre_deg)
 
 
+@pytest.mark.parametrize("begins", range(2, 24))
+@pytest.mark.parametrize("lasts", [1, 4, 12])
+async def test_what_passes_through_the_beam_feigns_no_edge(begins: int, lasts: int) -> None:
+    """A person stands in the beam for some of the looks; the middle is right or there is none."""
+    context = sees_backwards(looking_from(POSE, 0.31, 0.085))
+    window_only, there = context.blocked, set(range(begins, begins + lasts))
+    context.blocked = lambda at: window_only(at) or len(context.moves) in there
+    window = await find_return(context, POSE, 4.0, 0.08, (-360.0, 360.0))
+    if lasts == 1 and begins != 6:
+        # The sixth look is the only one of the scan at which the beam would return.
+        assert window is not None
+    if window is not None:
+        assert window.centre_deg == pytest.approx(0.31, abs=0.25 * 0.085)
+        assert context.pose == (*POSE[:3], window.centre_deg)
+
+
 async def test_only_j4_moves_while_scanning() -> None:
     context = sees_backwards(looking_from(POSE, 1.0, 0.085))
     await find_return(context, POSE, 4.0, 0.08, (-360.0, 360.0))

@@ -39,7 +39,9 @@ class JoltedContext(IdealContext):
         rng = np.random.default_rng(self.seed)
 
         def error(one: float, two: float) -> float:
-            return self.angles.setdefault((one, two), float(rng.normal(0.0, self.jolt_deg)))
+            if (one, two) not in self.angles:
+                self.angles[one, two] = float(rng.normal(0.0, self.jolt_deg))
+            return self.angles[one, two]
 
         self.j4_error_deg = error
 
