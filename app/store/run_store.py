@@ -128,7 +128,12 @@ class RunStore:
         if before == "running":
             raise StorageError(f"{path} is being written by a running catseye; stop that first")
         require_space(path, reserve_bytes)
-        seal.unseal(path)
+        # A process that is just sealing the run has stored its closing record and still holds the lock.
+        lock = RunLock(path)
+        try:
+            seal.unseal(path)
+        finally:
+            lock.release()
         crash_point("unsealed")
         store = await cls._open(path, clock, reserve_bytes, max_log_bytes, reader)
         facts: dict[str, Json] = {

@@ -10,7 +10,9 @@ from pathlib import Path
 import pytest
 
 from app.errors import StorageError, UsageError
+from app.store import seal
 from app.store.catalog import list_runs
+from app.store.lock import RunLock
 from app.store.reader import RunReader
 from app.store.run_store import RunStore
 from app.store.schema import RAW_TABLES, UPGRADES, VERSION, open_reader, open_writer
@@ -208,6 +210,17 @@ async def test_a_reopened_run_knows_results_and_attempts(store: RunStore) -> Non
 async def test_two_processes_never_write_one_run(store: RunStore) -> None:
     with pytest.raises(StorageError, match="being written"):
         await RunStore.reopen(store.path, TickingClock(), reserve_bytes=0)
+
+
+async def test_a_run_that_is_just_being_sealed_is_left_alone(store: RunStore) -> None:
+    await store.finish("stopped", 4)
+    lock = RunLock(store.path)
+    try:
+        with pytest.raises(StorageError, match="being written"):
+            await RunStore.reopen(store.path, TickingClock(), reserve_bytes=0)
+    finally:
+        lock.release()
+    assert seal.read_manifest(store.path) is not None
 
 
 async def test_a_complete_run_is_not_reopened(store: RunStore) -> None:
