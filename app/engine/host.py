@@ -23,7 +23,7 @@ from app.engine.devices import (
     identities_as_json,
     require_permission,
 )
-from app.engine.ending import COMPLETE, Ending, EndStatus, ending_of, react
+from app.engine.ending import COMPLETE, DeviceFaultError, Ending, EndStatus, ending_of, react
 from app.engine.gate import JointLimits, MotionGate, require_ready
 from app.engine.halt import FAILURES, HaltLimits
 from app.engine.handle import OnOpen, RunHandle
@@ -295,7 +295,13 @@ class _Run:
             _POLL_S * self._request.clock_speed,
         )
         self._watch = asyncio.create_task(watchman.watch())
+        self._watch.add_done_callback(self._watch_ended)
         return self._context
+
+    def _watch_ended(self, watch: "asyncio.Task[None]") -> None:
+        """Nothing goes on unwatched: a watchman who fails, by a fault of the program, ends the run."""
+        if not watch.cancelled() and (error := watch.exception()) is not None:
+            self._control.fault(DeviceFaultError(error))
 
     async def _reenter(self, reentry: Reentry, context: RunContext, identities: dict[str, Json]) -> None:
         """Look and ask whether the bench is still the one of the points; an abort is cleared first."""

@@ -12,6 +12,7 @@ from typing import NamedTuple
 
 import pytest
 
+from app.engine.conditions import Watchman
 from app.engine.host import RunOutcome, run_procedure
 from app.engine.signals import loop_signals
 from app.errors import MeasurementRejectedError, StorageError, UsageError
@@ -441,6 +442,24 @@ async def test_a_front_end_that_is_lost_before_the_first_motion_holds_the_run(
         outcome = await run_procedure(request, bench.build, bench.clock, publish, bench.install)
     assert outcome.exit_code == ExitCode.TERMINATED
     assert "move" not in bench.robot.calls
+
+
+async def test_a_watchman_who_fails_ends_the_run(bench: FakeBench, monkeypatch: pytest.MonkeyPatch) -> None:
+    async def fails(_self: Watchman) -> None:
+        raise ValueError("not a number")
+
+    async def patient(ctx: Context) -> None:
+        await ctx.step("wait", "wait", nothing)
+        await ctx.pause(100.0)
+
+    async def nothing() -> Row:
+        return {}
+
+    monkeypatch.setattr(Watchman, "watch", fails)
+    async with asyncio.timeout(5):
+        outcome = await run(bench, Script(patient))
+    assert (outcome.status, outcome.text) == ("failed", "not a number")
+    assert "stop" in bench.robot.calls
 
 
 async def test_no_run_is_begun_where_it_could_not_be_stored(bench: FakeBench) -> None:
