@@ -33,7 +33,7 @@ T = TypeVar("T")
 _WATCH_S = 0.2
 """Real seconds between two looks at a value that is shown beside a question."""
 
-_SAME_PLACE = 0.1
+_SAME_PLACE = 0.03
 """Joints that differ by more, deg or mm, were moved by somebody else."""
 
 _MATERIAL_MAX_AGE_S = 30.0

@@ -12,7 +12,7 @@ from procedures.motion.free_way import require_free_way
 from procedures.motion.tracking import aimed_along
 from procedures.motion.visits import Visit
 
-_SAME_PLACE = 0.1
+_SAME_PLACE = 0.03
 """Joints that differ by more, deg or mm, were moved by somebody else: encoders and rounding stay far below."""
 
 
