@@ -47,6 +47,13 @@ def _drift(row: Row) -> str:
     )
 
 
+def _repeat(row: Row) -> str:
+    return (
+        f"{row.get('reflector')}: cycle {row.get('cycle')}, pose {row.get('pose')}, displacement "
+        f"{_value(row, 'displacement_mm'):.4f} mm"
+    )
+
+
 def _screw(row: Row) -> str:
     return str(row.get("text") or plain("screw", row))
 
@@ -65,5 +72,6 @@ _WORDS: Mapping[str, Callable[[Row], str]] = {
     "overlap": _overlap,
     "closure": _closure,
     "drift": _drift,
+    "repeat": _repeat,
     "screw": _screw,
 }

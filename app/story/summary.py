@@ -95,7 +95,16 @@ def _change_um(row: dict[str, Any]) -> float | None:
 
 def _results(reader: RunReader) -> list[str]:
     return [
-        f"result          {step.title}: {json.dumps(step.result, ensure_ascii=False)}"
+        f"result          {step.title}: {json.dumps(_readable(step.result), ensure_ascii=False)}"
         for step in reader.steps()
         if step.row_count == 0 and step.result and step.step_id == _RESULT
     ]
+
+
+def _readable(value: Any) -> Any:
+    """Return a result with its numbers to six digits; the record has all of them."""
+    if isinstance(value, float):
+        return float(f"{value:.6g}")
+    if isinstance(value, dict):
+        return {key: _readable(one) for key, one in value.items()}
+    return [_readable(one) for one in value] if isinstance(value, list) else value

@@ -119,7 +119,53 @@ def _moved(data: Data) -> str:
     )
 
 
+def _hands(data: Data) -> str:
+    did = {"turn_screw": f"turned the {data.get('screw')} screw by {data.get('turns')} turns"}
+    what = did.get(str(data.get("op"))) or plain("did", data)
+    return f"the emulated operator's hands {what}"
+
+
+def _aim(data: Data) -> str:
+    verdict = "the aim holds over the whole plan" if data.get("holds") else "the aim does not hold yet"
+    worst, room = data.get("worst_uncertainty_mm"), data.get("room_mm")
+    told = f": {worst:.2f} mm at worst (k = 1), {room:.2f} mm allowed (k = 2)" if worst and room else ""
+    return f"{verdict}{told}, {data.get('poses')} poses"
+
+
+def _warmup(data: Data) -> str:
+    rate, u = data.get("drift_um_per_10min"), data.get("u_drift_um_per_10min")
+    known = "drift not known" if rate is None else f"drift {rate:+.1f} ± {u or 0.0:.1f} µm in 10 min"
+    verdict = "WARM" if data.get("warm") else "NOT WARM"
+    elapsed_min = float(data.get("elapsed_min", 0.0))
+    return (
+        f"{verdict}: {known}, limit {_value(data.get('limit_um_per_10min'))} µm in 10 min, "
+        f"{data.get('visits')} visits to {data.get('reflector')} in {elapsed_min:.0f} min"
+    )
+
+
+def _along_beam(data: Data) -> str:
+    where = f"pose {data.get('pose')}, along the beam to {data.get('reflector')}"
+    if data.get("refused"):
+        return f"{where}: no result: {data['refused']}"
+    return (
+        f"{where}: S = {data['s_um']:.1f} µm (95 %: {data['s_low_um']:.1f}…{data['s_high_um']:.1f}), "
+        f"RP = ±{data['rp_um']:.1f} µm, range {data['range_um']:.1f} µm, drift {data['drift_um']:+.1f} µm"
+    )
+
+
+def _position(data: Data) -> str:
+    if data.get("refused"):
+        return f"pose {data.get('pose')}, position: no result: {data['refused']}"
+    return f"pose {data.get('pose')}, position: RP = {data['rp_um']:.1f} ± {data['u_rp_um']:.1f} µm"
+
+
 _WORDS: Mapping[str, Callable[[Data], str]] = {
+    "aim": _aim,
+    "warmup": _warmup,
+    "repeatability": _along_beam,
+    "position-repeatability": _position,
+    # A warning or the summary tells the rest.
+    "height": lambda data: f"beam at J3 = {float(data['j3_mm']):.2f} ± {float(data['u_j3_mm']):.2f} mm",
     "state": _state,
     "warning": _warning,
     "error": lambda data: f"ERROR: {data.get('text')}",
@@ -138,7 +184,7 @@ _WORDS: Mapping[str, Callable[[Data], str]] = {
     "client-lost": _client_lost,
     "run-ended": _ended,
     "reflectors-moved": _moved,
-    "hands": lambda data: plain("the emulated operator's hands", data),
+    "hands": _hands,
     "close-failed": lambda data: plain("NOT CLOSED", data),
     # These are told with what belongs to them.
     "asked": lambda _data: "",

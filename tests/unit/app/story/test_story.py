@@ -4,10 +4,11 @@ from pathlib import Path
 
 import pytest
 
-from app.store.reader import RunReader
+from app.store.reader import RunReader, StoredEvent
 from app.store.run_store import RunStore
 from app.story.summary import summary
 from app.story.timeline import timeline
+from app.story.words import event_text
 from procedures.context import Json, Row, Table
 from tests.unit.app.engine.fakes import ManualClock, point
 
@@ -207,3 +208,51 @@ async def test_the_summary_counts_lives_distances_and_segments(author: Author) -
     assert lines["P1"] == "7 distances in 2 segment(s)"
     # This run does not say what it was planned with, so it cannot go on.
     assert "to go on" not in lines
+
+
+@pytest.mark.parametrize(
+    ("kind", "data", "text"),
+    [
+        (
+            "hands",
+            {"prompt": "level/1", "op": "turn_screw", "screw": "level", "turns": -0.52},
+            "the emulated operator's hands turned the level screw by -0.52 turns",
+        ),
+        (
+            "aim",
+            {
+                "worst_uncertainty_mm": 0.195011,
+                "acceptance_mm": 1,
+                "room_mm": 0.8,
+                "poses": 24,
+                "holds": True,
+            },
+            "the aim holds over the whole plan: 0.20 mm at worst (k = 1), 0.80 mm allowed (k = 2), 24 poses",
+        ),
+        (
+            "warmup",
+            {
+                "warm": False,
+                "reflector": "P1",
+                "limit_um_per_10min": 5.0,
+                "visits": 4,
+                "elapsed_min": 6.02793,
+                "drift_um_per_10min": None,
+            },
+            "NOT WARM: drift not known, limit 5 µm in 10 min, 4 visits to P1 in 6 min",
+        ),
+        ("height", {"j3_mm": 50.5, "u_j3_mm": 0.00579563}, "beam at J3 = 50.50 ± 0.01 mm"),
+        (
+            "position-repeatability",
+            {"pose": 2, "rp_um": 41.23, "u_rp_um": 8.67},
+            "pose 2, position: RP = 41.2 ± 8.7 µm",
+        ),
+        (
+            "repeatability",
+            {"pose": 1, "reflector": "P1", "refused": "no two arrivals share a dead path"},
+            "pose 1, along the beam to P1: no result: no two arrivals share a dead path",
+        ),
+    ],
+)
+def test_results_read_with_units_and_few_digits(kind: str, data: dict[str, Json], text: str) -> None:
+    assert event_text(StoredEvent(1, "2026-01-02T03:04:05Z", kind, data)) == text
