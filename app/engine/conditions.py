@@ -145,11 +145,27 @@ class Watchman:
         await self._look_around()
 
     async def _look_around(self) -> None:
-        troubles = [text for condition in self._conditions if (text := await condition.trouble())]
+        troubles, unseen = await self._troubles()
         if troubles and self._control.state == State.EXECUTE:
             self._suspended_for = troubles[0]
             self._control.suspend(troubles[0])
-        elif not troubles and self._suspended_for is not None:
+        elif not troubles and unseen is None and self._suspended_for is not None:
             reason, self._suspended_for = self._suspended_for, None
             if self._control.state == State.SUSPENDED:
                 self._control.condition_back(f"over: {reason}")
+        if unseen is not None:
+            raise unseen
+
+    async def _troubles(self) -> tuple[list[str], DeviceError | None]:
+        """Return what is wrong, and why one of the conditions could not be looked at: it hides no other."""
+        found: list[str] = []
+        unseen: DeviceError | None = None
+        for condition in self._conditions:
+            try:
+                text = await condition.trouble()
+            except DeviceError as error:
+                unseen = error
+                continue
+            if text is not None:
+                found.append(text)
+        return found, unseen

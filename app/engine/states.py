@@ -109,6 +109,8 @@ _TABLE: dict[tuple[State, Event], tuple[State, tuple[Effect, ...]]] = {
     (State.EXECUTE, Event.DONE): (State.COMPLETE, _FORBID),
     # The procedure may end before it meets another checkpoint.
     (State.HOLDING, Event.DONE): (State.COMPLETE, _TELL),
+    (State.UNHOLDING, Event.DONE): (State.COMPLETE, _FORBID),
+    (State.SUSPENDED, Event.DONE): (State.COMPLETE, _TELL),
     (State.IDLE, Event.STOP): (State.STOPPED, _FORBID),
     (State.IDLE, Event.ABORT): (State.ABORTED, _FORBID),
     (State.STOPPING, Event.STOPPED): (State.STOPPED, _TELL),

@@ -2,9 +2,14 @@
 
 import fcntl
 import os
+import time
 from pathlib import Path
 
 from app.errors import StorageError
+
+_LOOKS = 5
+_LOOK_S = 0.005
+"""Real seconds between two tries."""
 
 
 class RunLock:
@@ -20,12 +25,24 @@ class RunLock:
     def __init__(self, directory: Path) -> None:
         self._descriptor: int | None = os.open(directory, os.O_RDONLY)
         try:
-            fcntl.flock(self._descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
+            self._take(self._descriptor)
         except BlockingIOError as error:
             self.release()
             raise StorageError(
                 f"{directory} is being written by a running catseye; stop that first"
             ) from error
+
+    @staticmethod
+    def _take(descriptor: int) -> None:
+        """Take the lock; somebody who only looks whether the run is written holds it for a moment."""
+        for _ in range(_LOOKS):
+            try:
+                fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
+            except BlockingIOError:
+                time.sleep(_LOOK_S)
+            else:
+                return
+        fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
 
     def release(self) -> None:
         """Give the right back; may be called any number of times."""

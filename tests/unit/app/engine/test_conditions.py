@@ -162,6 +162,22 @@ async def test_a_link_that_does_not_answer_is_told_once_and_left_to_the_next_com
     ]
 
 
+async def test_a_silent_sensor_hides_no_open_door_and_proves_nothing_to_be_back(
+    around: Surroundings, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    async def silent() -> AirSample:
+        raise LinkError("environment at tcp://x: no answer")
+
+    answering = around.air.sample
+    monkeypatch.setattr(around.air, "sample", silent)
+    around.door.closed = False
+    assert await around.look() == State.SUSPENDED
+    around.door.closed = True
+    assert await around.look() == State.SUSPENDED
+    monkeypatch.setattr(around.air, "sample", answering)
+    assert await around.look() == State.EXECUTE
+
+
 async def test_nobody_looks_during_a_motion(around: Surroundings) -> None:
     around.control.moving = True
     around.door.closed = False

@@ -38,6 +38,11 @@ def test_a_hold_outlasts_the_condition_of_a_suspension() -> None:
     assert transition(held, Event.HELD).state == State.HELD
 
 
+@pytest.mark.parametrize("state", [State.EXECUTE, State.HOLDING, State.UNHOLDING, State.SUSPENDED])
+def test_a_procedure_that_is_over_is_complete_wherever_it_ends(state: State) -> None:
+    assert transition(state, Event.DONE).state == State.COMPLETE
+
+
 class RunMachine(RuleBasedStateMachine):
     """Walks at random and remembers what the effects have permitted."""
 

@@ -1,8 +1,11 @@
 """The promise of the store, line by line."""
 
+import fcntl
 import json
+import os
 import sqlite3
 import stat
+import threading
 from collections.abc import AsyncIterator
 from contextlib import closing
 from pathlib import Path
@@ -12,7 +15,7 @@ import pytest
 from app.errors import StorageError, UsageError
 from app.store import seal
 from app.store.catalog import list_runs
-from app.store.lock import RunLock
+from app.store.lock import RunLock, is_being_written
 from app.store.reader import RunReader
 from app.store.run_store import RunStore
 from app.store.schema import RAW_TABLES, UPGRADES, VERSION, open_reader, open_writer
@@ -210,6 +213,18 @@ async def test_a_reopened_run_knows_results_and_attempts(store: RunStore) -> Non
 async def test_two_processes_never_write_one_run(store: RunStore) -> None:
     with pytest.raises(StorageError, match="being written"):
         await RunStore.reopen(store.path, TickingClock(), reserve_bytes=0)
+
+
+async def test_a_look_whether_a_run_is_written_does_not_keep_its_writer_out(store: RunStore) -> None:
+    await store.abandon()
+    looking = os.open(store.path, os.O_RDONLY)
+    fcntl.flock(looking, fcntl.LOCK_SH)
+    release = threading.Timer(0.01, os.close, (looking,))
+    release.start()
+    lock = RunLock(store.path)
+    assert is_being_written(store.path)
+    lock.release()
+    release.join()
 
 
 async def test_a_run_that_is_just_being_sealed_is_left_alone(store: RunStore) -> None:
