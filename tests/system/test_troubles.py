@@ -13,6 +13,7 @@ from typing import Any
 import pytest
 
 from app.cell.template import TEMPLATE
+from app.store.reader import RunReader
 from tests.system.command import Emulated, emulated, start
 from tests.system.test_ways_of_following import ALL_THETA2, FEW_NODES, TRUTH
 
@@ -102,9 +103,19 @@ def test_an_open_door_suspends_and_a_closed_one_lets_it_go_on(bench: Emulated, r
     assert motions(bench) == before
     bench.ask(op="fault", name="door", open=False)
     run.until(event="state", state="EXECUTE")
-    assert run.end()["status"] == "complete"
+    ended = run.end()
+    assert ended["status"] == "complete"
     assert run.points() == POINTS
     assert motions(bench) > before
+    # What was told is what is stored, in the same order.
+    told = [event["state"] for event in run.events if event["event"] == "state" and "reason" in event]
+    stored = [
+        event.data["state"]
+        for event in RunReader(bench.cell.parent / ended["path"]).events()
+        if event.kind == "state"
+    ]
+    assert told == stored
+    assert told == ["STARTING", "EXECUTE", "SUSPENDED", "EXECUTE", "COMPLETE"]
 
 
 def test_air_out_of_its_range_suspends_until_it_is_back(bench: Emulated, run: Run) -> None:
