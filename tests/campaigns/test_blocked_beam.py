@@ -96,6 +96,6 @@ def test_the_map_stays_within_its_own_uncertainty(seed: int, tmp_path: Path) -> 
     )
     assert off.max() < 5.0 * sigma_um
     # The errors of one arm are strongly correlated by the radial error motions: by the correlation matrix R of this
-    # layout n² / |R|² = 3.6 of them are independent, whose rms lies between 0.24 and 1.87 in 98 of 100 arms (chi-square).
-    # That it is 1 in the mean is shown over 60 arms by tests/benchmarks/test_accuracy.py.
+    # layout n² / |R|² = 3.6 of them are independent. The rms of so many lies between 0.24 and 1.87 in 98 of 100 arms
+    # (chi-square); that it is 1 in the mean is shown over 60 arms by tests/benchmarks/test_accuracy.py.
     assert 0.24 < compared.rms_normalised < 1.87
