@@ -25,6 +25,7 @@ from drivers.clock import Clock
 from procedures.context import Json, Live, Location, MeasuredPoint, Measurement, Prompt, Row, Table
 from procedures.devices import Air, BeamStatus, Joints, Tracker, WayRobot
 from procedures.errors import ArmMovedError, MeasuredFileError
+from procedures.motion.entry import stands_at
 
 _DEFAULT_AIR = AirRule()
 
@@ -32,9 +33,6 @@ T = TypeVar("T")
 
 _WATCH_S = 0.2
 """Real seconds between two looks at a value that is shown beside a question."""
-
-_SAME_PLACE = 0.03
-"""Joints that differ by more, deg or mm, were moved by somebody else."""
 
 _MATERIAL_MAX_AGE_S = 30.0
 """Links warm up slowly."""
@@ -368,7 +366,7 @@ class RunContext:
 
     def _require_place(self, here: Joints, stood: Joints) -> None:
         """Refuse to drive on from where nobody planned to be."""
-        if max(abs(a - b) for a, b in zip(here, stood, strict=True)) > _SAME_PLACE:
+        if not stands_at(here, stood):
             raise ArmMovedError(
                 f"the arm was moved while the run was held or suspended: its joints are {_listed(here)} and were "
                 f"{_listed(stood)} when it was left (J1 deg, J2 deg, J3 mm, J4 deg); the rest of its way was not "

@@ -104,3 +104,13 @@ def plan_visits(
         visits.append(Visit(stop.command, legs, tracked, duration, miss, float(track.beam_mm[i])))
         first = i + 1
     return tuple(visits), tuple(blind)
+
+
+def break_warnings(reflector: Reflector, breaks: int) -> list[str]:
+    """Return what an operator should know of the places where a plan gives the beam up; nothing without any."""
+    if not breaks:
+        return []
+    return [
+        f"reflector {reflector.name}: the beam cannot be kept {breaks} time(s); each begins a new segment with a dead "
+        "path of its own"
+    ]

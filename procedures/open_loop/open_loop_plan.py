@@ -15,7 +15,7 @@ from procedures.motion.approach import (
 )
 from procedures.motion.free_way import require_free_way
 from procedures.motion.tracking import plan_track
-from procedures.motion.visits import Visit, plan_visits
+from procedures.motion.visits import Visit, break_warnings, plan_visits
 from procedures.open_loop.closures import Closure, plan_closures
 
 _FEWEST_SEEN = 0.5
@@ -173,9 +173,4 @@ def _warnings(plan: ReflectorPlan) -> list[str]:
             f"reflector {plan.reflector.name}: {len(plan.blind)} commands are blind and left out, the first at "
             f"θ1 = {first.theta1_deg:g}°, θ2 = {first.theta2_deg:g}°"
         )
-    if plan.planned_breaks:
-        texts.append(
-            f"reflector {plan.reflector.name}: the beam cannot be kept {plan.planned_breaks} time(s); each begins "
-            "a new segment with a dead path of its own"
-        )
-    return [*texts, *plan.closure_warnings]
+    return [*texts, *break_warnings(plan.reflector, plan.planned_breaks), *plan.closure_warnings]

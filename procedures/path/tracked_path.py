@@ -11,7 +11,7 @@ from procedures.errors import PlanError
 from procedures.motion.approach import Command, Waypoint
 from procedures.motion.follower import Follower
 from procedures.motion.tracking import plan_track
-from procedures.motion.visits import Visit, plan_visits
+from procedures.motion.visits import Visit, break_warnings, plan_visits
 from procedures.open_loop.point_row import point_row
 from procedures.stored import number_of
 
@@ -84,12 +84,7 @@ class TrackedPath:
                 f"reflector {self.reflector.name}: {len(self.blind)} points of the path are blind and left out, the "
                 f"first at θ1 = {first.theta1_deg:.2f}°, θ2 = {first.theta2_deg:.2f}°"
             )
-        if self.planned_breaks:
-            texts.append(
-                f"reflector {self.reflector.name}: the beam cannot be kept {self.planned_breaks} time(s); each "
-                "begins a new segment with a dead path of its own"
-            )
-        return texts
+        return [*texts, *break_warnings(self.reflector, self.planned_breaks)]
 
 
 def plan_tracked_path(
