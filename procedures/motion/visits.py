@@ -111,6 +111,6 @@ def break_warnings(reflector: Reflector, breaks: int) -> list[str]:
     if not breaks:
         return []
     return [
-        f"reflector {reflector.name}: the beam cannot be kept {breaks} time(s); each begins a new segment with a dead "
-        "path of its own"
+        f"reflector {reflector.name}: the beam cannot be kept {breaks} time(s); each begins a new segment with a "
+        "dead path of its own"
     ]
