@@ -12,6 +12,9 @@ from typing import Annotated, Any, Literal
 import typer
 from typer.core import TyperGroup
 
+from app.analysis_cli import add_analysis
+from app.cli_options import AsJson, CellFile, Runs, Seed, Speed, Truth
+
 
 class _Commands(TyperGroup):
     """Lets Ctrl-C through as an interruption, with its own exit code."""
@@ -43,19 +46,6 @@ cli = typer.Typer(
 )
 config = typer.Typer(help="Check and show cell files.", no_args_is_help=True, rich_markup_mode=None)
 cli.add_typer(config, name="config")
-
-CellFile = Annotated[Path, typer.Argument(metavar="FILE", help="cell file")]
-AsJson = Annotated[bool, typer.Option("--json", help="machine-readable output on stdout")]
-Runs = Annotated[
-    Path | None, typer.Option("--runs", help="folder of all runs [$CATSEYE_RUNS, else ./catseye-runs]")
-]
-Speed = Annotated[
-    float, typer.Option(min=0.001, max=1e6, help="bench seconds in one real second; emulators only")
-]
-Seed = Annotated[int, typer.Option(min=0, help="of everything random in the emulated bench")]
-Truth = Annotated[
-    Path | None, typer.Option(help="result JSON with the emulated arm's true links, maps, reflectors")
-]
 
 
 @cli.command()
@@ -347,61 +337,7 @@ def verify(
     verify_command(run, runs, as_json)
 
 
-@cli.command()
-def export(
-    run: Annotated[str, typer.Argument(metavar="RUN", help="path, name, beginning of a name, or id")],
-    output: Annotated[Path, typer.Option("-o", "--output", help="file to write")],
-    format_: Annotated[Literal["csv", "json", "parquet"], typer.Option("--format")] = "csv",
-    runs: Runs = None,
-) -> None:
-    """Write a run's points: csv (points format), json or parquet (all columns).
-
-    Example: catseye export 1a2b3c --format csv -o points.csv
-    """
-    from app.commands.export import export_command
-
-    export_command(run, output, format_, runs)
-
-
-@cli.command()
-def identify(
-    output: Annotated[Path, typer.Option("-o", "--output", help="result JSON to write")],
-    run: Annotated[list[str] | None, typer.Argument(metavar="[RUN]...", help="measured runs")] = None,
-    points: Annotated[Path | None, typer.Option(help="points CSV instead of runs; needs --cell")] = None,
-    cell: Annotated[Path | None, typer.Option(help="cell file for --points")] = None,
-    model: Annotated[
-        Literal["conventional", "error-map"], typer.Option(help="what to identify")
-    ] = "error-map",
-    uncertainty: Annotated[
-        Literal["jacobian", "monte-carlo"], typer.Option(help="how uncertainties are propagated")
-    ] = "jacobian",
-    draws: Annotated[int, typer.Option(min=100, help="Monte Carlo draws")] = 1000,
-    seed: Annotated[int, typer.Option(min=0, help="of the Monte Carlo draws")] = 1,
-    runs: Runs = None,
-    as_json: AsJson = False,
-) -> None:
-    """Identify the arm from distances.
-
-    Example: catseye identify --points points.csv --cell cell.toml -o result.json
-    """
-    from app.commands.identify import identify_command
-
-    identify_command(output, run or [], points, cell, model, uncertainty, draws, seed, runs, as_json)
-
-
-@cli.command()
-def report(
-    source: Annotated[str, typer.Argument(metavar="RUN|RESULT", help="run, or result JSON")],
-    output: Annotated[Path, typer.Option("-o", "--output", help="HTML file to write")],
-    runs: Runs = None,
-) -> None:
-    """Write one self-contained HTML page about a run or a result.
-
-    Example: catseye report result.json -o report.html
-    """
-    from app.commands.report import report_command
-
-    report_command(source, output, runs)
+add_analysis(cli)
 
 
 def main() -> None:

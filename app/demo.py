@@ -10,6 +10,17 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from app.analysis.identifying import (
+    MODELS,
+    bench_of_runs,
+    error_budget,
+    identified_result,
+    identify_rows,
+    run_rows,
+)
+from app.analysis.path_rows import path_measurement
+from app.analysis.truth import TruthComparison, compare_with_truth
+from app.analysis.validation import PathValidation, validate_on_path
 from app.cell.load import LoadedCell, load_cell
 from app.cell.model import Cell
 from app.cell.template import TEMPLATE
@@ -22,20 +33,9 @@ from app.exitcode import ExitCode
 from app.files.atomic import write_atomically
 from app.files.points_csv import points_csv
 from app.files.result_json import Result, write_result
-from app.identifying import (
-    MODELS,
-    bench_of_runs,
-    identified_result,
-    identify_rows,
-    radial_budget,
-    run_rows,
-)
-from app.path_rows import path_measurement
 from app.procedure_list import load_procedure, parse_params
 from app.running import PlannedRun, carry_out, plan_run
 from app.store.reader import RunReader
-from app.truth import TruthComparison, compare_with_truth
-from app.validation import PathValidation, validate_on_path
 from calibration.layout import ModelName
 from simulators.truth import load_truth
 
@@ -177,7 +177,7 @@ def evaluate(folder: Path, runs: dict[str, Path]) -> DemoResult:
     bench = bench_of_runs([measured], folder / "runs")
     rows = run_rows([measured])
     write_atomically(folder / "points.csv", points_csv(rows))
-    identified = {model: identify_rows(rows, bench, model, radial_budget(cell)) for model in MODELS}
+    identified = {model: identify_rows(rows, bench, model, error_budget(cell)) for model in MODELS}
     results = {
         model: identified_result(one, bench, [measured.path.name]) for model, one in identified.items()
     }

@@ -26,17 +26,20 @@ class DistanceModel:
 
     def residuals(self, parameters: Floats) -> Floats:
         """Return predicted minus measured displacement, mm, shape (n,)."""
-        length, _ = self._beam(parameters)
+        length = self.beam(parameters)[0] + self.design.added("length", parameters)
         dead_path = parameters[self.layout.dead_path][self.points.dead_path]
         return length - dead_path - self.points.displacement_mm
 
     def jacobian(self, parameters: Floats) -> Floats:
         """Return the derivatives of the residuals, shape (n, layout.size), mm/mm and mm/rad."""
-        _, unit = self._beam(parameters)
+        _, unit = self.beam(parameters)
         rows = np.arange(len(self.points))
         jacobian = np.zeros((len(self.points), self.layout.size))
         local = np.einsum("ni,nij->nj", unit, self.design.local_jacobian(parameters))
         jacobian[:, : self.layout.arm_size] = self.design.spread(local)
+        for i, term in enumerate(self.layout.terms):
+            if term.target == "length":
+                jacobian[:, self.layout.extension.start + i] = self.design.extra[:, i]
         place = self.layout.reflectors.start + 2 * self.points.reflector
         jacobian[rows, place] = -unit[:, 0]
         jacobian[rows, place + 1] = -unit[:, 1]
@@ -45,7 +48,7 @@ class DistanceModel:
 
     def beam_unit(self, parameters: Floats) -> Floats:
         """Return the unit vectors from reflector to arm, shape (n, 2)."""
-        return self._beam(parameters)[1]
+        return self.beam(parameters)[1]
 
     def start(self, link1_mm: float, link2_mm: float, reflectors_mm: Floats) -> Floats:
         """Return starting values: nominal arm, rough reflectors, dead paths that fit them.
@@ -65,8 +68,8 @@ class DistanceModel:
         parameters[self.layout.dead_path] = sums / counts
         return parameters
 
-    def _beam(self, parameters: Floats) -> tuple[Floats, Floats]:
-        """Return the beam's lengths, shape (n,), and unit vectors from reflector to arm, shape (n, 2)."""
+    def beam(self, parameters: Floats) -> tuple[Floats, Floats]:
+        """Return the beam's lengths, mm, shape (n,), and unit vectors from reflector to arm, shape (n, 2)."""
         places = parameters[self.layout.reflectors].reshape(-1, 2)
         beam = self.design.positions(parameters) - places[self.points.reflector]
         length = np.hypot(beam[:, 0], beam[:, 1])
@@ -79,4 +82,5 @@ def distance_model(layout: Layout, points: Points) -> DistanceModel:
     Raises:
         MapRangeError: a point lies outside the nodes.
     """
-    return DistanceModel(layout, points, arm_design(layout, points.commands))
+    design = arm_design(layout, points.commands, points.theta4_rad, points.elapsed_share)
+    return DistanceModel(layout, points, design)

@@ -1,23 +1,41 @@
 """From measured distances to the arm's parameters with their uncertainties."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
-from calibration.budget import RadialBudget, radial_effects
 from calibration.distance_model import DistanceModel, distance_model
 from calibration.errors import InsufficientPointsError
+from calibration.extension import Term
 from calibration.fit_statistics import FitStatistics, WeightedFit, fit_statistics, point_weights
+from calibration.kinematics import forward, wrap_rad
 from calibration.layout import Layout, ModelName
 from calibration.least_squares import Solution, minimise
 from calibration.observability import require_identifiable
+from calibration.pointing import beam_direction
 from calibration.points import Points, without_short_segments
 from calibration.types import Floats
+from calibration.uncertainty.budget import Budget, combined_white_mm, geometry_of, systematic_effects
+
+
+@dataclass(frozen=True)
+class IdentifiedArm:
+    """What is known of an arm, without the reflectors that it was measured with.
+
+    Attributes:
+        layout: order of the parameters, no reflectors and no dead paths.
+        parameters: estimates, mm and rad, shape (p,).
+        covariance: of the estimates in the gauge of the layout, shape (p, p).
+    """
+
+    layout: Layout
+    parameters: Floats
+    covariance: Floats
 
 
 @dataclass(frozen=True)
 class Identification:
-    """An identified arm.
+    """An arm identified from distances.
 
     Attributes:
         layout: order of the parameters.
@@ -27,6 +45,7 @@ class Identification:
         residuals_mm: predicted minus measured, shape (n,).
         fit: quality of the fit.
         rejected: sentences about what was left out.
+        budget: the contributors that its uncertainties were propagated from; None for the points' own sigma_mm.
     """
 
     layout: Layout
@@ -36,6 +55,13 @@ class Identification:
     residuals_mm: Floats
     fit: FitStatistics
     rejected: list[str]
+    budget: Budget | None = None
+
+    @property
+    def arm(self) -> IdentifiedArm:
+        """The arm alone."""
+        size = self.layout.arm_size
+        return IdentifiedArm(self.layout.of_arm(), self.parameters[:size], self.covariance[:size, :size])
 
     @property
     def standard_uncertainty(self) -> Floats:
@@ -51,7 +77,8 @@ def identify(
     link1_mm: float,
     link2_mm: float,
     reflectors_mm: Floats,
-    radial: RadialBudget | None = None,
+    budget: Budget | None = None,
+    terms: tuple[Term, ...] = (),
 ) -> Identification:
     """Identify the arm from distances.
 
@@ -63,7 +90,9 @@ def identify(
         link1_mm: nominal length of link 1, mm.
         link2_mm: nominal length of link 2, mm.
         reflectors_mm: rough places of points.reflector_names, mm, shape (reflectors, 2).
-        radial: radial error motions, which widen the uncertainties beyond points.sigma_mm; None for none.
+        budget: contributors. What distances have in common widens the uncertainties beyond points.sigma_mm; where
+            the points state none, the white contributors give it. None for what the points state alone.
+        terms: functions beyond the model, each with a coefficient.
 
     Raises:
         MapRangeError: a point lies outside the nodes.
@@ -75,26 +104,57 @@ def identify(
     rough = reflectors_mm[[points.reflector_names.index(name) for name in used.reflector_names]]
     empty = np.zeros(0)
     nodes = (nodes1_rad, nodes2_rad) if model == "error-map" else (empty, empty)
-    layout = Layout(model, *nodes, used.reflector_names, used.dead_paths)
+    layout = Layout(model, *nodes, used.reflector_names, used.dead_paths, terms)
+    if any(term.source == "theta4" for term in terms):
+        used = replace(used, theta4_rad=beam_turn_rad(used, (link1_mm, link2_mm), rough))
     _require_points(used, layout)
     distances = distance_model(layout, used)
     start = distances.start(link1_mm, link2_mm, rough)
-    basis = layout.gauge_basis()
-    solution = minimise(distances.residuals, distances.jacobian, start, basis, point_weights(used))
+    if budget is not None and used.sigma_mm is None:
+        distances = _weighted(distances, start, budget)
+    solution = _solved(distances, start)
+    return _judge(distances, solution, budget, rejected)
+
+
+def beam_turn_rad(points: Points, nominal_mm: tuple[float, float], reflectors_mm: Floats) -> Floats:
+    """Return the angle of the beam against link 2 as it was commanded, rad, shape (n,).
+
+    Args:
+        points: where the arm was sent.
+        nominal_mm: nominal links, mm.
+        reflectors_mm: places of points.reflector_names that the beam was aimed at, mm, shape (reflectors, 2).
+    """
+    commands = points.commands
+    position = forward(commands.theta1_rad, commands.theta2_rad, *nominal_mm)
+    world = beam_direction(position, reflectors_mm[points.reflector])
+    return wrap_rad(world - commands.theta1_rad - commands.theta2_rad)
+
+
+def _weighted(distances: DistanceModel, start: Floats, budget: Budget) -> DistanceModel:
+    """Give the points the standard uncertainty that the white contributors let expect."""
+    sigma = combined_white_mm(budget, geometry_of(distances, start))
+    if not sigma.all():
+        return distances
+    return replace(distances, points=replace(distances.points, sigma_mm=sigma))
+
+
+def _solved(distances: DistanceModel, start: Floats) -> Solution:
+    basis, weights = distances.layout.gauge_basis(), point_weights(distances.points)
+    solution = minimise(distances.residuals, distances.jacobian, start, basis, weights)
     if not solution.factor.regular.all():
-        require_identifiable(layout, solution.jacobian * point_weights(used)[:, None], basis)
-    return _judge(distances, solution, radial, rejected)
+        require_identifiable(distances.layout, solution.jacobian * weights[:, None], basis)
+    return solution
 
 
 def _judge(
-    distances: DistanceModel, solution: Solution, radial: RadialBudget | None, rejected: list[str]
+    distances: DistanceModel, solution: Solution, budget: Budget | None, rejected: list[str]
 ) -> Identification:
     """Attach statistics and covariance to a solution."""
     points, layout, weights = distances.points, distances.layout, point_weights(distances.points)
     basis = layout.gauge_basis()
     white = basis @ solution.factor.covariance() @ basis.T
     jacobian = solution.jacobian * weights[:, None]
-    effects = _effects(distances, solution, radial) * weights[:, None]
+    effects = systematic_effects(budget, geometry_of(distances, solution.parameters)) * weights[:, None]
     # How the systematic contributors shift the estimate, and what of them stays in the residuals.
     shifts = white @ (jacobian.T @ effects)
     weighted = WeightedFit(
@@ -108,13 +168,9 @@ def _judge(
     )
     fit = fit_statistics(weighted)
     covariance = fit.variance_factor * (white + shifts @ shifts.T)
-    return Identification(layout, solution.parameters, covariance, points, solution.residuals, fit, rejected)
-
-
-def _effects(distances: DistanceModel, solution: Solution, radial: RadialBudget | None) -> Floats:
-    if radial is None:
-        return np.zeros((len(distances.points), 0))
-    return radial_effects(distances.points, distances.beam_unit(solution.parameters), radial)
+    return Identification(
+        layout, solution.parameters, covariance, points, solution.residuals, fit, rejected, budget
+    )
 
 
 def _require_points(points: Points, layout: Layout) -> None:

@@ -13,14 +13,16 @@ from calibration.types import Floats
 Hand = Literal["right", "left"]
 
 
-def forward(theta1_rad: Floats, theta2_rad: Floats, link1_mm: float, link2_mm: float) -> Floats:
+def forward(
+    theta1_rad: Floats, theta2_rad: Floats, link1_mm: Floats | float, link2_mm: Floats | float
+) -> Floats:
     """Return the positions of the J4 axis.
 
     Args:
         theta1_rad: J1 angles, rad, any shape.
         theta2_rad: J2 angles, rad, same shape.
-        link1_mm: length of link 1, mm.
-        link2_mm: length of link 2, mm.
+        link1_mm: length of link 1, mm, one for all or of the angles' shape.
+        link2_mm: length of link 2, mm, likewise.
 
     Returns:
         x and y in mm on a new last axis, shape (..., 2).
@@ -58,14 +60,16 @@ def inverse(xy_mm: Floats, link1_mm: float, link2_mm: float, hand: Hand = "right
     return wrap_rad(theta1), theta2
 
 
-def position_jacobian(theta1_rad: Floats, theta2_rad: Floats, link1_mm: float, link2_mm: float) -> Floats:
+def position_jacobian(
+    theta1_rad: Floats, theta2_rad: Floats, link1_mm: Floats | float, link2_mm: Floats | float
+) -> Floats:
     """Return the derivatives of the position.
 
     Args:
         theta1_rad: J1 angles, rad, shape (n,).
         theta2_rad: J2 angles, rad, shape (n,).
-        link1_mm: length of link 1, mm.
-        link2_mm: length of link 2, mm.
+        link1_mm: length of link 1, mm, one for all or shape (n,).
+        link2_mm: length of link 2, mm, likewise.
 
     Returns:
         d(x, y) / d(L1, L2, theta1, theta2), shape (n, 2, 4), mm/mm and mm/rad.

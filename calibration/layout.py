@@ -1,10 +1,11 @@
 """Order, names and gauge of the parameters of both models (Eqs 4 and 6)."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Literal
 
 import numpy as np
 
+from calibration.extension import Term
 from calibration.types import Floats
 
 ModelName = Literal["conventional", "error-map"]
@@ -15,7 +16,7 @@ GAUGE = "mean of theta1 map = 0"
 
 @dataclass(frozen=True)
 class Layout:
-    """Where each parameter stands in the vector: links, maps or θ20, reflectors, dead paths.
+    """Where each parameter stands in the vector: links, maps or θ20, further terms, reflectors, dead paths.
 
     Attributes:
         model: which model.
@@ -23,6 +24,7 @@ class Layout:
         nodes2_rad: nodes of the J2 map, shape (m2,); empty for the conventional model.
         reflector_names: names of the reflectors.
         dead_paths: (reflector name, segment) of each dead path.
+        terms: functions beyond the maps, each with a coefficient.
     """
 
     model: ModelName
@@ -30,13 +32,16 @@ class Layout:
     nodes2_rad: Floats
     reflector_names: tuple[str, ...]
     dead_paths: tuple[tuple[str, int], ...]
+    terms: tuple[Term, ...] = ()
 
     @property
     def arm_size(self) -> int:
-        """Number of parameters of the arm: links and maps, or links and θ20."""
-        if self.model == "conventional":
-            return 3
-        return 2 + 2 * self.nodes1_rad.size + 2 * self.nodes2_rad.size
+        """Number of parameters of the arm: links, maps or θ20, further terms."""
+        return 2 + 2 * self.nodes1_rad.size + self._size2 + len(self.terms)
+
+    def of_arm(self) -> "Layout":
+        """Return the layout of the arm alone, without reflectors and dead paths."""
+        return replace(self, reflector_names=(), dead_paths=())
 
     @property
     def size(self) -> int:
@@ -51,7 +56,17 @@ class Layout:
     @property
     def map2(self) -> slice:
         """J2 map: positive table, then negative table; θ20 for the conventional model."""
-        return slice(2 + 2 * self.nodes1_rad.size, self.arm_size)
+        first = self.map1.stop
+        return slice(first, first + self._size2)
+
+    @property
+    def _size2(self) -> int:
+        return 1 if self.model == "conventional" else 2 * self.nodes2_rad.size
+
+    @property
+    def extension(self) -> slice:
+        """Coefficients of the further terms."""
+        return slice(self.map2.stop, self.arm_size)
 
     @property
     def reflectors(self) -> slice:
@@ -70,6 +85,7 @@ class Layout:
             arm.append("θ20")
         else:
             arm += _table_names("θ1", self.nodes1_rad) + _table_names("θ2", self.nodes2_rad)
+        arm += [term.name for term in self.terms]
         places = [f"{name}.{axis}" for name in self.reflector_names for axis in "xy"]
         return arm + places + [f"dead path {name}/{segment}" for name, segment in self.dead_paths]
 

@@ -14,11 +14,11 @@ import numpy as np
 from scipy import linalg
 
 from calibration.arm import arm_design
-from calibration.budget import RadialBudget, radial_effects
 from calibration.centred_sums import CentredSums
 from calibration.layout import Layout
 from calibration.points import Commands, Points
 from calibration.types import Bools, Floats
+from calibration.uncertainty.radial import RadialBudget, radial_effects
 
 _PRIOR_LINK_MM = 10.0
 _PRIOR_MAP_RAD = 0.05

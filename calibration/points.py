@@ -46,6 +46,8 @@ class Points:
         sigma_mm: standard uncertainty of each distance, shape (n,), or None when it is not known.
         reflector_names: names of the reflectors.
         dead_paths: (reflector name, segment) of each dead path.
+        theta4_rad: angle of the beam against link 2, rad, shape (n,); None where nothing depends on it.
+        time_s: when each distance was measured, shape (n,); None when only the order is known.
     """
 
     commands: Commands
@@ -55,10 +57,19 @@ class Points:
     sigma_mm: Floats | None
     reflector_names: tuple[str, ...]
     dead_paths: tuple[tuple[str, int], ...]
+    theta4_rad: Floats | None = None
+    time_s: Floats | None = None
 
     def __len__(self) -> int:
         """Return the number of distances."""
         return int(self.displacement_mm.size)
+
+    @property
+    def elapsed_share(self) -> Floats:
+        """Share of the measurement that had passed, less a half, shape (n,): by time or, without, by order."""
+        clock = np.arange(len(self), dtype=np.float64) if self.time_s is None else self.time_s
+        span = float(np.ptp(clock)) if clock.size else 0.0
+        return (clock - clock.min()) / span - 0.5 if span > 0.0 else np.zeros(len(self))
 
     def select(self, rows: Bools | Ints) -> "Points":
         """Return the chosen rows; dead paths and reflectors that lose all rows are left out."""
@@ -68,7 +79,9 @@ class Points:
             reflector=self.reflector[rows],
             dead_path=self.dead_path[rows],
             displacement_mm=self.displacement_mm[rows],
-            sigma_mm=None if self.sigma_mm is None else self.sigma_mm[rows],
+            sigma_mm=_rows_of(self.sigma_mm, rows),
+            theta4_rad=_rows_of(self.theta4_rad, rows),
+            time_s=_rows_of(self.time_s, rows),
         )
         paths, path_index = np.unique(kept.dead_path, return_inverse=True)
         names, name_index = np.unique(kept.reflector, return_inverse=True)
@@ -79,6 +92,10 @@ class Points:
             reflector=name_index.astype(np.int64),
             reflector_names=tuple(self.reflector_names[int(i)] for i in names),
         )
+
+
+def _rows_of(column: Floats | None, rows: Bools | Ints) -> Floats | None:
+    return None if column is None else column[rows]
 
 
 def without_short_segments(points: Points, fewest: int = 3) -> tuple[Points, list[str]]:

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from calibration.arm import arm_design
-from calibration.identification import Identification
+from calibration.identification import IdentifiedArm
 from calibration.kinematics import forward
 from calibration.points import Commands
 from calibration.types import Bools, Floats
@@ -33,9 +33,9 @@ class Prediction:
         return self.position_mm - self.command_mm
 
 
-def inside_range(identified: Identification, commands: Commands) -> Bools:
+def inside_range(arm: IdentifiedArm, commands: Commands) -> Bools:
     """Return which commands lie within the identified nodes, shape (n,); maps are never extrapolated."""
-    layout = identified.layout
+    layout = arm.layout
     if layout.model == "conventional":
         return np.ones(len(commands), dtype=np.bool_)
     margin = 1e-9
@@ -48,26 +48,25 @@ def inside_range(identified: Identification, commands: Commands) -> Bools:
     return flags
 
 
-def predict(identified: Identification, commands: Commands, link1_mm: float, link2_mm: float) -> Prediction:
+def predict(arm: IdentifiedArm, commands: Commands, link1_mm: float, link2_mm: float) -> Prediction:
     """Predict the positions of commands.
 
     Args:
-        identified: the arm.
+        arm: the arm.
         commands: joint angles with their direction of approach, n rows.
         link1_mm: nominal length of link 1, mm, for the command position.
         link2_mm: nominal length of link 2, mm.
     """
-    inside = inside_range(identified, commands)
+    inside = inside_range(arm, commands)
     position = np.full((len(commands), 2), np.nan)
     uncertainty = np.full((len(commands), 2), np.nan)
     if inside.any():
-        design = arm_design(identified.layout, commands.select(inside))
-        position[inside] = design.positions(identified.parameters)
-        local = design.local_jacobian(identified.parameters)
-        covariance = identified.covariance[: identified.layout.arm_size, : identified.layout.arm_size]
+        design = arm_design(arm.layout, commands.select(inside))
+        position[inside] = design.positions(arm.parameters)
+        local = design.local_jacobian(arm.parameters)
         for axis in range(2):
             gradient = design.spread(local[:, axis, :])
-            variance = np.einsum("ni,ni->n", gradient @ covariance, gradient)
+            variance = np.einsum("ni,ni->n", gradient @ arm.covariance, gradient)
             uncertainty[inside, axis] = np.sqrt(np.maximum(variance, 0.0))
     command = forward(commands.theta1_rad, commands.theta2_rad, link1_mm, link2_mm)
     return Prediction(command, position, uncertainty, inside)

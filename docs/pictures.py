@@ -3,12 +3,12 @@
 import sys
 from pathlib import Path
 
+from app.analysis.reporting import demo_truth
 from app.demo import evaluate
 from app.report.figures.canvas import svg
 from app.report.figures.error_maps import error_map_figure
 from app.report.figures.path_deviation import path_figure
 from app.report.path_view import gaps
-from app.reporting import demo_truth
 from app.store.catalog import list_runs
 
 

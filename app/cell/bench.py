@@ -53,8 +53,7 @@ def facing_deg(x_mm: float, y_mm: float, given_deg: float | None) -> float:
 
 def _noise(cell: Cell) -> Noise:
     stated = cell.uncertainty
-    radial_um = (stated.radial_j1_um, stated.radial_j2_um, stated.radial_j4_um)
-    one, two, four = (value * 1e-3 for value in radial_um)
+    one, two, four = (1e-3 * stated.radial_um(axis) for axis in ("j1", "j2", "j4"))
     return Noise(stated.white_um * 1e-3, (one, two, four), stated.radial_orders)
 
 

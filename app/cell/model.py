@@ -1,17 +1,14 @@
 """Shape of the cell file, version 1. The unit is part of every key; unknown keys are refused."""
 
-import math
 from itertools import pairwise
 from typing import Annotated, Any, Literal, Self
 
-from pydantic import BaseModel, ConfigDict, Field, StringConstraints, field_validator, model_validator
+from pydantic import Field, field_validator, model_validator
 
+from app.cell.section import Finite, Name, NotNegative, Positive, Section
+from app.cell.uncertainty import Uncertainty
 from drivers.endpoint import parse_endpoint
 
-Positive = Annotated[float, Field(gt=0.0, allow_inf_nan=False)]
-NotNegative = Annotated[float, Field(ge=0.0, allow_inf_nan=False)]
-Finite = Annotated[float, Field(allow_inf_nan=False)]
-Name = Annotated[str, StringConstraints(pattern=r"^[A-Za-z0-9_.+-]{1,40}$")]
 Triple = Annotated[list[Positive], Field(min_length=3, max_length=3)]
 Range = Annotated[list[Finite], Field(min_length=2, max_length=2)]
 Settings = dict[str, Any]
@@ -20,12 +17,6 @@ Settings = dict[str, Any]
 
 RESERVED_NAMES = ("robot", "interferometer", "environment", "io", "tracker", "control")
 """Names of the devices that have sections of their own."""
-
-
-class Section(BaseModel):
-    """A table of the cell file."""
-
-    model_config = ConfigDict(frozen=True, extra="forbid", strict=True)
 
 
 def _checked_endpoint(text: str) -> str:
@@ -43,9 +34,9 @@ def _checked_further(text: str | None) -> str | None:
 class Limits(Section):
     """[robot.limits_deg]: where the joints may go, cables included."""
 
-    j1: Range = [-170.0, 170.0]
-    j2: Range = [-145.0, 145.0]
-    j4: Range = [-360.0, 360.0]
+    j1: Range = Field(default=[-170.0, 170.0])
+    j2: Range = Field(default=[-145.0, 145.0])
+    j4: Range = Field(default=[-360.0, 360.0])
 
     @field_validator("j1", "j2", "j4")
     @classmethod
@@ -62,7 +53,7 @@ class Robot(Section):
     endpoint: str
     datalink_endpoint: str | None = None
     mxt_endpoint: str | None = None
-    settings: Settings = {}
+    settings: Settings = Field(default_factory=dict)
     expected_model: str = "RH-3FRH5515"
     link1_mm: Positive
     link2_mm: Positive
@@ -70,8 +61,8 @@ class Robot(Section):
     j3_range_mm: Range | None = None
     override_cap_percent: Annotated[float, Field(ge=1.0, le=100.0, allow_inf_nan=False)] = 20.0
     # The sheet gives the speeds of J1, J2, J4 from memory of a catalogue: they serve the time estimate only.
-    speed_deg_s: Triple = [420.0, 720.0, 3000.0]
-    acceleration_deg_s2: Triple = [2000.0, 4000.0, 15000.0]
+    speed_deg_s: Triple = Field(default=[420.0, 720.0, 3000.0])
+    acceleration_deg_s2: Triple = Field(default=[2000.0, 4000.0, 15000.0])
     # Only where set points are streamed: the fastest joint on the way from node to node.
     follow_speed_deg_s: Positive = 20.0
     follow_acceleration_deg_s2: Positive = 200.0
@@ -94,7 +85,7 @@ class Interferometer(Section):
     driver: str = "line-counter"
     profile: str | None = None
     endpoint: str
-    settings: Settings = {}
+    settings: Settings = Field(default_factory=dict)
 
     _endpoint = field_validator("endpoint")(_checked_endpoint)
 
@@ -106,7 +97,7 @@ class Environment(Section):
     endpoint: str
     map: str | None = None
     pressure_register: Annotated[int, Field(ge=0, le=65535)] | None = None
-    settings: Settings = {}
+    settings: Settings = Field(default_factory=dict)
 
     _endpoint = field_validator("endpoint")(_checked_endpoint)
 
@@ -125,7 +116,7 @@ class Io(Section):
 
     driver: str = "modbus-io"
     endpoint: str
-    settings: Settings = {}
+    settings: Settings = Field(default_factory=dict)
 
     _endpoint = field_validator("endpoint")(_checked_endpoint)
 
@@ -145,7 +136,7 @@ class FurtherDevice(Section):
     name: Name
     driver: str
     endpoint: str
-    settings: Settings = {}
+    settings: Settings = Field(default_factory=dict)
 
     _endpoint = field_validator("endpoint")(_checked_endpoint)
 
@@ -247,28 +238,6 @@ class Measurement(Section):
         return value
 
 
-class Uncertainty(Section):
-    """[uncertainty]: what a distance is good for; the defaults are Table 2 of the SCARA paper."""
-
-    repeatability_um: Positive = 10.0
-    laser_um: NotNegative = 0.22
-    aim_um: NotNegative = 0.31
-    radial_j1_um: NotNegative = 5.0
-    radial_j2_um: NotNegative = 5.0
-    radial_j4_um: NotNegative = 10.0
-    radial_orders: Annotated[int, Field(ge=1, le=20)] = 5
-
-    @property
-    def white_um(self) -> float:
-        """Standard uncertainty of what differs from distance to distance, µm."""
-        return math.hypot(self.repeatability_um, self.laser_um, self.aim_um)
-
-    @property
-    def distance_um(self) -> float:
-        """Standard uncertainty of a single distance, radial error motions included, µm."""
-        return math.hypot(self.white_um, self.radial_j1_um, self.radial_j2_um, self.radial_j4_um)
-
-
 class Cell(Section):
     """A whole cell file."""
 
@@ -281,7 +250,7 @@ class Cell(Section):
     io: Io | None = None
     material: Material | None = None
     tracker: Tracker | None = None
-    device: list[FurtherDevice] = []
+    device: list[FurtherDevice] = Field(default_factory=list)
     optics: Optics = Optics()
     alignment: Alignment = Alignment()
     conditions: Conditions = Conditions()

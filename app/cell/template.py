@@ -101,13 +101,60 @@ readings = 10                           # spread over the dwell time
 take_up_deg = 1.0                       # overshoot at every reversal; larger than any backlash
 spread_limit_um = 5.0                   # readings that scatter more have not settled and are taken again
 
-[uncertainty]
-# Standard uncertainties (k = 1) of a distance, Table 2 of the SCARA paper; the defaults are these very figures.
-repeatability_um = 10.0                 # differs from arrival to arrival
-laser_um = 0.22                         # wavelength, its correction, change of the air
-aim_um = 0.31                           # beam direction: cosine error
-# Radial error motions are functions of the axis angle: they repeat, so they do not average out.
-radial_j1_um = 5.0
-radial_j2_um = 5.0
-radial_j4_um = 10.0
+# The error budget: Table 2 of the SCARA paper (k = 1). Each contributor says what shares its error: nothing
+# (reading), a pose, the angle of an axis, or the whole measurement (common). What is shared does not average out.
+# kind: length, position, radial: value_um; scale: value_ppm; angle of j1 or j2: value_mdeg; direction: value_mrad.
+# value: standard uncertainty (distribution = "normal") or half width ("uniform", "triangular", "arcsine").
+[[uncertainty.contributor]]
+name = "wavelength"                     # 0.04 µm in a distance of 743 mm
+kind = "scale"
+value_ppm = 0.054
+correlation = "common"
+
+[[uncertainty.contributor]]
+name = "wavelength correction"          # 0.19 µm in a distance of 743 mm
+kind = "scale"
+value_ppm = 0.256
+correlation = "common"
+
+[[uncertainty.contributor]]
+name = "environmental change"
+kind = "length"
+value_um = 0.09
+
+[[uncertainty.contributor]]
+name = "repeatability of the robot"     # differs from arrival to arrival
+kind = "length"
+value_um = 10.0
+
+[[uncertainty.contributor]]
+name = "radial error motion of J1"      # a function of the axis angle: it repeats
+kind = "radial"
+axis = "j1"
+value_um = 5.0
+correlation = "axis-angle"
+
+[[uncertainty.contributor]]
+name = "radial error motion of J2"
+kind = "radial"
+axis = "j2"
+value_um = 5.0
+correlation = "axis-angle"
+
+[[uncertainty.contributor]]
+name = "radial error motion of J4"
+kind = "radial"
+axis = "j4"
+value_um = 10.0
+correlation = "axis-angle"
+
+[[uncertainty.contributor]]
+name = "beam direction, J1"             # cosine error
+kind = "direction"
+value_mrad = 0.717
+
+[[uncertainty.contributor]]
+name = "beam direction, J2"
+kind = "direction"
+value_mrad = 0.717
 """

@@ -4,11 +4,11 @@ import asyncio
 import sys
 from pathlib import Path
 
+from app.analysis.validation import ModelOnPath
 from app.commands.narrator import Narrator
 from app.commands.output import emit, emit_json, say, table
 from app.demo import DemoInterruptedError, DemoResult, evaluate, measure, prepare_folder
 from app.engine.announcer import Publish
-from app.validation import ModelOnPath
 
 
 def demo_command(out: Path, speed: float, seed: int, truth: Path | None, as_json: bool) -> None:
@@ -37,7 +37,7 @@ def demo_command(out: Path, speed: float, seed: int, truth: Path | None, as_json
 
 
 def _write_report(result: DemoResult) -> Path:
-    from app.reporting import demo_report
+    from app.analysis.reporting import demo_report
 
     path = result.folder / "report.html"
     demo_report(result, path)

@@ -7,11 +7,11 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 
+from app.analysis.identifying import cell_of_run, run_rows
 from app.commands.output import say
 from app.errors import ConfigError, UsageError
 from app.files.atomic import write_atomically
 from app.files.points_csv import PointRow, points_csv
-from app.identifying import cell_of_run, run_rows
 from app.runs_folder import runs_folder
 from app.store.catalog import resolve_run
 from app.store.reader import RunReader

@@ -3,27 +3,54 @@
 from dataclasses import dataclass
 from pathlib import Path
 
+from app.analysis.identifying import (
+    bench_of_runs,
+    cell_of_run,
+    error_budget,
+    identified_result,
+    identify_rows,
+    run_rows,
+)
+from app.analysis.material import with_reference_links
 from app.cell.bench import bench_of
 from app.cell.load import load_cell
 from app.commands.output import emit, emit_json, say, table
 from app.errors import UsageError
 from app.files.points_csv import PointRow, read_points_csv
 from app.files.result_json import Fit, LackOfFitPart, Result, write_result
-from app.identifying import (
-    bench_of_runs,
-    cell_of_run,
-    identified_result,
-    identify_rows,
-    radial_budget,
-    run_rows,
-)
-from app.material import with_reference_links
 from app.runs_folder import runs_folder
 from app.store.catalog import resolve_run
 from app.store.reader import RunReader
-from calibration.budget import RadialBudget
 from calibration.layout import ModelName
+from calibration.uncertainty.budget import Budget
 from procedures.bench import Bench
+
+
+@dataclass(frozen=True)
+class IdentifyOptions:
+    """How to identify.
+
+    Attributes:
+        model: which model.
+        uncertainty: "jacobian" or "monte-carlo".
+        draws: of a Monte Carlo.
+        seed: of its draws.
+        loss: how much far-off distances count: "squares", "huber" or "soft-l1".
+        reject: distances beyond so many robust standard deviations are left out; None for none.
+        extend: terms beyond the model, as the command line names them.
+        workers: processes that share the draws; 0 takes one a core.
+        dask: address of a scheduler whose machines share them.
+    """
+
+    model: ModelName
+    uncertainty: str
+    draws: int
+    seed: int
+    loss: str = "squares"
+    reject: float | None = None
+    extend: tuple[str, ...] = ()
+    workers: int = 1
+    dask: str | None = None
 
 
 def identify_command(
@@ -31,21 +58,18 @@ def identify_command(
     run: list[str],
     points: Path | None,
     cell: Path | None,
-    model: ModelName,
-    uncertainty: str,
-    draws: int,
-    seed: int,
+    options: IdentifyOptions,
     runs: Path | None,
     as_json: bool,
 ) -> None:
     """Identify and write the result."""
     source = _load(run, points, cell, runs)
     bench = source.bench
-    identified = identify_rows(source.rows, bench, model, source.radial)
-    if uncertainty == "monte-carlo":
-        from calibration.monte_carlo import with_monte_carlo
+    identified = identify_rows(source.rows, bench, options.model, source.budget)
+    if options.uncertainty == "monte-carlo":
+        from calibration.uncertainty.monte_carlo import with_monte_carlo
 
-        identified = with_monte_carlo(identified, draws, seed, source.radial)
+        identified = with_monte_carlo(identified, options.draws, options.seed)
     result = with_reference_links(identified_result(identified, bench, source.names), source.readers)
     write_result(result, output)
     if as_json:
@@ -66,7 +90,7 @@ def identify_command(
 class _Source:
     rows: list[PointRow]
     bench: Bench
-    radial: RadialBudget | None
+    budget: Budget | None
     names: list[str]
     readers: list[RunReader]
 
@@ -88,9 +112,9 @@ def _load(run: list[str], points: Path | None, cell: Path | None, runs: Path | N
     for reader in readers:
         if reader.status != "complete":
             say(f"warning: {reader.path.name} is {reader.status}; identifying from what it holds")
-    radial = radial_budget(cell_of_run(readers[0]))
+    budget = error_budget(cell_of_run(readers[0]))
     return _Source(
-        run_rows(readers), bench_of_runs(readers, root), radial, [r.path.name for r in readers], readers
+        run_rows(readers), bench_of_runs(readers, root), budget, [r.path.name for r in readers], readers
     )
 
 

@@ -2,9 +2,9 @@
 
 from pathlib import Path
 
+from app.analysis.reporting import require_html, result_report, run_report
 from app.commands.output import say
 from app.errors import UsageError
-from app.reporting import require_html, result_report, run_report
 from app.runs_folder import runs_folder
 from app.store.catalog import resolve_run
 from app.store.reader import RunReader

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 from typing import Literal
 
 from app.errors import MeasurementRejectedError
-from calibration.compensation import compensated_mm
+from calibration.counted_length import compensated_mm
 from calibration.refractive_index import HE_NE_VACUUM_NM, Formula, outside_nist_range, refractive_index
 from procedures.context import Json
 from procedures.devices import Air

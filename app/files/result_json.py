@@ -11,6 +11,7 @@ from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_valida
 
 from app.errors import UsageError
 from app.files.atomic import write_atomically
+from calibration.extension import Part, Source, Target, Term
 from calibration.fit_statistics import FitStatistics
 from calibration.identification import Identification
 from calibration.layout import GAUGE
@@ -105,6 +106,18 @@ class Nominal(_Part):
     link2_mm: float
 
 
+class TermEstimate(_Part):
+    """A function beyond the model with its coefficient, mdeg or µm."""
+
+    target: Target
+    source: Source
+    part: Part
+    order: int
+    unit: Literal["mdeg", "um"]
+    value: Finite
+    u: Finite
+
+
 class Covariance(_Part):
     """Covariance of the arm's parameters, mm and rad."""
 
@@ -149,7 +162,8 @@ class Result(_Part):
     reflectors: list[Place]
     dead_paths: list[DeadPath]
     fit: Fit
-    nominal: Nominal
+    nominal: Nominal | None = None
+    extension: list[TermEstimate] | None = None
     covariance: Covariance | None = None
     residuals: Residuals | None = None
     provenance: Provenance
@@ -181,6 +195,7 @@ def result_of(
         reflectors=_places(identified),
         dead_paths=_dead_paths(identified),
         fit=_fit(identified.fit, identified.rejected),
+        extension=_extension(identified),
         nominal=Nominal(link1_mm=nominal[0], link2_mm=nominal[1]),
         covariance=Covariance(
             names=layout.names()[: layout.arm_size],
@@ -226,6 +241,30 @@ def read_result(path: Path) -> Result:
 
 def _mdeg(value_rad: float, u_rad: float) -> Estimate:
     return Estimate(value=1e3 * math.degrees(value_rad), u=1e3 * math.degrees(u_rad))
+
+
+def _extension(identified: Identification) -> list[TermEstimate] | None:
+    layout = identified.layout
+    if not layout.terms:
+        return None
+    values, u = identified.parameters[layout.extension], identified.standard_uncertainty[layout.extension]
+    return [
+        TermEstimate(
+            target=term.target,
+            source=term.source,
+            part=term.part,
+            order=term.order,
+            unit="mdeg" if term.angular else "um",
+            value=float(value) * term_unit(term),
+            u=float(one_u) * term_unit(term),
+        )
+        for term, value, one_u in zip(layout.terms, values, u, strict=True)
+    ]
+
+
+def term_unit(term: Term) -> float:
+    """Return what makes mdeg or µm of a term's coefficient in rad or mm."""
+    return 1e3 * math.degrees(1.0) if term.angular else 1e3
 
 
 def _table(

@@ -6,10 +6,10 @@ from typing import Any
 
 import numpy as np
 
+from app.analysis.distance_validation import DistanceValidation
+from app.analysis.validation import PathValidation
 from app.cell.model import Cell
-from app.distance_validation import DistanceValidation
 from app.files.result_json import Result
-from app.validation import PathValidation
 from calibration.types import Floats
 from procedures.bench import Bench
 

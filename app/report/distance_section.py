@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from app.distance_validation import DistanceValidation
+from app.analysis.distance_validation import DistanceValidation
 from app.report.content import MODEL_TITLES, ReportContent
 from app.report.drawing import figure
 from app.report.figures.distance_deviation import distance_figure

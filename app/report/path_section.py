@@ -4,6 +4,7 @@ import math
 
 import numpy as np
 
+from app.analysis.validation import ModelOnPath, PathValidation
 from app.report.content import MODEL_TITLES, ReportContent
 from app.report.drawing import figure
 from app.report.figures.path_deviation import path_figure
@@ -11,7 +12,6 @@ from app.report.figures.path_vectors import MAGNIFICATION, vector_figure
 from app.report.markup import Html, bullets, paragraphs, section, table
 from app.report.numbers import fixed, signed
 from app.report.path_view import Gap, PathAxis, gaps, path_axis
-from app.validation import ModelOnPath, PathValidation
 
 
 def path_section(content: ReportContent) -> Html:

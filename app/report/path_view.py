@@ -4,9 +4,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from app.analysis.validation import PathMeasurement, PathValidation
 from app.files.result_json import MapTable, Result
 from app.report.numbers import plain
-from app.validation import PathMeasurement, PathValidation
 from calibration.types import Bools, Floats
 
 _STRAIGHT = 0.01

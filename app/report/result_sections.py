@@ -3,6 +3,7 @@
 import math
 from collections.abc import Sequence
 
+from app.files.identified_arm import nominal_of
 from app.files.result_json import Estimate, MapTable, Result
 from app.report.agreement import normalised
 from app.report.content import MODEL_TITLES, ReportContent, TruthMap
@@ -31,10 +32,10 @@ def parameter_section(content: ReportContent) -> Html:
         head += [MODEL_TITLES[model.model], "u"]
         head += [] if content.truth is None else ["(estimate − truth) / u"]
     head += [] if content.truth is None else ["truth"]
-    nominal, truth = models[0].nominal, content.truth
+    (nominal1_mm, nominal2_mm), truth = nominal_of(models[0])[0], content.truth
     links = (
-        ("L1 / mm", nominal.link1_mm, [m.link1_mm for m in models], truth.link1_mm if truth else None),
-        ("L2 / mm", nominal.link2_mm, [m.link2_mm for m in models], truth.link2_mm if truth else None),
+        ("L1 / mm", nominal1_mm, [m.link1_mm for m in models], truth.link1_mm if truth else None),
+        ("L2 / mm", nominal2_mm, [m.link2_mm for m in models], truth.link2_mm if truth else None),
     )
     rows = [_link_row(*link) for link in links]
     if content.conventional is not None:

@@ -4,6 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from app.files.identified_arm import nominal_of
 from app.files.result_json import Residuals, Result
 from app.report.content import ReportContent
 from calibration.kinematics import forward
@@ -111,8 +112,7 @@ def _of_result(result: Result, residuals: Residuals, path_mm: Floats | None) -> 
     commands = np.unique(np.column_stack([residuals.theta1_deg, residuals.theta2_deg]), axis=0)
     nowhere = np.zeros((0, 2))
     return Scene(
-        result.nominal.link1_mm,
-        result.nominal.link2_mm,
+        *nominal_of(result)[0],
         np.deg2rad(commands),
         tuple(
             Target(place.name, np.array([place.x_mm.value, place.y_mm.value]), None, nowhere)

@@ -6,7 +6,8 @@ from typing import Literal
 
 import numpy as np
 
-from app.distance_validation import DistanceValidation
+from app.analysis.distance_validation import DistanceValidation
+from app.analysis.validation import PathValidation
 from app.files.result_json import Fit, LackOfFitPart, MapTable, Result
 from app.report.agreement import LIMIT, normalised_errors
 from app.report.content import MODEL_TITLES, ReportContent, TruthTables
@@ -14,7 +15,6 @@ from app.report.numbers import counted, decimals_for, fixed, probability, signed
 from app.report.path_view import path_axis
 from app.report.residual_groups import reference
 from app.report.reversal import reversal_mdeg
-from app.validation import PathValidation
 from calibration.fit_statistics import SIGNIFICANCE
 
 _BETTER = 0.8

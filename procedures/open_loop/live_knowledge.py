@@ -4,8 +4,8 @@ import math
 
 import numpy as np
 
-from calibration.budget import RadialBudget
 from calibration.live_map import LiveMap, MapKnowledge
+from calibration.uncertainty.radial import RadialBudget
 from procedures.bench import Bench, Reflector
 from procedures.context import Context, Live
 from procedures.motion.approach import Command

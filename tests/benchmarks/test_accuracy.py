@@ -2,11 +2,12 @@
 
 import numpy as np
 
-from calibration.budget import RadialBudget, radial_effects
 from calibration.distance_model import distance_model
 from calibration.identification import identify
 from calibration.layout import Layout
 from calibration.types import Floats
+from calibration.uncertainty.budget import radial_motions
+from calibration.uncertainty.radial import RadialBudget, radial_effects
 from tests.unit.calibration.paper import (
     MDEG,
     NODES1_DEG,
@@ -64,8 +65,8 @@ def test_radial_error_motions() -> None:
         rng = np.random.default_rng(seed)
         noise = rng.normal(0.0, 0.010, 1056) + effects @ rng.standard_normal(effects.shape[1])
         points = paper_points(truth, noise_mm=noise, sigma_mm=0.010)
-        for radial, collected in ((RADIAL, with_budget), (None, without)):
-            found = identify(points, "error-map", *NODES, 325.0, 225.0, NOMINAL_REFLECTORS, radial)
+        for budget, collected in ((radial_motions(RADIAL), with_budget), (None, without)):
+            found = identify(points, "error-map", *NODES, 325.0, 225.0, NOMINAL_REFLECTORS, budget)
             collected.append((found.parameters[:40] - truth.table_vector()) / found.standard_uncertainty[:40])
         assert found.fit.lack_of_fit is not None
         ratios.append(found.fit.lack_of_fit.ratio)

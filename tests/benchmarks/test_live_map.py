@@ -6,10 +6,11 @@ from collections.abc import Callable
 
 import numpy as np
 
-from calibration.budget import RadialBudget
 from calibration.identification import identify
 from calibration.live_map import LiveMap
 from calibration.points import Points
+from calibration.uncertainty.budget import radial_motions
+from calibration.uncertainty.radial import RadialBudget
 from tests.unit.calibration.paper import (
     NAMES,
     NODES1_DEG,
@@ -57,7 +58,7 @@ def test_a_point_and_what_is_known_cost_a_fraction_of_solving_again() -> None:
     points = paper_points(random_truth(1), noise_mm=noise, sigma_mm=WHITE_MM)
 
     def again() -> object:
-        return identify(points, "error-map", *NODES, 325.0, 225.0, NOMINAL_REFLECTORS, BUDGET)
+        return identify(points, "error-map", *NODES, 325.0, 225.0, NOMINAL_REFLECTORS, radial_motions(BUDGET))
 
     again()
     rounds = []

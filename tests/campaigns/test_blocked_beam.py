@@ -6,11 +6,11 @@ from typing import Any
 import numpy as np
 import pytest
 
+from app.analysis.identifying import bench_of_runs, error_budget, identify_rows, run_rows
+from app.analysis.truth import compare_with_truth
 from app.cell.load import load_cell
-from app.identifying import bench_of_runs, identify_rows, radial_budget, run_rows
 from app.store.catalog import resolve_run
 from app.store.reader import RunReader
-from app.truth import compare_with_truth
 from tests.system.blocking import Story, misfits_um, random_blocks, run_blocked, still_truth
 from tests.system.command import catseye, emulated, last_run
 
@@ -82,13 +82,10 @@ def test_the_map_stays_within_its_own_uncertainty(seed: int, tmp_path: Path) -> 
     record = stored(tmp_path)
     require_all_recovered(story, record, _BLOCKS)
     cell = load_cell(bench.cell).cell
-    budget = cell.uncertainty
-    sigma_um = float(
-        np.hypot.reduce([budget.white_um, budget.radial_j1_um, budget.radial_j2_um, budget.radial_j4_um])
-    )
+    sigma_um = cell.uncertainty.distance_um
     off = np.abs(misfits_um(record.points(), arm))
     rows, folder = run_rows([record]), tmp_path / "catseye-runs"
-    found = identify_rows(rows, bench_of_runs([record], folder), "error-map", radial_budget(cell))
+    found = identify_rows(rows, bench_of_runs([record], folder), "error-map", error_budget(cell))
     compared = compare_with_truth(found, arm)
     print(  # noqa: T201  # the figure
         f"largest misfit {off.max():.1f} µm (5 sigma = {5 * sigma_um:.1f} µm); normalised errors "

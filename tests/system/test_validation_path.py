@@ -7,8 +7,8 @@ from collections.abc import Iterator
 import numpy as np
 import pytest
 
-from app.distance_validation import validate_on_distances
-from app.path_rows import distance_path
+from app.analysis.distance_validation import validate_on_distances
+from app.analysis.path_rows import distance_path
 from app.store.reader import RunReader
 from calibration.fit_statistics import FitStatistics
 from calibration.identification import Identification

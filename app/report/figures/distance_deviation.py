@@ -5,7 +5,7 @@ from matplotlib import rc_context
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from app.distance_validation import DistanceValidation, ModelOnDistances
+from app.analysis.distance_validation import DistanceValidation, ModelOnDistances
 from app.report.content import MODEL_TITLES
 from app.report.figures.canvas import NEGATIVE, POSITIVE, STYLE, WIDTH_IN
 from calibration.types import Bools, Floats

@@ -6,10 +6,10 @@ from matplotlib import rc_context
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from app.analysis.validation import ModelOnPath, PathValidation
 from app.report.content import MODEL_TITLES
 from app.report.figures.canvas import CONVENTIONAL, NEGATIVE, POSITIVE, STYLE, WIDTH_IN
 from app.report.path_view import Gap, PathAxis, path_axis, there
-from app.validation import ModelOnPath, PathValidation
 from calibration.types import Bools
 
 

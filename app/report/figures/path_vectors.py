@@ -5,10 +5,10 @@ from matplotlib import rc_context
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from app.analysis.validation import PathMeasurement, PathValidation
 from app.report.content import MODEL_TITLES
 from app.report.figures.canvas import NEGATIVE, POSITIVE, STYLE, WIDTH_IN
 from app.report.path_view import there
-from app.validation import PathMeasurement, PathValidation
 from calibration.types import Floats
 
 MAGNIFICATION = 1000

@@ -7,11 +7,11 @@ import numpy as np
 import pytest
 
 from app.aim import find_aim
+from app.analysis.path_rows import path_measurement
+from app.analysis.validation import established_rows
 from app.errors import UsageError
-from app.path_rows import path_measurement
 from app.store.reader import RunReader
 from app.store.run_store import RunStore
-from app.validation import established_rows
 from calibration.points import Commands
 from procedures.context import Json, Row
 from tests.unit.app.store.fakes import TickingClock

@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from app.distance_validation import DistancePath, validate_on_distances
+from app.analysis.distance_validation import DistancePath, validate_on_distances
+from app.analysis.path_rows import distance_path, path_measurement
 from app.errors import UsageError
-from app.path_rows import distance_path, path_measurement
 from app.store.reader import RunReader
 from app.store.run_store import RunStore
 from calibration.errors import InsufficientPointsError

@@ -8,9 +8,9 @@ from typing import Any
 import numpy as np
 import pytest
 
+from app.analysis.identifying import identify_rows
+from app.analysis.truth import compare_with_truth, gauge_turn_rad, turned_places
 from app.files.points_csv import PointRow
-from app.identifying import identify_rows
-from app.truth import compare_with_truth, gauge_turn_rad, turned_places
 from calibration.errors import InsufficientPointsError, MapRangeError, UnidentifiableError
 from calibration.identification import Identification
 from tests.unit.calibration.paper import (

@@ -6,9 +6,9 @@ from typing import Any, cast
 import pytest
 from pydantic import ValidationError
 
+from app.analysis.material import with_reference_links
 from app.cell.model import Cell
 from app.cell.template import TEMPLATE
-from app.material import with_reference_links
 from app.store.reader import RunReader
 from tests.unit.app.report.sample import hand_made
 

@@ -6,9 +6,9 @@ from pathlib import Path
 
 import numpy as np
 
+from app.analysis.path_comparison import compare_path
 from app.cell.model import Cell
 from app.cell.template import TEMPLATE
-from app.path_comparison import compare_path
 from app.store.reader import RunReader
 from app.store.run_store import RunStore
 from procedures.context import Json, Row

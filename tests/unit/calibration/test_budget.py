@@ -10,10 +10,11 @@ from functools import cache
 import numpy as np
 import pytest
 
-from calibration.budget import RadialBudget, radial_effects
 from calibration.identification import Identification, identify
 from calibration.points import Points
 from calibration.types import Floats
+from calibration.uncertainty.budget import radial_motions
+from calibration.uncertainty.radial import RadialBudget, radial_effects
 from tests.unit.calibration.paper import (
     NODES1_DEG,
     NODES2_DEG,
@@ -78,7 +79,8 @@ def units(truth: Truth, reflectors: int) -> Floats:
 
 def solve(points: Points, radial: RadialBudget | None) -> Identification:
     nodes = np.deg2rad(NODES1_DEG), np.deg2rad(NODES2_DEG)
-    return identify(points, "error-map", *nodes, 325.0, 225.0, NOMINAL_REFLECTORS, radial)
+    budget = None if radial is None else radial_motions(radial)
+    return identify(points, "error-map", *nodes, 325.0, 225.0, NOMINAL_REFLECTORS, budget)
 
 
 def true_parameters(truth: Truth) -> Floats:

@@ -6,12 +6,13 @@ from functools import cache
 import numpy as np
 import pytest
 
-from calibration.budget import RadialBudget
 from calibration.errors import MapRangeError, UnidentifiableError
 from calibration.identification import identify
 from calibration.live_map import Innovation, LiveMap
 from calibration.points import Points
 from calibration.types import Floats
+from calibration.uncertainty.budget import radial_motions
+from calibration.uncertainty.radial import RadialBudget
 from tests.unit.calibration.paper import (
     NAMES,
     NODES1_DEG,
@@ -68,7 +69,8 @@ def campaign(seed: int, *, radial: bool) -> tuple[LiveMap, Points, list[Innovati
 def identified_u(points: Points, radial: RadialBudget | None) -> tuple[Floats, Floats]:
     """Return the stated standard uncertainties of both maps, without the widening by a fit's scatter."""
     names = [NAMES.index(name) for name in points.reflector_names]
-    found = identify(points, "error-map", NODES1, NODES2, 325.0, 225.0, NOMINAL_REFLECTORS[names], radial)
+    budget = None if radial is None else radial_motions(radial)
+    found = identify(points, "error-map", NODES1, NODES2, 325.0, 225.0, NOMINAL_REFLECTORS[names], budget)
     u = found.standard_uncertainty / math.sqrt(found.fit.variance_factor)
     return u[found.layout.map1], u[found.layout.map2]
 

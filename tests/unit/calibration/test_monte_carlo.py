@@ -3,10 +3,11 @@
 import numpy as np
 import pytest
 
-from calibration.budget import RadialBudget
 from calibration.identification import Identification, identify
 from calibration.layout import ModelName
-from calibration.monte_carlo import with_monte_carlo
+from calibration.uncertainty.budget import radial_motions
+from calibration.uncertainty.monte_carlo import with_monte_carlo
+from calibration.uncertainty.radial import RadialBudget
 from tests.unit.calibration.paper import (
     NODES1_DEG,
     NODES2_DEG,
@@ -25,7 +26,8 @@ def identified(
     noise = np.random.default_rng(8).normal(0.0, 0.0156, 1056)
     points = paper_points(random_truth(8), noise_mm=noise, sigma_mm=sigma_mm)
     nodes = np.deg2rad(NODES1_DEG), np.deg2rad(NODES2_DEG)
-    return identify(points, model, *nodes, 325.0, 225.0, NOMINAL_REFLECTORS, radial)
+    budget = None if radial is None else radial_motions(radial)
+    return identify(points, model, *nodes, 325.0, 225.0, NOMINAL_REFLECTORS, budget)
 
 
 def assert_agree(one: Identification, drawn: Identification) -> None:
@@ -57,7 +59,7 @@ def test_draws_agree_with_the_jacobian_for_the_conventional_model() -> None:
 
 def test_draws_agree_with_the_jacobian_when_radial_error_motions_are_stated() -> None:
     one = identified(radial=BUDGET)
-    assert_agree(one, with_monte_carlo(one, DRAWS, 4, BUDGET))
+    assert_agree(one, with_monte_carlo(one, DRAWS, 4))
 
 
 def test_the_seed_decides_the_draws() -> None:

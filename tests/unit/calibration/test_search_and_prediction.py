@@ -74,7 +74,7 @@ def test_prediction_of_the_commands_gives_the_true_positions() -> None:
         paper_points(truth, sigma_mm=0.0156), "error-map", *nodes, 325.0, 225.0, NOMINAL_REFLECTORS
     )
     commands = identified.points.commands.select(np.arange(352))
-    predicted = predict(identified, commands, 325.0, 225.0)
+    predicted = predict(identified.arm, commands, 325.0, 225.0)
     expected = np.array([true_position(truth, row) for row in sequence()])
     assert predicted.position_mm == pytest.approx(expected, abs=1e-9)
     assert predicted.inside.all()
@@ -93,7 +93,7 @@ def test_prediction_uncertainty_against_repeated_draws() -> None:
         noise = np.random.default_rng(seed).normal(0.0, 0.0156, 1056)
         points = paper_points(truth, noise_mm=noise, sigma_mm=0.0156)
         result = identify(points, "error-map", *nodes, 325.0, 225.0, NOMINAL_REFLECTORS)
-        predicted = predict(result, commands, 325.0, 225.0)
+        predicted = predict(result.arm, commands, 325.0, 225.0)
         draws.append(predicted.position_mm)
     assert np.std(draws, axis=0) == pytest.approx(predicted.u_mm, rel=0.2)
 
@@ -104,7 +104,7 @@ def test_rows_outside_the_nodes_are_not_predicted() -> None:
     commands = Commands(
         np.deg2rad([0.0, 0.0]), np.deg2rad([139.0, 141.0]), np.array([1, 1]), np.array([1, 1])
     )
-    predicted = predict(result, commands, 325.0, 225.0)
+    predicted = predict(result.arm, commands, 325.0, 225.0)
     assert predicted.inside.tolist() == [True, False]
     assert np.isnan(predicted.position_mm[1]).all()
     assert np.isnan(predicted.u_mm[1]).all()

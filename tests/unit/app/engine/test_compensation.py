@@ -4,7 +4,7 @@ import pytest
 
 from app.engine.compensation import AirRule, Compensation
 from app.errors import MeasurementRejectedError
-from calibration.compensation import compensated_mm
+from calibration.counted_length import compensated_mm
 from drivers.readings import AirSample
 
 ROOM = AirSample(20.0, 1013.25, 50.0, 0.0)

@@ -6,6 +6,7 @@ from functools import cache
 
 import numpy as np
 
+from app.analysis.validation import PathMeasurement, PathValidation, validate_on_path
 from app.cell.bench import bench_of
 from app.cell.model import Cell
 from app.cell.template import TEMPLATE
@@ -31,7 +32,6 @@ from app.report.content import (
     TruthMap,
     TruthTables,
 )
-from app.validation import PathMeasurement, PathValidation, validate_on_path
 from calibration.identification import Identification, identify
 from calibration.kinematics import forward, inverse
 from calibration.layout import ModelName

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from app.distance_validation import DistancePath, DistanceValidation, ModelOnDistances
+from app.analysis.distance_validation import DistancePath, DistanceValidation, ModelOnDistances
 from app.report.content import ReportContent
 from app.report.figures.distance_deviation import distance_figure
 from app.report.page import render_html

@@ -6,12 +6,12 @@ import numpy as np
 import pytest
 from matplotlib.lines import Line2D
 
+from app.analysis.validation import validate_on_path
 from app.report.figures.canvas import svg
 from app.report.figures.path_deviation import path_figure
 from app.report.figures.path_vectors import MAGNIFICATION, vector_figure
 from app.report.page import render_html
 from app.report.path_view import gaps, path_axis
-from app.validation import validate_on_path
 from calibration.types import Floats
 from tests.unit.app.report import sample
 from tests.unit.app.report.page_reader import read_page

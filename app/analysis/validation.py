@@ -106,7 +106,7 @@ def validate_on_path(
     Raises:
         InsufficientPointsError: fewer than two rows inside the identified range.
     """
-    predictions = [predict(one, path.commands, *nominal) for one in identified]
+    predictions = [predict(one.arm, path.commands, *nominal) for one in identified]
     compared: Bools = np.logical_and.reduce([path.established, *(one.inside for one in predictions)])
     models = tuple(
         ModelOnPath(

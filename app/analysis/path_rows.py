@@ -5,10 +5,10 @@ from typing import Any
 
 import numpy as np
 
-from app.distance_validation import DistancePath
+from app.analysis.distance_validation import DistancePath
+from app.analysis.validation import PathMeasurement, established_rows
 from app.errors import UsageError
 from app.store.reader import RunReader
-from app.validation import PathMeasurement, established_rows
 from calibration.points import Commands, Points
 from calibration.types import Bools, Floats, Ints
 

@@ -8,7 +8,6 @@ from app.errors import UsageError
 from calibration.distance_model import DistanceModel, distance_model
 from calibration.errors import InsufficientPointsError
 from calibration.identification import Identification
-from calibration.layout import Layout
 from calibration.points import Points
 from calibration.prediction import inside_range
 from calibration.types import Bools, Floats, Ints
@@ -108,7 +107,7 @@ def validate_on_distances(path: DistancePath, identified: list[Identification]) 
     for one in identified:
         _require_reflectors(one, path)
     usable: Bools = np.logical_and.reduce(
-        [path.established, *(inside_range(one, path.points.commands) for one in identified)]
+        [path.established, *(inside_range(one.arm, path.points.commands) for one in identified)]
     )
     compared, rejected = _without_short_segments(path.points, usable)
     if not compared.any():
@@ -163,7 +162,7 @@ def _on_distances(path: DistancePath, identified: Identification, compared: Bool
 def _transferred(identified: Identification, points: Points) -> tuple[DistanceModel, Floats]:
     """Return an identified arm with its reflectors, seen through other distances with dead paths of nothing."""
     own = identified.layout
-    layout = Layout(own.model, own.nodes1_rad, own.nodes2_rad, own.reflector_names, points.dead_paths)
+    layout = replace(own, dead_paths=points.dead_paths)
     order = np.array([own.reflector_names.index(name) for name in points.reflector_names], dtype=np.int64)
     seen = replace(points, reflector=order[points.reflector], reflector_names=own.reflector_names)
     parameters = np.zeros(layout.size)

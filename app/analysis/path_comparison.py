@@ -3,23 +3,23 @@
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
-from app.distance_validation import DistanceValidation, validate_on_distances
-from app.errors import UsageError
-from app.files.result_json import Result
-from app.identifying import (
+from app.analysis.distance_validation import DistanceValidation, validate_on_distances
+from app.analysis.identifying import (
     MODELS,
     bench_of_runs,
     cell_of_run,
+    error_budget,
     identified_result,
     identify_rows,
-    radial_budget,
     run_rows,
 )
-from app.material import with_reference_links
-from app.path_rows import distance_path, holds_distances, path_measurement
+from app.analysis.material import with_reference_links
+from app.analysis.path_rows import distance_path, holds_distances, path_measurement
+from app.analysis.validation import PathValidation, validate_on_path
+from app.errors import UsageError
+from app.files.result_json import Result
 from app.store.catalog import list_runs
 from app.store.reader import RunReader
-from app.validation import PathValidation, validate_on_path
 from calibration.errors import CalibrationError
 from calibration.identification import Identification
 from procedures.bench import Bench
@@ -63,7 +63,7 @@ def compare_path(reader: RunReader, root: Path) -> PathComparison:
     bench = bench_of_runs([measured], root)
     try:
         identified = [
-            identify_rows(run_rows([measured]), bench, model, radial_budget(cell_of_run(measured)))
+            identify_rows(run_rows([measured]), bench, model, error_budget(cell_of_run(measured)))
             for model in MODELS
         ]
         found = _compared(reader, identified, bench)

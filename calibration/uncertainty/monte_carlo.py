@@ -4,16 +4,14 @@ from dataclasses import replace
 
 import numpy as np
 
-from calibration.budget import RadialBudget, radial_effects
 from calibration.distance_model import distance_model
 from calibration.identification import Identification
 from calibration.least_squares import minimise
 from calibration.types import Floats
+from calibration.uncertainty.budget import geometry_of, systematic_effects
 
 
-def with_monte_carlo(
-    identified: Identification, draws: int, seed: int, radial: RadialBudget | None = None
-) -> Identification:
+def with_monte_carlo(identified: Identification, draws: int, seed: int) -> Identification:
     """Return an identification whose covariance comes from repeated draws.
 
     White errors of the stated standard uncertainty, and radial error motions where they are stated, are added to the
@@ -24,12 +22,11 @@ def with_monte_carlo(
         identified: what the solver returned.
         draws: how many draws, at least 2.
         seed: of the draws.
-        radial: the radial error motions that the identification was made with; None for none.
     """
     points, fit = identified.points, identified.fit
     widened = np.sqrt(fit.variance_factor)
     sigma_mm = (1.0 if points.sigma_mm is None else points.sigma_mm) * widened
-    effects = widened * _radial_effects(identified, radial)
+    effects = widened * _effects(identified)
     ideal = points.displacement_mm + identified.residuals_mm
     basis = identified.layout.gauge_basis()
     weights = np.ones(len(points)) if points.sigma_mm is None else 1.0 / points.sigma_mm
@@ -45,8 +42,6 @@ def with_monte_carlo(
     return replace(identified, covariance=np.cov(found, rowvar=False))
 
 
-def _radial_effects(identified: Identification, radial: RadialBudget | None) -> Floats:
-    if radial is None:
-        return np.zeros((len(identified.points), 0))
+def _effects(identified: Identification) -> Floats:
     model = distance_model(identified.layout, identified.points)
-    return radial_effects(identified.points, model.beam_unit(identified.parameters), radial)
+    return systematic_effects(identified.budget, geometry_of(model, identified.parameters))

@@ -50,14 +50,26 @@ def radial_effects(points: Points, unit: Floats, budget: RadialBudget) -> Floats
     return np.hstack([_joint(unit, rms, angle, frame, budget.orders) for rms, angle, frame in parts])
 
 
-def _joint(unit: Floats, rms_mm: float, angle: Floats, frame: Floats, orders: int) -> Floats:
-    """Return the effects of one joint; its axis displaces in a frame that is turned against the world."""
+def axis_frame(unit: Floats, frame: Floats) -> Floats:
+    """Return unit vectors in a frame that is turned against the world, shape (n, 2).
+
+    Args:
+        unit: unit vectors in the world, shape (n, 2).
+        frame: angle of the frame, rad, shape (n,).
+    """
     cosine, sine = np.cos(frame), np.sin(frame)
-    axes = np.stack(
+    return np.stack(
         [unit[:, 0] * cosine + unit[:, 1] * sine, unit[:, 1] * cosine - unit[:, 0] * sine], axis=1
     )
+
+
+def harmonics(angle: Floats, orders: int) -> Floats:
+    """Return cosine and sine of 1…orders times the angle, in turn, shape (n, 2 · orders)."""
     turns = angle[:, None] * np.arange(1, orders + 1)
-    waves = np.stack([np.cos(turns), np.sin(turns)], axis=2).reshape(angle.size, 2 * orders)
-    amplitude = rms_mm / np.sqrt(orders)
-    effects = (axes[:, :, None] * waves[:, None, :]).reshape(angle.size, 4 * orders)
-    return np.asarray(amplitude * effects, dtype=np.float64)
+    return np.stack([np.cos(turns), np.sin(turns)], axis=2).reshape(angle.size, 2 * orders)
+
+
+def _joint(unit: Floats, rms_mm: float, angle: Floats, frame: Floats, orders: int) -> Floats:
+    """Return the effects of one joint; its axis displaces in a frame that is turned against the world."""
+    effects = axis_frame(unit, frame)[:, :, None] * harmonics(angle, orders)[:, None, :]
+    return np.asarray(rms_mm / np.sqrt(orders) * effects.reshape(angle.size, 4 * orders), dtype=np.float64)

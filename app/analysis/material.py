@@ -3,9 +3,9 @@
 from collections.abc import Sequence
 from statistics import fmean
 
+from app.analysis.identifying import cell_of_run
 from app.cell.model import Material as MaterialSection
 from app.files.result_json import Estimate, Result
-from app.identifying import cell_of_run
 from app.store.reader import RunReader
 from calibration.expansion import Material, at_reference
 

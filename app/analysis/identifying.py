@@ -17,9 +17,9 @@ from app.files.points_csv import PointRow, to_points
 from app.files.result_json import Result, result_of
 from app.store.reader import RunReader
 from app.version import SOFTWARE
-from calibration.budget import RadialBudget
 from calibration.identification import Identification, identify
 from calibration.layout import ModelName
+from calibration.uncertainty.budget import Budget
 from procedures.bench import Bench, Reflector
 
 _SAME_PLACE_MM = 2.0
@@ -43,21 +43,22 @@ def cell_of_run(reader: RunReader) -> Cell:
 def run_rows(readers: Sequence[RunReader]) -> list[PointRow]:
     """Return the distances of runs; a segment keeps to its own run.
 
+    They carry no uncertainty of their own: what they are good for is the error budget's affair.
+
     Raises:
         UsageError: a run holds no points.
     """
     rows: list[PointRow] = []
     for reader in readers:
         first = 1 + max((row.segment for row in rows), default=-1)
-        sigma_mm = 1e-3 * cell_of_run(reader).uncertainty.white_um
         points = reader.points()
         if not points:
             raise UsageError(f"{reader.path.name} holds no points; identify needs runs of open-loop")
-        rows += [_row(point, first, sigma_mm) for point in points]
+        rows += [_row(point, first) for point in points]
     return rows
 
 
-def _row(point: Mapping[str, object], first_segment: int, sigma_mm: float | None) -> PointRow:
+def _row(point: Mapping[str, object], first_segment: int) -> PointRow:
     def number(key: str) -> float:
         return float(str(point[key]))
 
@@ -69,23 +70,17 @@ def _row(point: Mapping[str, object], first_segment: int, sigma_mm: float | None
         direction1=int(number("direction1")),
         direction2=int(number("direction2")),
         displacement_mm=number("displacement_mm"),
-        sigma_mm=sigma_mm,
+        sigma_mm=None,
     )
 
 
-def radial_budget(cell: Cell) -> RadialBudget:
-    """Return the radial error motions that a cell file states."""
-    stated = cell.uncertainty
-    return RadialBudget(
-        1e-3 * stated.radial_j1_um,
-        1e-3 * stated.radial_j2_um,
-        1e-3 * stated.radial_j4_um,
-        stated.radial_orders,
-    )
+def error_budget(cell: Cell) -> Budget:
+    """Return the error budget that a cell file states."""
+    return cell.uncertainty.budget
 
 
 def identify_rows(
-    rows: list[PointRow], bench: Bench, model: ModelName, radial: RadialBudget | None
+    rows: list[PointRow], bench: Bench, model: ModelName, budget: Budget | None
 ) -> Identification:
     """Identify an arm from distances.
 
@@ -93,7 +88,7 @@ def identify_rows(
         rows: distances in measuring order.
         bench: nodes, nominal links and rough reflectors.
         model: which model.
-        radial: radial error motions beyond each row's sigma_mm; None for none.
+        budget: contributors of the uncertainty; None for what the rows state themselves.
 
     Raises:
         CalibrationError: the points cannot determine the model; the text names what is missing.
@@ -102,7 +97,7 @@ def identify_rows(
     points = to_points(rows, places)
     nodes = np.deg2rad(bench.nodes1_deg), np.deg2rad(bench.nodes2_deg)
     rough = np.array([places[name] for name in points.reflector_names])
-    return identify(points, model, *nodes, bench.arm.link1_mm, bench.arm.link2_mm, rough, radial)
+    return identify(points, model, *nodes, bench.arm.link1_mm, bench.arm.link2_mm, rough, budget)
 
 
 def identified_result(identified: Identification, bench: Bench, sources: list[str]) -> Result:

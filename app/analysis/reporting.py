@@ -9,24 +9,25 @@ from typing import Any
 import numpy as np
 
 from app.aim import search_result
+from app.analysis.identifying import (
+    MODELS,
+    aimed_bench,
+    bench_of_runs,
+    cell_of_run,
+    error_budget,
+    identified_result,
+    identify_rows,
+    run_rows,
+)
+from app.analysis.material import with_reference_links
+from app.analysis.path_comparison import compare_path
+from app.analysis.path_rows import holds_distances
+from app.analysis.truth import gauge_turn_rad, turned_places
 from app.cell.model import Cell
 from app.demo import DemoResult
 from app.errors import UsageError
 from app.files.atomic import write_atomically
 from app.files.result_json import Result, read_result
-from app.identifying import (
-    MODELS,
-    aimed_bench,
-    bench_of_runs,
-    cell_of_run,
-    identified_result,
-    identify_rows,
-    radial_budget,
-    run_rows,
-)
-from app.material import with_reference_links
-from app.path_comparison import compare_path
-from app.path_rows import holds_distances
 from app.report.content import (
     DeviceRecord,
     EnvironmentSummary,
@@ -38,7 +39,6 @@ from app.report.content import (
 )
 from app.report.page import render_html
 from app.store.reader import RunReader
-from app.truth import gauge_turn_rad, turned_places
 from app.version import SOFTWARE
 from calibration.errors import CalibrationError
 from calibration.identification import Identification
@@ -65,8 +65,8 @@ def demo_truth(result: DemoResult) -> TruthTables:
     """Return the true arm of a demo in the gauge of its error map."""
     measured = RunReader(result.runs["open-loop"])
     bench = bench_of_runs([measured], result.folder / "runs")
-    radial = radial_budget(cell_of_run(measured))
-    identified = identify_rows(run_rows([measured]), bench, "error-map", radial)
+    budget = error_budget(cell_of_run(measured))
+    identified = identify_rows(run_rows([measured]), bench, "error-map", budget)
     document = json.loads((result.folder / "truth.json").read_text(encoding="utf-8"))
     return truth_tables(identified, document)
 
@@ -125,7 +125,7 @@ def _identified(reader: RunReader, root: Path) -> tuple[list[Result], list[str]]
     results, notes = [], []
     for model in MODELS:
         try:
-            one = identify_rows(rows, bench, model, radial_budget(cell_of_run(reader)))
+            one = identify_rows(rows, bench, model, error_budget(cell_of_run(reader)))
         except CalibrationError as error:
             notes.append(f"the {model} model could not be identified: {error}")
             continue

@@ -1,0 +1,1 @@
+"""What is done with distances and identified arms: identify, predict, validate, compensate, design, report."""

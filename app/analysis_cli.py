@@ -1,0 +1,219 @@
+"""Commands that work on distances and results: identify, diagnose, predict, validate, compensate, design, report."""
+
+from pathlib import Path
+from typing import Annotated, Literal
+
+import typer
+
+from app.cli_options import AsJson, Runs
+
+Output = Annotated[Path, typer.Option("-o", "--output", help="file to write")]
+ResultFile = Annotated[Path, typer.Argument(metavar="RESULT", help="result JSON of catseye identify")]
+Hand = Annotated[Literal["right", "left"], typer.Option(help="of Cartesian positions: right has theta2 >= 0")]
+StartDirection = Annotated[
+    str, typer.Option(metavar="S1,S2", help="states of approach at the first Cartesian row, 1 or -1 each")
+]
+Workers = Annotated[
+    int, typer.Option(min=0, help="processes that share the work; 0 takes one a core, 1 stays in this one")
+]
+Dask = Annotated[
+    str | None,
+    typer.Option(metavar="ADDRESS", help="dask scheduler whose machines share the work [catseye[cluster]]"),
+]
+
+
+def add_analysis(cli: typer.Typer) -> None:
+    """Add the commands to the command line."""
+    for command in (identify, diagnose, predict, validate, compensate, design, report, export):
+        cli.command()(command)
+
+
+def identify(
+    output: Annotated[Path, typer.Option("-o", "--output", help="result JSON to write")],
+    run: Annotated[list[str] | None, typer.Argument(metavar="[RUN]...", help="measured runs")] = None,
+    points: Annotated[Path | None, typer.Option(help="points CSV instead of runs; needs --cell")] = None,
+    cell: Annotated[Path | None, typer.Option(help="cell file for --points")] = None,
+    model: Annotated[
+        Literal["conventional", "error-map"], typer.Option(help="what to identify")
+    ] = "error-map",
+    uncertainty: Annotated[
+        Literal["jacobian", "monte-carlo"], typer.Option(help="how uncertainties are propagated")
+    ] = "jacobian",
+    draws: Annotated[int, typer.Option(min=100, help="Monte Carlo draws")] = 1000,
+    seed: Annotated[int, typer.Option(min=0, help="of the Monte Carlo draws")] = 1,
+    loss: Annotated[
+        Literal["squares", "huber", "soft-l1"], typer.Option(help="how much far-off distances count")
+    ] = "squares",
+    reject: Annotated[
+        float | None,
+        typer.Option(metavar="K", min=2.0, help="leave out distances beyond K robust standard deviations"),
+    ] = None,
+    extend: Annotated[
+        list[str] | None,
+        typer.Option(
+            metavar="TERMS", help="crosstalk, j4, thermal, periodic1:ORDER, periodic2:ORDER; may be repeated"
+        ),
+    ] = None,
+    workers: Workers = 1,
+    dask: Dask = None,
+    runs: Runs = None,
+    as_json: AsJson = False,
+) -> None:
+    """Identify the arm from distances.
+
+    Example: catseye identify --points points.csv --cell cell.toml -o result.json
+    """
+    from app.commands.identify import IdentifyOptions, identify_command
+
+    options = IdentifyOptions(
+        model, uncertainty, draws, seed, loss, reject, tuple(extend or ()), workers, dask
+    )
+    identify_command(output, run or [], points, cell, options, runs, as_json)
+
+
+def diagnose(
+    run: Annotated[list[str] | None, typer.Argument(metavar="[RUN]...", help="measured runs")] = None,
+    points: Annotated[Path | None, typer.Option(help="points CSV instead of runs; needs --cell")] = None,
+    cell: Annotated[Path | None, typer.Option(help="cell file for --points")] = None,
+    runs: Runs = None,
+    as_json: AsJson = False,
+) -> None:
+    """Tell what speaks against a fit: outliers, drift, lack of fit, cross-validation, richer models, node spacing.
+
+    Example: catseye diagnose 1a2b3c
+    """
+    from app.commands.diagnose import diagnose_command
+
+    diagnose_command(run or [], points, cell, runs, as_json)
+
+
+def predict(
+    result: ResultFile,
+    path: Annotated[Path, typer.Option(help="path CSV, in joints or Cartesian")],
+    output: Output,
+    hand: Hand = "right",
+    start_direction: StartDirection = "1,1",
+    as_json: AsJson = False,
+) -> None:
+    """Tell where the model says the arm really goes, with uncertainties; beyond the identified range it says nothing.
+
+    Example: catseye predict result.json --path path.csv -o predicted.csv
+    """
+    from app.commands.predict import predict_command
+
+    predict_command(result, path, output, hand, start_direction, as_json)
+
+
+def validate(
+    result: ResultFile,
+    measured: Annotated[
+        Path, typer.Option(help="measured CSV: commands and independently measured positions")
+    ],
+    reference: Annotated[
+        Path | None,
+        typer.Option(metavar="RESULT", help="model to compare with, as a rule the conventional one"),
+    ] = None,
+    output: Annotated[Path | None, typer.Option("-o", "--output", help="HTML page with the figures")] = None,
+    limit: Annotated[
+        float | None,
+        typer.Option("--limit-um", min=0.0, help="2-D rms that may be left; more is exit code 1"),
+    ] = None,
+    hand: Hand = "right",
+    start_direction: StartDirection = "1,1",
+    as_json: AsJson = False,
+) -> None:
+    """Compare a model with an independent measurement.
+
+    Example: catseye validate error-map.json --measured tracker.csv --reference conventional.json -o validation.html
+    """
+    from app.commands.validate import validate_command
+
+    validate_command(result, measured, reference, output, limit, hand, start_direction, as_json)
+
+
+def compensate(
+    result: ResultFile,
+    output: Output,
+    path: Annotated[
+        Path | None, typer.Option(help="path CSV, in joints or Cartesian; a table (kw-ssfk) needs none")
+    ] = None,
+    format_: Annotated[
+        Literal["csv", "json", "melfa", "kw-ssfk"], typer.Option("--format", help="what to write")
+    ] = "csv",
+    hand: Hand = "right",
+    start_direction: StartDirection = "1,1",
+    cell: Annotated[
+        Path | None, typer.Option(help="cell file whose joint limits the commands have to keep")
+    ] = None,
+    as_json: AsJson = False,
+) -> None:
+    """Turn the model round: commands that bring the arm where it shall go, or a bidirectional table.
+
+    Example: catseye compensate result.json --path path.csv --format melfa -o path.prg
+    """
+    from app.commands.compensate import compensate_command
+
+    compensate_command(result, output, path, format_, hand, start_direction, cell, as_json)
+
+
+def design(
+    cell: Annotated[Path, typer.Option(help="cell file: arm, limits, optics, nodes, uncertainty")],
+    reflectors: Annotated[int, typer.Option(min=1, max=8, help="how many reflectors to place")] = 3,
+    criterion: Annotated[
+        Literal["A", "D", "E", "path"],
+        typer.Option(help="A mean variance, D volume, E worst direction, path worst uncertainty on --path"),
+    ] = "A",
+    path: Annotated[Path | None, typer.Option(help="path CSV for the criterion path")] = None,
+    floor: Annotated[
+        str | None, typer.Option(metavar="X0,X1,Y0,Y1", help="floor on which reflectors may stand, mm")
+    ] = None,
+    places: Annotated[int, typer.Option(min=10, help="candidate places")] = 400,
+    pareto: Annotated[
+        bool, typer.Option("--pareto", help="bench time against uncertainty, 1 to 4 reflectors")
+    ] = False,
+    output: Annotated[Path | None, typer.Option("-o", "--output", help="HTML page with the pictures")] = None,
+    write_cell: Annotated[
+        Path | None, typer.Option(help="cell file to write with the reflectors found")
+    ] = None,
+    seed: Annotated[int, typer.Option(min=0, help="of the exchange's starts")] = 1,
+    workers: Workers = 1,
+    dask: Dask = None,
+    as_json: AsJson = False,
+) -> None:
+    """Tell where to put the reflectors and which commands to use.
+
+    Example: catseye design --cell cell.toml --reflectors 3 -o design.html
+    """
+    from app.commands.design import DesignOptions, design_command
+
+    options = DesignOptions(reflectors, criterion, path, floor, places, pareto, seed, workers, dask)
+    design_command(cell, options, output, write_cell, as_json)
+
+
+def report(
+    source: Annotated[str, typer.Argument(metavar="RUN|RESULT", help="run, or result JSON")],
+    output: Annotated[Path, typer.Option("-o", "--output", help="HTML file to write")],
+    runs: Runs = None,
+) -> None:
+    """Write one self-contained HTML page about a run or a result.
+
+    Example: catseye report result.json -o report.html
+    """
+    from app.commands.report import report_command
+
+    report_command(source, output, runs)
+
+
+def export(
+    run: Annotated[str, typer.Argument(metavar="RUN", help="path, name, beginning of a name, or id")],
+    output: Annotated[Path, typer.Option("-o", "--output", help="file to write")],
+    format_: Annotated[Literal["csv", "json", "parquet"], typer.Option("--format")] = "csv",
+    runs: Runs = None,
+) -> None:
+    """Write a run's points: csv (points format), json or parquet (all columns).
+
+    Example: catseye export 1a2b3c --format csv -o points.csv
+    """
+    from app.commands.export import export_command
+
+    export_command(run, output, format_, runs)

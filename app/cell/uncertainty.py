@@ -1,0 +1,179 @@
+"""[uncertainty]: what a distance is good for. The default is Table 2 of the SCARA paper."""
+
+import math
+from typing import Annotated, Any, Literal, Self
+
+from pydantic import Field, StringConstraints, model_validator
+
+from app.cell.section import NotNegative, Section
+from calibration.uncertainty.budget import Budget, Contributor, Correlation, Distribution, Kind
+
+_UNITS: dict[str, tuple[str, float]] = {
+    "length": ("value_um", 1e-3),
+    "position": ("value_um", 1e-3),
+    "radial": ("value_um", 1e-3),
+    "scale": ("value_ppm", 1e-6),
+    "angle": ("value_mdeg", 1e-3 * math.pi / 180.0),
+    "direction": ("value_mrad", 1e-3),
+}
+"""Key that a kind's value stands under, and what makes mm, rad or a share of it."""
+
+_DIVISORS: dict[str, float] = {
+    "normal": 1.0,
+    "uniform": math.sqrt(3.0),
+    "triangular": math.sqrt(6.0),
+    "arcsine": math.sqrt(2.0),
+}
+"""Standard uncertainty of a half width (GUM 4.3); a normal contributor is stated by its standard uncertainty."""
+
+_TOTALS: dict[str, Any] = {
+    "repeatability_um": 10.0,
+    "laser_um": 0.22,
+    "aim_um": 0.31,
+    "radial_j1_um": 5.0,
+    "radial_j2_um": 5.0,
+    "radial_j4_um": 10.0,
+    "radial_orders": 5,
+}
+"""Keys of the section before it was a list, with their defaults then."""
+
+_TYPICAL_BEAM_MM = 743.3
+"""Beam of the paper's example: from (100, 100) mm to the reflector at (650, -400) mm."""
+
+
+class ContributorEntry(Section):
+    """[[uncertainty.contributor]]: one line of the budget."""
+
+    name: Annotated[str, StringConstraints(min_length=1, max_length=80)]
+    kind: Kind
+    value_um: NotNegative | None = None
+    value_ppm: NotNegative | None = None
+    value_mdeg: NotNegative | None = None
+    value_mrad: NotNegative | None = None
+    distribution: Distribution = "normal"
+    correlation: Correlation = "reading"
+    axis: Literal["j1", "j2", "j4"] | None = None
+    orders: Annotated[int, Field(ge=1, le=20)] = 5
+    degrees_of_freedom: Annotated[float, Field(gt=0.0, allow_inf_nan=False)] | None = None
+
+    @model_validator(mode="after")
+    def _sound(self) -> Self:
+        wanted, _ = _UNITS[self.kind]
+        keys = ("value_um", "value_ppm", "value_mdeg", "value_mrad")
+        given = [key for key in keys if getattr(self, key) is not None]
+        if given != [wanted]:
+            raise ValueError(
+                f"{self.name}: kind {self.kind} is stated by {wanted}, not by {', '.join(given) or 'nothing'}"
+            )
+        self.contributor()
+        return self
+
+    def contributor(self) -> Contributor:
+        """Return the line with its standard uncertainty in mm, rad or as a share."""
+        key, factor = _UNITS[self.kind]
+        return Contributor(
+            name=self.name,
+            kind=self.kind,
+            u=factor * float(getattr(self, key)) / _DIVISORS[self.distribution],
+            correlation=self.correlation,
+            axis=self.axis,
+            distribution=self.distribution,
+            orders=self.orders,
+            dof=math.inf if self.degrees_of_freedom is None else self.degrees_of_freedom,
+        )
+
+
+def table_2(
+    repeatability_um: float = 10.0,
+    radial_um: tuple[float, float, float] = (5.0, 5.0, 10.0),
+    radial_orders: int = 5,
+) -> list[ContributorEntry]:
+    """Return Table 2 of the SCARA paper.
+
+    The table states micrometres in one distance of 743 mm. Wavelength and its correction are a scale that all
+    distances share; the others are as they stand there.
+    """
+    return [
+        ContributorEntry(name="wavelength", kind="scale", value_ppm=0.054, correlation="common"),
+        ContributorEntry(name="wavelength correction", kind="scale", value_ppm=0.256, correlation="common"),
+        ContributorEntry(name="environmental change", kind="length", value_um=0.09),
+        ContributorEntry(name="repeatability of the robot", kind="length", value_um=repeatability_um),
+        *(
+            ContributorEntry(
+                name=f"radial error motion of {axis.upper()}",
+                kind="radial",
+                value_um=value,
+                correlation="axis-angle",
+                axis=axis,
+                orders=radial_orders,
+            )
+            for axis, value in zip(_AXES, radial_um, strict=True)
+        ),
+        ContributorEntry(name="beam direction, J1", kind="direction", value_mrad=0.717),
+        ContributorEntry(name="beam direction, J2", kind="direction", value_mrad=0.717),
+    ]
+
+
+_AXES: tuple[Literal["j1", "j2", "j4"], ...] = ("j1", "j2", "j4")
+
+
+class Uncertainty(Section):
+    """[uncertainty]: the error budget of a distance."""
+
+    contributor: Annotated[list[ContributorEntry], Field(min_length=1)] = Field(default_factory=table_2)
+
+    @model_validator(mode="before")
+    @classmethod
+    def _from_totals(cls, given: Any) -> Any:
+        """Read the section of files and runs from before the list of contributors."""
+        if not isinstance(given, dict) or not given or not set(given) <= set(_TOTALS):
+            return given
+        totals = _TOTALS | given
+        radial = (totals["radial_j1_um"], totals["radial_j2_um"], totals["radial_j4_um"])
+        lines = table_2(totals["repeatability_um"], radial, totals["radial_orders"])
+        kept = [line for line in lines if line.kind == "radial" or line.name.startswith("repeatability")]
+        laser = ContributorEntry(name="laser", kind="length", value_um=totals["laser_um"])
+        beam = ContributorEntry(name="beam direction", kind="length", value_um=totals["aim_um"])
+        return {"contributor": [*kept, laser, beam]}
+
+    @property
+    def budget(self) -> Budget:
+        """All contributors."""
+        return Budget(tuple(entry.contributor() for entry in self.contributor))
+
+    @property
+    def white_um(self) -> float:
+        """Standard uncertainty of what differs from distance to distance, on a beam of 0.74 m, µm."""
+        return math.hypot(*(_typical_um(one) for one in self.budget.white))
+
+    @property
+    def distance_um(self) -> float:
+        """Standard uncertainty of a single distance of 0.74 m, everything included, µm."""
+        return math.hypot(*(_typical_um(one) for one in self.budget.contributors))
+
+    def radial_um(self, axis: Literal["j1", "j2", "j4"]) -> float:
+        """Return the radial error motion of an axis, µm."""
+        return 1e3 * math.hypot(*(one.u for one in self._radial if one.axis == axis))
+
+    @property
+    def radial_orders(self) -> int:
+        """Harmonics that the radial error motions are taken to have."""
+        return max((one.orders for one in self._radial), default=5)
+
+    @property
+    def _radial(self) -> tuple[Contributor, ...]:
+        return tuple(one for one in self.budget.contributors if one.kind == "radial")
+
+
+def _typical_um(one: Contributor) -> float:
+    """Return what a contributor does to a distance of the typical beam, µm."""
+    match one.kind:
+        case "scale":
+            return 1e3 * one.u * _TYPICAL_BEAM_MM
+        case "angle":
+            # The arm's reach is about half of the beam of the example.
+            return 1e3 * one.u * 0.5 * _TYPICAL_BEAM_MM
+        case "direction":
+            return 1e3 * _TYPICAL_BEAM_MM * one.u**2 / math.sqrt(2.0)
+        case _:
+            return 1e3 * one.u

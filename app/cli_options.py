@@ -1,0 +1,19 @@
+"""Options that several commands share."""
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+CellFile = Annotated[Path, typer.Argument(metavar="FILE", help="cell file")]
+AsJson = Annotated[bool, typer.Option("--json", help="machine-readable output on stdout")]
+Runs = Annotated[
+    Path | None, typer.Option("--runs", help="folder of all runs [$CATSEYE_RUNS, else ./catseye-runs]")
+]
+Speed = Annotated[
+    float, typer.Option(min=0.001, max=1e6, help="bench seconds in one real second; emulators only")
+]
+Seed = Annotated[int, typer.Option(min=0, help="of everything random in the emulated bench")]
+Truth = Annotated[
+    Path | None, typer.Option(help="result JSON with the emulated arm's true links, maps, reflectors")
+]

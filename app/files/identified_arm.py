@@ -1,0 +1,87 @@
+"""A result file's arm, ready for prediction and compensation."""
+
+import math
+
+import numpy as np
+
+from app.errors import UsageError
+from app.files.result_json import Result, term_unit
+from calibration.extension import Term
+from calibration.identification import IdentifiedArm
+from calibration.layout import Layout
+from calibration.types import Floats
+
+CATALOGUE_MM = (325.0, 225.0)
+"""Links of an RH-3FRH5515, the robot that the program is made for."""
+
+_SAME_ROBOT_MM = 2.0
+"""Identified links are nearer to those of their catalogue than this."""
+
+_MDEG = 1e-3 * math.pi / 180.0
+
+
+def arm_of(result: Result) -> IdentifiedArm:
+    """Return a result's arm; without a covariance its uncertainties are taken as uncorrelated.
+
+    Raises:
+        UsageError: the result lacks the maps or the offset of its model, or its covariance has another size.
+    """
+    layout = _layout(result)
+    values, u = _estimates(result)
+    if values.size != layout.arm_size:
+        raise UsageError(f"the result holds {values.size} parameters of an arm that has {layout.arm_size}")
+    if result.covariance is None:
+        return IdentifiedArm(layout, values, np.diag(u**2))
+    covariance = np.array(result.covariance.matrix, dtype=np.float64)
+    if covariance.shape != (layout.arm_size, layout.arm_size):
+        raise UsageError(
+            f"the result's covariance has the shape {covariance.shape}, its arm {layout.arm_size} parameters; "
+            "identify again"
+        )
+    return IdentifiedArm(layout, values, covariance)
+
+
+def nominal_of(result: Result) -> tuple[tuple[float, float], str]:
+    """Return the links that command positions are calculated with, mm, and a warning if the result does not.
+
+    Raises:
+        UsageError: the result does not tell them and its arm is none that the program knows.
+    """
+    if result.nominal is not None:
+        return (result.nominal.link1_mm, result.nominal.link2_mm), ""
+    found = (result.link1_mm.value, result.link2_mm.value)
+    if max(abs(a - b) for a, b in zip(found, CATALOGUE_MM, strict=True)) > _SAME_ROBOT_MM:
+        raise UsageError(
+            f'the result does not tell the nominal links (key "nominal"), and {found[0]:g} and {found[1]:g} mm '
+            "are not those of an RH-3FRH5515: identify again, or add nominal.link1_mm and nominal.link2_mm"
+        )
+    return CATALOGUE_MM, "the result does not tell the nominal links: 325 and 225 mm (RH-3FRH5515) are taken"
+
+
+def _layout(result: Result) -> Layout:
+    terms = tuple(Term(one.target, one.source, one.part, one.order) for one in result.extension or [])
+    if result.model == "conventional":
+        if result.theta20_mdeg is None:
+            raise UsageError("the result is of the conventional model but holds no theta20_mdeg")
+        return Layout("conventional", np.zeros(0), np.zeros(0), (), (), terms)
+    if result.theta1_map is None or result.theta2_map is None:
+        raise UsageError("the result is an error map but holds no theta1_map or no theta2_map")
+    nodes1, nodes2 = (np.deg2rad(table.node_deg) for table in (result.theta1_map, result.theta2_map))
+    return Layout("error-map", nodes1, nodes2, (), (), terms)
+
+
+def _estimates(result: Result) -> tuple[Floats, Floats]:
+    """Return values and standard uncertainties in the order of the parameter vector, mm and rad."""
+    values, u = [result.link1_mm.value, result.link2_mm.value], [result.link1_mm.u, result.link2_mm.u]
+    if result.theta20_mdeg is not None:
+        values.append(result.theta20_mdeg.value * _MDEG)
+        u.append(result.theta20_mdeg.u * _MDEG)
+    for table in (result.theta1_map, result.theta2_map):
+        if table is not None:
+            values += [value * _MDEG for value in (*table.positive_mdeg, *table.negative_mdeg)]
+            u += [value * _MDEG for value in (*table.u_positive_mdeg, *table.u_negative_mdeg)]
+    for one in result.extension or []:
+        unit = term_unit(Term(one.target, one.source, one.part, one.order))
+        values.append(one.value / unit)
+        u.append(one.u / unit)
+    return np.array(values), np.array(u)

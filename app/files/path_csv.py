@@ -1,0 +1,123 @@
+"""Path CSV: commands of a path, in joints or in Cartesian positions (version 1)."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import partial
+from pathlib import Path
+
+import numpy as np
+
+from app.errors import UsageError
+from app.files.csv_table import CsvRow, csv_rows, misnamed
+from calibration.errors import OutOfReachError
+from calibration.kinematics import Hand, forward, inverse
+from calibration.points import Commands
+from calibration.types import Floats, Ints
+
+JOINTS = ("theta1_deg", "theta2_deg")
+DIRECTIONS = ("direction1", "direction2")
+PLACE = ("x_mm", "y_mm")
+FORMS = f"{','.join(JOINTS + DIRECTIONS)} or {','.join(PLACE)}"
+
+
+@dataclass(frozen=True)
+class CommandPath:
+    """Commands of a path, in order.
+
+    Attributes:
+        commands: joint commands with directions of approach, n rows.
+        command_mm: where the nominal arm would stand, shape (n, 2).
+        cartesian: the file holds positions; otherwise joints.
+    """
+
+    commands: Commands
+    command_mm: Floats
+    cartesian: bool
+
+
+def read_path_csv(
+    path: Path, nominal: tuple[float, float], hand: Hand = "right", start: tuple[int, int] = (1, 1)
+) -> CommandPath:
+    """Read a path.
+
+    Args:
+        path: the file.
+        nominal: nominal links, mm.
+        hand: of positions: "right" has θ2 >= 0.
+        start: states of approach of the first position, 1 or -1.
+
+    Raises:
+        UsageError: the file is missing, a column is missing, a value is wrong or out of reach; names file and line.
+    """
+    rows = list(csv_rows(path, FORMS, partial(_check, path)))
+    if not rows:
+        raise UsageError(f"{path}: holds no commands; each row below the header line is one")
+    if PLACE[0] in rows[0].cells:
+        return _cartesian(rows, nominal, hand, start)
+    theta = np.deg2rad([[row.finite(name) for name in JOINTS] for row in rows])
+    directions = np.array([[row.direction(name) for name in DIRECTIONS] for row in rows], dtype=np.int64)
+    commands = Commands(theta[:, 0], theta[:, 1], directions[:, 0], directions[:, 1])
+    return CommandPath(commands, forward(theta[:, 0], theta[:, 1], *nominal), cartesian=False)
+
+
+def directions_of(theta_rad: Floats, start: int) -> Ints:
+    """Return the state of approach along a path: the sign of the last change, shape (n,).
+
+    Args:
+        theta_rad: angles of one joint along the path, rad, shape (n,).
+        start: state at the first row.
+    """
+    change = np.diff(theta_rad, prepend=theta_rad[:1])
+    moved = np.where(np.abs(change) > _STANDS_STILL_RAD, np.sign(change), 0.0)
+    moved[0] = start
+    last = np.maximum.accumulate(np.where(moved != 0.0, np.arange(moved.size), 0))
+    return moved[last].astype(np.int64)
+
+
+_STANDS_STILL_RAD = 1e-12
+"""Changes below this are rounding of the inverse kinematics."""
+
+
+def _cartesian(
+    rows: Sequence[CsvRow], nominal: tuple[float, float], hand: Hand, start: tuple[int, int]
+) -> CommandPath:
+    place = np.array([[row.finite(name) for name in PLACE] for row in rows])
+    try:
+        theta1, theta2 = inverse(place, *nominal, hand)
+    except OutOfReachError:
+        raise _first_out_of_reach(rows, place, nominal, hand) from None
+    # A path goes round without jumps of a turn.
+    theta1 = np.unwrap(theta1)
+    commands = Commands(theta1, theta2, directions_of(theta1, start[0]), directions_of(theta2, start[1]))
+    return CommandPath(commands, place, cartesian=True)
+
+
+def _first_out_of_reach(
+    rows: Sequence[CsvRow], place: Floats, nominal: tuple[float, float], hand: Hand
+) -> UsageError:
+    for row, xy in zip(rows, place, strict=True):
+        try:
+            inverse(xy, *nominal, hand)
+        except OutOfReachError as error:
+            return row.fault(str(error))
+    return rows[0].fault("the path is out of reach")
+
+
+def _check(path: Path, line: int, header: list[str]) -> None:
+    joint_form = any(name in header for name in JOINTS + DIRECTIONS)
+    if joint_form and any(name in header for name in PLACE):
+        raise UsageError(
+            f"{path}:{line}: joint and Cartesian commands stand in one file; keep either "
+            f"{','.join(JOINTS + DIRECTIONS)} or {','.join(PLACE)}"
+        )
+    columns = JOINTS + DIRECTIONS if joint_form else PLACE
+    missing = [name for name in columns if name not in header]
+    if missing:
+        states = "joint commands need the state of approach of each joint, 1 or -1; "
+        why = states if set(missing) <= set(DIRECTIONS) else ""
+        raise UsageError(
+            f"{path}:{line}: column {', '.join(missing)} is missing; {why}the header has to be {FORMS}, "
+            "comma separated"
+        )
+    if fault := misnamed(header, columns):
+        raise UsageError(f"{path}:{line}: {fault}; allowed are {FORMS}")

@@ -1,0 +1,1 @@
+"""Continuous scans: millions of distances, solved block by block with constant memory."""

@@ -1,0 +1,1 @@
+"""Quantities that standards define: positioning of rotary axes, robot performance, circular tests."""
