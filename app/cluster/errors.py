@@ -1,0 +1,7 @@
+"""What can go wrong with shared work."""
+
+from app.errors import CatseyeError
+
+
+class WorkerLostError(CatseyeError):
+    """A worker ended before its item was finished."""

@@ -1,0 +1,105 @@
+"""Work shared over processes of this machine."""
+
+import multiprocessing
+import os
+import signal
+import threading
+from collections.abc import Callable, Iterator, Sequence
+from concurrent.futures import Future, ProcessPoolExecutor, as_completed
+from concurrent.futures.process import BrokenProcessPool
+from contextlib import contextmanager
+from multiprocessing.connection import Connection
+from typing import TypeVar
+
+from app.cluster.errors import WorkerLostError
+from app.cluster.sharing import name_item
+
+A = TypeVar("A")
+B = TypeVar("B")
+
+_ONE_THREAD = dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"), "1")
+"""Each process has a core to itself: threads of the linear algebra would only wait for one another."""
+
+
+class Processes:
+    """Carries out items in a pool of processes.
+
+    Args:
+        pool: the processes.
+    """
+
+    def __init__(self, pool: ProcessPoolExecutor) -> None:
+        self._pool = pool
+
+    def map(
+        self, function: Callable[[A], B], items: Sequence[A], done: Callable[[int], None] | None = None
+    ) -> list[B]:
+        """Carry out a function on each item; see Share."""
+        futures: dict[Future[B], int] = {}
+        try:
+            for number, item in enumerate(items, 1):
+                futures[self._pool.submit(function, item)] = number
+            for count, future in enumerate(as_completed(futures), 1):
+                _raise_with_item(future, futures[future], items)
+                if done is not None:
+                    done(count)
+        except BrokenProcessPool as error:
+            raise WorkerLostError(
+                f"a worker process ended before its item was finished ({error}): it was killed, or the memory did "
+                "not suffice; repeat, with fewer --workers if memory is short"
+            ) from error
+        except BaseException:
+            for future in futures:
+                future.cancel()
+            raise
+        return [future.result() for future in futures]
+
+
+def _raise_with_item(future: Future[B], number: int, items: Sequence[object]) -> None:
+    error = future.exception()
+    if error is None:
+        return
+    if not isinstance(error, BrokenProcessPool):
+        name_item(error, number, items)
+    raise error
+
+
+@contextmanager
+def processes(workers: int) -> Iterator[Processes]:
+    """Provide so many processes, which end with the context or with this process, however it ends."""
+    spawn = multiprocessing.get_context("spawn")
+    held_by_workers, held_here = spawn.Pipe(duplex=False)
+    pool = ProcessPoolExecutor(workers, spawn, _end_with, (held_by_workers,))
+    with held_by_workers, held_here, _environment(_ONE_THREAD):
+        try:
+            yield Processes(pool)
+        finally:
+            # Closing this end ends the workers at once, also in the midst of an item.
+            held_here.close()
+            pool.shutdown(cancel_futures=True)
+
+
+def _end_with(lifeline: Connection) -> None:
+    """Tie a worker's life to the other end of a pipe; Ctrl-C is left to the process that shares the work."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+
+    def watch() -> None:
+        lifeline.poll(None)
+        os._exit(0)
+
+    threading.Thread(target=watch, daemon=True).start()
+
+
+@contextmanager
+def _environment(values: dict[str, str]) -> Iterator[None]:
+    """Set environment variables that processes started meanwhile take over."""
+    before = {name: os.environ.get(name) for name in values}
+    os.environ.update(values)
+    try:
+        yield
+    finally:
+        for name, value in before.items():
+            if value is None:
+                del os.environ[name]
+            else:
+                os.environ[name] = value
