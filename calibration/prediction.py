@@ -10,6 +10,9 @@ from calibration.kinematics import forward
 from calibration.points import Commands
 from calibration.types import Bools, Floats
 
+_MARGIN_RAD = 1e-9
+"""A command on the outermost node may lie beyond it by rounding."""
+
 
 @dataclass(frozen=True)
 class Prediction:
@@ -33,19 +36,20 @@ class Prediction:
         return self.position_mm - self.command_mm
 
 
+def inside_nodes(nodes_rad: Floats, theta_rad: Floats) -> Bools:
+    """Return which angles lie within the nodes of a map, shape (n,); all of them where there is no map."""
+    if nodes_rad.size == 0:
+        return np.ones(theta_rad.shape, dtype=np.bool_)
+    low, high = nodes_rad[0] - _MARGIN_RAD, nodes_rad[-1] + _MARGIN_RAD
+    return np.asarray((theta_rad >= low) & (theta_rad <= high), dtype=np.bool_)
+
+
 def inside_range(arm: IdentifiedArm, commands: Commands) -> Bools:
     """Return which commands lie within the identified nodes, shape (n,); maps are never extrapolated."""
     layout = arm.layout
-    if layout.model == "conventional":
-        return np.ones(len(commands), dtype=np.bool_)
-    margin = 1e-9
-    flags = np.ones(len(commands), dtype=np.bool_)
-    for nodes, theta in (
-        (layout.nodes1_rad, commands.theta1_rad),
-        (layout.nodes2_rad, commands.theta2_rad),
-    ):
-        flags &= (theta >= nodes[0] - margin) & (theta <= nodes[-1] + margin)
-    return flags
+    return inside_nodes(layout.nodes1_rad, commands.theta1_rad) & inside_nodes(
+        layout.nodes2_rad, commands.theta2_rad
+    )
 
 
 def predict(arm: IdentifiedArm, commands: Commands, link1_mm: float, link2_mm: float) -> Prediction:
@@ -70,3 +74,25 @@ def predict(arm: IdentifiedArm, commands: Commands, link1_mm: float, link2_mm: f
             uncertainty[inside, axis] = np.sqrt(np.maximum(variance, 0.0))
     command = forward(commands.theta1_rad, commands.theta2_rad, link1_mm, link2_mm)
     return Prediction(command, position, uncertainty, inside)
+
+
+def position_effects(arm: IdentifiedArm, commands: Commands) -> Floats:
+    """Return what independent unit errors behind the arm's parameters do to the positions.
+
+    Errors of neighbouring rows belong together; e eᵀ over any rows and axes is their covariance.
+
+    Args:
+        arm: the arm.
+        commands: n rows inside the identified range.
+
+    Returns:
+        Effects e on x and y, mm, shape (n, 2, k).
+
+    Raises:
+        MapRangeError: a command lies outside the nodes.
+    """
+    values, vectors = np.linalg.eigh(arm.covariance)
+    root = vectors * np.sqrt(np.maximum(values, 0.0))
+    design = arm_design(arm.layout, commands)
+    local = design.local_jacobian(arm.parameters)
+    return np.stack([design.spread(local[:, axis, :]) @ root for axis in range(2)], axis=1)

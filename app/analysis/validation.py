@@ -33,8 +33,14 @@ class PathMeasurement:
     established: Bools
 
 
+TAKE_UP_DEG = 1.0
+"""Travel after which a direction of approach holds, where no cell file states it: what a cell file has by default."""
+
+
 def established_rows(commands: Commands, take_up_rad: float) -> Bools:
     """Return the rows whose joints have both moved the take-up angle since their last reversal, shape (n,).
+
+    A joint whose state changes against its step, or without one, was brought there by a take-up.
 
     Args:
         commands: a path in order; its first row was approached with a take-up.
@@ -47,12 +53,12 @@ def established_rows(commands: Commands, take_up_rad: float) -> Bools:
 
 def _travel_since_reversal(theta_rad: Floats, direction: Ints) -> Floats:
     """Return how far a joint has moved since its direction changed, rad, infinite before the first change."""
-    steps = np.abs(np.diff(theta_rad, prepend=theta_rad[:1]))
-    way = np.cumsum(steps)
-    turned = np.flatnonzero(np.diff(direction) != 0)
+    steps = np.diff(theta_rad, prepend=theta_rad[:1])
+    way = np.cumsum(np.abs(steps))
+    turned = np.flatnonzero(np.diff(direction) != 0) + 1
     # The row before the change is where the joint stood when it turned.
-    at_turn = np.append(-np.inf, way[turned])
-    last = at_turn[np.searchsorted(turned + 1, np.arange(theta_rad.size), side="right")]
+    at_turn = np.where(steps[turned] * direction[turned] > 0.0, way[turned - 1], -np.inf)
+    last = np.append(-np.inf, at_turn)[np.searchsorted(turned, np.arange(theta_rad.size), side="right")]
     return np.asarray(way - last, dtype=np.float64)
 
 

@@ -41,6 +41,20 @@ def arm_of(result: Result) -> IdentifiedArm:
     return IdentifiedArm(layout, values, covariance)
 
 
+def arm_remarks(result: Result) -> list[str]:
+    """Return what a reader of predictions from this result has to know: what it does not tell."""
+    remarks = [remark] if (remark := nominal_of(result)[1]) else []
+    if result.covariance is None:
+        remarks.append(
+            "the result holds no covariance: its standard uncertainties are taken as uncorrelated, which makes those "
+            "of positions too large as a rule"
+        )
+    targets = [one for one in result.extension or [] if one.source == "elapsed"]
+    if targets:
+        remarks.append("the links grew over the measurement: they are taken as in its middle")
+    return remarks
+
+
 def nominal_of(result: Result) -> tuple[tuple[float, float], str]:
     """Return the links that command positions are calculated with, mm, and a warning if the result does not.
 
@@ -66,6 +80,9 @@ def _layout(result: Result) -> Layout:
         return Layout("conventional", np.zeros(0), np.zeros(0), (), (), terms)
     if result.theta1_map is None or result.theta2_map is None:
         raise UsageError("the result is an error map but holds no theta1_map or no theta2_map")
+    for name, table in (("theta1_map", result.theta1_map), ("theta2_map", result.theta2_map)):
+        if not table.node_deg or np.any(np.diff(table.node_deg) <= 0.0):
+            raise UsageError(f"{name}.node_deg of the result has to hold nodes that increase strictly")
     nodes1, nodes2 = (np.deg2rad(table.node_deg) for table in (result.theta1_map, result.theta2_map))
     return Layout("error-map", nodes1, nodes2, (), (), terms)
 
@@ -73,11 +90,12 @@ def _layout(result: Result) -> Layout:
 def _estimates(result: Result) -> tuple[Floats, Floats]:
     """Return values and standard uncertainties in the order of the parameter vector, mm and rad."""
     values, u = [result.link1_mm.value, result.link2_mm.value], [result.link1_mm.u, result.link2_mm.u]
-    if result.theta20_mdeg is not None:
+    conventional = result.model == "conventional"
+    if conventional and result.theta20_mdeg is not None:
         values.append(result.theta20_mdeg.value * _MDEG)
         u.append(result.theta20_mdeg.u * _MDEG)
     for table in (result.theta1_map, result.theta2_map):
-        if table is not None:
+        if table is not None and not conventional:
             values += [value * _MDEG for value in (*table.positive_mdeg, *table.negative_mdeg)]
             u += [value * _MDEG for value in (*table.u_positive_mdeg, *table.u_negative_mdeg)]
     for one in result.extension or []:

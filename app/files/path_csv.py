@@ -1,6 +1,6 @@
 """Path CSV: commands of a path, in joints or in Cartesian positions (version 1)."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
@@ -28,11 +28,13 @@ class CommandPath:
         commands: joint commands with directions of approach, n rows.
         command_mm: where the nominal arm would stand, shape (n, 2).
         cartesian: the file holds positions; otherwise joints.
+        rows: lines of the file.
     """
 
     commands: Commands
     command_mm: Floats
     cartesian: bool
+    rows: tuple[CsvRow, ...] = ()
 
 
 def read_path_csv(
@@ -57,7 +59,47 @@ def read_path_csv(
     theta = np.deg2rad([[row.finite(name) for name in JOINTS] for row in rows])
     directions = np.array([[row.direction(name) for name in DIRECTIONS] for row in rows], dtype=np.int64)
     commands = Commands(theta[:, 0], theta[:, 1], directions[:, 0], directions[:, 1])
-    return CommandPath(commands, forward(theta[:, 0], theta[:, 1], *nominal), cartesian=False)
+    command_mm = forward(theta[:, 0], theta[:, 1], *nominal)
+    return CommandPath(commands, command_mm, cartesian=False, rows=tuple(rows))
+
+
+def start_states(text: str) -> tuple[int, int]:
+    """Return the states of approach that an option gives, as in "1,-1".
+
+    Raises:
+        UsageError: the text is no such pair.
+    """
+    parts = [part.strip() for part in text.split(",")]
+    if len(parts) != 2 or any(part not in _STATES for part in parts):
+        raise UsageError(
+            f"--start-direction {text!r} has to be the states of J1 and J2 at the first row, each 1 (upwards) or -1 "
+            "(downwards), as in --start-direction 1,-1"
+        )
+    return _STATES[parts[0]], _STATES[parts[1]]
+
+
+_STATES = {"1": 1, "+1": 1, "-1": -1}
+
+
+def cartesian_commands(
+    place_mm: Floats, nominal: tuple[float, float], hand: Hand, start: tuple[int, int]
+) -> Commands:
+    """Return the joint commands of positions along a path.
+
+    J1 begins within ±180° and goes on without jumps of a turn; the states of approach follow from the changes.
+
+    Args:
+        place_mm: positions, mm, shape (n, 2).
+        nominal: nominal links, mm.
+        hand: "right" has θ2 >= 0.
+        start: states of approach of the first position, 1 or -1.
+
+    Raises:
+        OutOfReachError: a position cannot be reached.
+    """
+    theta1, theta2 = inverse(place_mm, *nominal, hand)
+    theta1 = np.unwrap(theta1)
+    return Commands(theta1, theta2, directions_of(theta1, start[0]), directions_of(theta2, start[1]))
 
 
 def directions_of(theta_rad: Floats, start: int) -> Ints:
@@ -74,33 +116,43 @@ def directions_of(theta_rad: Floats, start: int) -> Ints:
     return moved[last].astype(np.int64)
 
 
-_STANDS_STILL_RAD = 1e-12
-"""Changes below this are rounding of the inverse kinematics."""
+_STANDS_STILL_RAD = 1e-8
+"""Changes below this (2 nm at the end of a link) are rounding of the positions, no motion."""
 
 
 def _cartesian(
     rows: Sequence[CsvRow], nominal: tuple[float, float], hand: Hand, start: tuple[int, int]
 ) -> CommandPath:
     place = np.array([[row.finite(name) for name in PLACE] for row in rows])
+    require_reach([row.fault for row in rows], place, nominal, hand)
+    commands = cartesian_commands(place, nominal, hand, start)
+    return CommandPath(commands, place, cartesian=True, rows=tuple(rows))
+
+
+def require_reach(
+    faults: Sequence[Callable[[str], UsageError]], place_mm: Floats, nominal: tuple[float, float], hand: Hand
+) -> None:
+    """Refuse positions that the nominal arm does not reach.
+
+    Args:
+        faults: for each position, what makes a complaint that names its line.
+        place_mm: positions, mm, shape (n, 2).
+        nominal: nominal links, mm.
+        hand: of the positions.
+
+    Raises:
+        UsageError: names file and line of the first one.
+    """
     try:
-        theta1, theta2 = inverse(place, *nominal, hand)
+        inverse(place_mm, *nominal, hand)
     except OutOfReachError:
-        raise _first_out_of_reach(rows, place, nominal, hand) from None
-    # A path goes round without jumps of a turn.
-    theta1 = np.unwrap(theta1)
-    commands = Commands(theta1, theta2, directions_of(theta1, start[0]), directions_of(theta2, start[1]))
-    return CommandPath(commands, place, cartesian=True)
-
-
-def _first_out_of_reach(
-    rows: Sequence[CsvRow], place: Floats, nominal: tuple[float, float], hand: Hand
-) -> UsageError:
-    for row, xy in zip(rows, place, strict=True):
-        try:
-            inverse(xy, *nominal, hand)
-        except OutOfReachError as error:
-            return row.fault(str(error))
-    return rows[0].fault("the path is out of reach")
+        for fault, xy in zip(faults, place_mm, strict=True):
+            try:
+                inverse(xy, *nominal, hand)
+            except OutOfReachError as error:
+                text = str(error).removeprefix("position 1 of 1 ")
+                raise fault(f"the position {text}") from None
+        raise
 
 
 def _check(path: Path, line: int, header: list[str]) -> None:
