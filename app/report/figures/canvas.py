@@ -12,6 +12,8 @@ from typing import Any
 from matplotlib import rc_context
 from matplotlib.figure import Figure
 
+from app.report.figures.compact import compact
+
 POSITIVE = "#c62828"
 """Approached upwards, or the way there."""
 
@@ -90,5 +92,5 @@ def svg(figure: Figure, name: str, label: str) -> str:
         figure.savefig(buffer, format="svg", metadata=nothing)
     text = _NOT_FOR_A_PAGE.sub("", buffer.getvalue()).strip()
     text = _HEIGHT.sub(r"\1", _SIZE.sub(r"\1", text, count=1), count=1)
-    text = _NAMES.sub(rf"\g<1>{name}-", text)
+    text = _NAMES.sub(rf"\g<1>{name}-", compact(text))
     return text.replace("<svg ", f'<svg role="img" aria-label="{html.escape(label, quote=True)}" ', 1)

@@ -84,6 +84,11 @@ def test_nothing_is_loaded_and_nothing_runs(whole: str) -> None:
     assert not addresses
 
 
+def test_a_measurement_of_a_thousand_distances_stays_below_half_a_megabyte(whole: str) -> None:
+    assert sample.whole().results[0].fit.n_points == 1056
+    assert len(whole.encode()) < 500_000
+
+
 def test_the_same_content_gives_the_same_page(whole: str) -> None:
     assert render_html(sample.whole()) == whole
 
