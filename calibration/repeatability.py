@@ -7,6 +7,7 @@ import numpy as np
 from scipy import special, stats
 
 from calibration.errors import InsufficientPointsError, UnidentifiableError
+from calibration.standards.iso9283 import distance_repeatability
 from calibration.types import Floats, Ints
 
 SIGNIFICANCE = 0.01
@@ -52,7 +53,7 @@ class AlongBeam:
     @property
     def rp_um(self) -> float:
         """Half width ±3 S of the repeatability along the beam (as RD in ISO 9283), µm."""
-        return 3.0 * self.s_um
+        return distance_repeatability(self.s_um)
 
     @property
     def drifts(self) -> bool:
@@ -140,16 +141,6 @@ def _drift(
     if u_slope <= 1e-12 * abs(slope):
         return change, 0.0 if slope else 1.0
     return change, float(2.0 * stats.t.sf(abs(slope / u_slope), dof - 1))
-
-
-def pose_repeatability(positions: Floats) -> float:
-    """Return RP = l̄ + 3 S_l of ISO 9283 from attained positions, in their unit.
-
-    Args:
-        positions: attained positions, shape (n, 2) or (n, 3), n >= 2.
-    """
-    distance = np.linalg.norm(positions - positions.mean(axis=0), axis=1)
-    return float(distance.mean() + 3.0 * distance.std(ddof=1))
 
 
 def in_plane(direction_rad: Floats, s_um: Floats, dof: Ints) -> InPlane:

@@ -7,7 +7,8 @@ import pytest
 from numpy.typing import NDArray
 
 from calibration.errors import InsufficientPointsError, UnidentifiableError
-from calibration.repeatability import along_beam, conditioning, in_plane, interval_of_s, pose_repeatability
+from calibration.repeatability import along_beam, conditioning, in_plane, interval_of_s
+from calibration.standards.iso9283 import pose_repeatability
 
 Floats = NDArray[np.float64]
 

@@ -1,0 +1,150 @@
+"""Performance of robots after ISO 9283: pose and distance accuracy and repeatability, variation, drift.
+
+Values come in the unit of the positions.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from calibration.errors import InsufficientPointsError
+from calibration.types import Floats
+
+
+@dataclass(frozen=True)
+class PoseQuantities:
+    """One pose that was attained n times.
+
+    Attributes:
+        n: how often; the standard test has 30 cycles.
+        barycentre: mean attained position, shape (k,).
+        accuracy: pose accuracy AP, distance of the barycentre from the command.
+        accuracy_of_axes: barycentre minus command, shape (k,).
+        repeatability: pose repeatability RP, mean distance from the barycentre plus three standard deviations of it.
+    """
+
+    n: int
+    barycentre: Floats
+    accuracy: float
+    accuracy_of_axes: Floats
+    repeatability: float
+
+
+def pose(attained: Floats, command: Floats) -> PoseQuantities:
+    """Return the quantities of a pose.
+
+    Args:
+        attained: positions, shape (n, k) with k = 2 or 3, n >= 2.
+        command: commanded position, shape (k,).
+
+    Raises:
+        InsufficientPointsError: fewer than two attained positions.
+    """
+    barycentre = attained.mean(axis=0)
+    off = barycentre - command
+    return PoseQuantities(
+        len(attained), barycentre, float(np.linalg.norm(off)), off, pose_repeatability(attained)
+    )
+
+
+def pose_repeatability(attained: Floats) -> float:
+    """Return RP = l̄ + 3 S_l, l the distances from the barycentre.
+
+    Args:
+        attained: positions, shape (n, 2) or (n, 3), n >= 2.
+
+    Raises:
+        InsufficientPointsError: fewer than two attained positions.
+    """
+    _require_two(len(attained))
+    distance = np.linalg.norm(attained - attained.mean(axis=0), axis=1)
+    return float(distance.mean() + 3.0 * distance.std(ddof=1))
+
+
+def multi_directional_variation(attained: Sequence[Floats]) -> float:
+    """Return vAP, the largest distance between the barycentres of one pose reached from several directions.
+
+    Args:
+        attained: positions for each direction, shape (n, k) each.
+
+    Raises:
+        InsufficientPointsError: fewer than two directions.
+    """
+    _require_two(len(attained))
+    means = np.array([positions.mean(axis=0) for positions in attained])
+    return float(np.linalg.norm(means[:, None] - means[None, :], axis=-1).max())
+
+
+@dataclass(frozen=True)
+class DistanceQuantities:
+    """A distance that was attained n times.
+
+    Attributes:
+        n: how often.
+        accuracy: distance accuracy AD, mean attained minus commanded distance.
+        repeatability: distance repeatability RD, half width ±3 S.
+    """
+
+    n: int
+    accuracy: float
+    repeatability: float
+
+
+def distance(attained: Floats, command: float) -> DistanceQuantities:
+    """Return the quantities of a distance.
+
+    Args:
+        attained: distances, shape (n,), n >= 2.
+        command: commanded distance.
+
+    Raises:
+        InsufficientPointsError: fewer than two attained distances.
+    """
+    _require_two(attained.size)
+    spread = distance_repeatability(float(attained.std(ddof=1)))
+    return DistanceQuantities(attained.size, float(attained.mean()) - command, spread)
+
+
+def distance_repeatability(s: float) -> float:
+    """Return RD, the half width ±3 S that belongs to a standard deviation of distances."""
+    return 3.0 * s
+
+
+@dataclass(frozen=True)
+class Drift:
+    """How pose accuracy and repeatability change from the first to later tests.
+
+    Attributes:
+        accuracy: dAP, largest change of pose accuracy.
+        repeatability: dRP, largest change of pose repeatability.
+    """
+
+    accuracy: float
+    repeatability: float
+
+
+def drift(attained: Sequence[Floats], command: Floats) -> Drift:
+    """Return the drift over tests of one pose.
+
+    Args:
+        attained: positions of each test in order of time, shape (n, k) each.
+        command: commanded position, shape (k,).
+
+    Raises:
+        InsufficientPointsError: fewer than two tests, or fewer than two positions in one.
+    """
+    _require_two(len(attained))
+    found = [pose(positions, command) for positions in attained]
+    first = found[0]
+    return Drift(
+        max(abs(one.accuracy - first.accuracy) for one in found),
+        max(abs(one.repeatability - first.repeatability) for one in found),
+    )
+
+
+def _require_two(count: int) -> None:
+    if count < 2:
+        raise InsufficientPointsError(
+            f"{count} attained value(s) have no spread: repeat the pose; the standard test has 30 cycles"
+        )
