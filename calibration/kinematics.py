@@ -34,13 +34,15 @@ def forward(
     return np.stack(np.broadcast_arrays(x_mm, y_mm), axis=-1)
 
 
-def inverse(xy_mm: Floats, link1_mm: float, link2_mm: float, hand: Hand = "right") -> tuple[Floats, Floats]:
+def inverse(
+    xy_mm: Floats, link1_mm: Floats | float, link2_mm: Floats | float, hand: Hand = "right"
+) -> tuple[Floats, Floats]:
     """Return the joint angles that bring the J4 axis to the given positions.
 
     Args:
         xy_mm: positions, mm, shape (..., 2).
-        link1_mm: length of link 1, mm.
-        link2_mm: length of link 2, mm.
+        link1_mm: length of link 1, mm, one for all or shape (...).
+        link2_mm: length of link 2, mm, likewise.
         hand: "right" has theta2 >= 0, "left" has theta2 <= 0.
 
     Returns:
@@ -89,13 +91,16 @@ def wrap_rad(angle_rad: Floats) -> Floats:
     return wrapped
 
 
-def _require_reach(cosine: Floats, x_mm: Floats, y_mm: Floats, link1_mm: float, link2_mm: float) -> None:
+def _require_reach(
+    cosine: Floats, x_mm: Floats, y_mm: Floats, link1_mm: Floats | float, link2_mm: Floats | float
+) -> None:
     # A pose at full stretch may exceed 1 by rounding; a nanometre of reach is the tolerance.
     outside = np.flatnonzero(np.ravel(~(np.abs(cosine) <= 1.0 + 1e-9)))
     if outside.size:
         first = int(outside[0])
+        one, two = (np.ravel(np.broadcast_to(link, cosine.shape))[first] for link in (link1_mm, link2_mm))
         raise OutOfReachError(
             f"position {first + 1} of {cosine.size} (x = {np.ravel(x_mm)[first]:g} mm, "
             f"y = {np.ravel(y_mm)[first]:g} mm) is out of reach: the arm covers radii from "
-            f"{abs(link1_mm - link2_mm):g} to {link1_mm + link2_mm:g} mm"
+            f"{abs(one - two):g} to {one + two:g} mm"
         )
