@@ -36,6 +36,7 @@ from app.files.result_json import Result, write_result
 from app.procedure_list import load_procedure, parse_params
 from app.running import PlannedRun, carry_out, plan_run
 from app.store.reader import RunReader
+from calibration.identification import Identification
 from calibration.layout import ModelName
 from simulators.truth import load_truth
 
@@ -97,13 +98,15 @@ class DemoResult:
     Attributes:
         folder: where its files are.
         runs: run folders by procedure.
-        results: results by model.
+        identified: what the solver returned, by model.
+        results: the same as files hold it.
         truth: identified against true values.
         validation: both models on the validation path.
     """
 
     folder: Path
     runs: dict[str, Path]
+    identified: dict[ModelName, Identification]
     results: dict[ModelName, Result]
     truth: TruthComparison
     validation: PathValidation
@@ -189,9 +192,10 @@ def evaluate(folder: Path, runs: dict[str, Path]) -> DemoResult:
     return DemoResult(
         folder,
         runs,
+        identified,
         results,
         compare_with_truth(identified["error-map"], document),
-        validate_on_path(path, list(identified.values()), nominal),
+        validate_on_path(path, [one.arm for one in identified.values()], nominal),
     )
 
 

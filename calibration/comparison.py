@@ -4,8 +4,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from calibration.errors import InsufficientPointsError
+from calibration.errors import InsufficientPointsError, UnidentifiableError
 from calibration.types import Bools, Floats
+
+_ONE_PLACE_MM = 1e-6
+"""Positions that differ by less have no orientation."""
 
 
 @dataclass(frozen=True)
@@ -36,6 +39,7 @@ def rigid_fit(source_mm: Floats, target_mm: Floats) -> RigidTransform:
 
     Raises:
         InsufficientPointsError: fewer than two positions.
+        UnidentifiableError: they all lie in one place.
     """
     if source_mm.shape[0] < 2:
         raise InsufficientPointsError(
@@ -43,6 +47,12 @@ def rigid_fit(source_mm: Floats, target_mm: Floats) -> RigidTransform:
         )
     source_mean, target_mean = source_mm.mean(axis=0), target_mm.mean(axis=0)
     a, b = source_mm - source_mean, target_mm - target_mean
+    if not np.any(np.abs(a) > _ONE_PLACE_MM):
+        raise UnidentifiableError(
+            "all positions lie in one place, so the rotation of the frames is not determined: compare positions "
+            "that are spread out",
+            [["rotation"]],
+        )
     rotation = float(np.arctan2(np.sum(a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0]), np.sum(a * b)))
     turned = RigidTransform(rotation, np.zeros(2)).apply(source_mean[None, :])[0]
     return RigidTransform(rotation, target_mean - turned)
@@ -54,12 +64,14 @@ class Comparison:
 
     Attributes:
         transform: brings the measurement into the frame of the model.
+        aligned_mm: measured positions in that frame, shape (n, 2).
         measured_error_mm: measured minus command position in that frame, shape (n, 2).
         difference_mm: measured minus predicted, shape (n, 2); NaN outside the identified range.
         inside: rows that were compared, shape (n,).
     """
 
     transform: RigidTransform
+    aligned_mm: Floats
     measured_error_mm: Floats
     difference_mm: Floats
     inside: Bools
@@ -80,6 +92,11 @@ class Comparison:
         """Largest length of the difference, µm."""
         return 1e3 * float(np.hypot(*self.difference_mm[self.inside].T).max())
 
+    @property
+    def worst(self) -> int:
+        """Row of the largest difference."""
+        return int(np.nanargmax(np.hypot(*self.difference_mm.T)))
+
 
 def compare(command_mm: Floats, predicted_mm: Floats, measured_mm: Floats, inside: Bools) -> Comparison:
     """Compare predicted with measured positions.
@@ -99,4 +116,4 @@ def compare(command_mm: Floats, predicted_mm: Floats, measured_mm: Floats, insid
     transform = rigid_fit(measured_mm[inside], predicted_mm[inside])
     aligned = transform.apply(measured_mm)
     difference = np.where(inside[:, None], aligned - predicted_mm, np.nan)
-    return Comparison(transform, aligned - command_mm, difference, inside)
+    return Comparison(transform, aligned, aligned - command_mm, difference, inside)

@@ -1,6 +1,6 @@
 """A stored validation path against the models of the measurement it belongs to."""
 
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from pathlib import Path
 
 from app.analysis.distance_validation import DistanceValidation, validate_on_distances
@@ -14,6 +14,7 @@ from app.analysis.identifying import (
     run_rows,
 )
 from app.analysis.material import with_reference_links
+from app.analysis.mirrored import mirrored_text
 from app.analysis.path_rows import distance_path, holds_distances, path_measurement
 from app.analysis.validation import PathValidation, validate_on_path
 from app.errors import UsageError
@@ -23,9 +24,6 @@ from app.store.reader import RunReader
 from calibration.errors import CalibrationError
 from calibration.identification import Identification
 from procedures.bench import Bench
-
-_CLEARLY = 0.5
-"""A mirrored measurement that leaves less than this share is no accident."""
 
 
 @dataclass(frozen=True)
@@ -84,24 +82,10 @@ def _compared(reader: RunReader, identified: list[Identification], bench: Bench)
         return PathComparison(list(distances.rejected), distances=distances)
     nominal = (bench.arm.link1_mm, bench.arm.link2_mm)
     path = path_measurement(reader, bench.take_up_deg)
-    validation = validate_on_path(path, identified, nominal)
-    return PathComparison(_mirrored(validation, identified, nominal), validation=validation)
-
-
-def _mirrored(
-    validation: PathValidation, identified: list[Identification], nominal: tuple[float, float]
-) -> list[str]:
-    """Tell of a left-handed frame: on a straight path only the models can see that one axis points the wrong way."""
-    path = validation.path
-    other = replace(path, measured_mm=path.measured_mm[:, ::-1])
-    found = validation.models[-1].comparison.rms_2d_um
-    exchanged = validate_on_path(other, identified, nominal).models[-1].comparison.rms_2d_um
-    if exchanged > _CLEARLY * found:
-        return []
-    return [
-        f"the measured positions leave {found:.1f} µm (2D rms) as they are and {exchanged:.1f} µm with x and y "
-        "exchanged: the instrument's frame seems to be left-handed; exchange x_meas_mm and y_meas_mm"
-    ]
+    arms = [one.arm for one in identified]
+    validation = validate_on_path(path, arms, nominal)
+    mirrored = mirrored_text(validation)
+    return PathComparison([mirrored] if mirrored else [], validation=validation)
 
 
 def _measurement(reader: RunReader, root: Path) -> RunReader | None:

@@ -1,13 +1,16 @@
 """Models on the validation path: predicted against independently measured positions."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
+from calibration.agreement import Agreement, agreement
 from calibration.comparison import Comparison, compare
-from calibration.identification import Identification
+from calibration.errors import InsufficientPointsError
+from calibration.identification import IdentifiedArm
 from calibration.points import Commands
-from calibration.prediction import Prediction, predict
+from calibration.prediction import Prediction, position_effects, predict
 from calibration.types import Bools, Floats, Ints
 
 
@@ -32,6 +35,9 @@ class PathMeasurement:
     u_mm: Floats
     established: Bools
 
+
+_FEWEST = 4
+"""Rows that leave something to compare after the alignment."""
 
 TAKE_UP_DEG = 1.0
 """Travel after which a direction of approach holds, where no cell file states it: what a cell file has by default."""
@@ -68,13 +74,17 @@ class ModelOnPath:
 
     Attributes:
         model: "conventional" or "error-map".
+        title: what a reader calls it; empty for the model's own name.
         prediction: predicted positions with uncertainties; NaN outside the identified range.
         comparison: against the measurement, over the rows that every model predicts.
+        agreement: of what it leaves with the stated uncertainties.
     """
 
     model: str
+    title: str
     prediction: Prediction
     comparison: Comparison
+    agreement: Agreement
 
 
 @dataclass(frozen=True)
@@ -100,26 +110,43 @@ class PathValidation:
 
 
 def validate_on_path(
-    path: PathMeasurement, identified: list[Identification], nominal: tuple[float, float]
+    path: PathMeasurement,
+    arms: Sequence[IdentifiedArm],
+    nominal: tuple[float, float],
+    titles: Sequence[str] = (),
 ) -> PathValidation:
     """Compare models with a measured path, all over the same rows.
 
     Args:
         path: what was measured.
-        identified: the models, the reference (conventional) first.
+        arms: the models, the reference (conventional) first.
         nominal: nominal links, mm.
+        titles: what a reader calls them; without, the models' own names.
 
     Raises:
-        InsufficientPointsError: fewer than two rows inside the identified range.
+        InsufficientPointsError: fewer than four rows inside the identified range.
+        UnidentifiableError: the rows lie in one place.
     """
-    predictions = [predict(one.arm, path.commands, *nominal) for one in identified]
+    predictions = [predict(arm, path.commands, *nominal) for arm in arms]
     compared: Bools = np.logical_and.reduce([path.established, *(one.inside for one in predictions)])
-    models = tuple(
-        ModelOnPath(
-            one.layout.model,
-            prediction,
-            compare(path.command_mm, prediction.position_mm, path.measured_mm, compared),
+    if int(compared.sum()) < _FEWEST:
+        raise InsufficientPointsError(
+            f"{int(compared.sum())} of {compared.size} rows lie inside the identified range with an established "
+            f"direction of approach; a rigid alignment has three unknowns, so that it takes {_FEWEST} or more: "
+            "measure a path inside the nodes"
         )
-        for one, prediction in zip(identified, predictions, strict=True)
+    names = titles or [""] * len(arms)
+    models = tuple(
+        _on_path(path, arm, name, prediction, compared)
+        for arm, name, prediction in zip(arms, names, predictions, strict=True)
     )
     return PathValidation(path, compared, models)
+
+
+def _on_path(
+    path: PathMeasurement, arm: IdentifiedArm, title: str, prediction: Prediction, compared: Bools
+) -> ModelOnPath:
+    comparison = compare(path.command_mm, prediction.position_mm, path.measured_mm, compared)
+    effects = position_effects(arm, path.commands.select(compared))
+    judged = agreement(comparison, effects, path.u_mm)
+    return ModelOnPath(arm.layout.model, title, prediction, comparison, judged)

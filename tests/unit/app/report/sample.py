@@ -225,7 +225,7 @@ def _seen(commands: Commands) -> Floats:
 
 def validation(along: str = "y") -> PathValidation:
     """Return both models on a path."""
-    return validate_on_path(path(along), list(measurement()[1]), (325.0, 225.0))
+    return validate_on_path(path(along), [one.arm for one in measurement()[1]], (325.0, 225.0))
 
 
 def whole(systematic_um: float = 0.0) -> ReportContent:

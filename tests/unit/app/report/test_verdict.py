@@ -89,7 +89,7 @@ def test_path_verdict_gives_the_ratio_and_the_rows() -> None:
 
 
 def test_path_verdict_of_one_model_has_no_ratio() -> None:
-    alone = validate_on_path(sample.path(), [sample.measurement()[1][1]], (325.0, 225.0))
+    alone = validate_on_path(sample.path(), [sample.measurement()[1][1].arm], (325.0, 225.0))
     statement = verdict(replace(sample.whole(), validation=alone))[2]
     assert statement.kind == "note"
     assert "ratio" not in statement.text
