@@ -11,7 +11,7 @@ from calibration.layout import Layout
 from calibration.points import Commands
 from calibration.types import Floats, Ints
 
-_LOCAL: dict[Target, int] = {"link1": 0, "link2": 1, "theta1": 2, "theta2": 3}
+LOCAL: dict[Target, int] = {"link1": 0, "link2": 1, "theta1": 2, "theta2": 3}
 """Where the derivative by a quantity stands among those by L1, L2, θ1, θ2."""
 
 
@@ -77,8 +77,8 @@ class ArmDesign:
             # Added, not set: a map of a single node has its two places in the same column.
             wide[rows, self.columns[:, k]] += self.weights[:, k] * local[:, 2 + k // 2]
         for i, term in enumerate(self.layout.terms):
-            if term.target in _LOCAL:
-                wide[:, self.layout.extension.start + i] = self.extra[:, i] * local[:, _LOCAL[term.target]]
+            if term.target in LOCAL:
+                wide[:, self.layout.extension.start + i] = self.extra[:, i] * local[:, LOCAL[term.target]]
         return wide
 
 

@@ -123,28 +123,71 @@ def point_weights(points: Points) -> Floats:
     return np.ones(len(points)) if points.sigma_mm is None else 1.0 / points.sigma_mm
 
 
+@dataclass(frozen=True)
+class FitSums:
+    """What the statistics need of a fit.
+
+    Attributes:
+        n_points: distances used.
+        free: number of free parameters.
+        square: sum of the squares of the weighted residuals.
+        square_mm2: sum of the squares of the residuals, mm².
+        weight: sum of the squares of the weights, 1/mm².
+        inner: products of the weighted effects that the fit leaves over, EᵀE or EEᵀ.
+        stated: the weights come from stated uncertainties.
+        iterations: steps of the solver.
+    """
+
+    n_points: int
+    free: int
+    square: float
+    square_mm2: float
+    weight: float
+    inner: Floats
+    stated: bool
+    iterations: int
+
+
 def fit_statistics(fit: WeightedFit) -> FitStatistics:
     """Judge a fit."""
-    points, dof = fit.points, len(fit.points) - fit.free
-    square = float(fit.residuals @ fit.residuals)
-    expected = _Expected.of(dof, fit.effects)
-    stated = points.sigma_mm is not None
-    probability = expected.probability(square) if stated else None
-    lack = lack_of_fit(fit)
     weights = fit.weights
+    sums = FitSums(
+        n_points=len(fit.points),
+        free=fit.free,
+        square=float(fit.residuals @ fit.residuals),
+        square_mm2=float(np.sum((fit.residuals / weights) ** 2)),
+        weight=float(np.sum(weights**2)),
+        inner=_smaller_product(fit.effects),
+        stated=fit.points.sigma_mm is not None,
+        iterations=fit.iterations,
+    )
+    return summed_statistics(sums, lack_of_fit(fit))
+
+
+def summed_statistics(sums: FitSums, lack: LackOfFit | None) -> FitStatistics:
+    """Judge a fit by its sums and, where poses are repeated, by its lack of fit."""
+    dof = sums.n_points - sums.free
+    expected = Expected.of_products(dof, sums.inner)
+    probability = expected.probability(sums.square) if sums.stated else None
+    variance = sums.square / dof
     return FitStatistics(
-        n_points=len(points),
-        n_parameters=fit.free,
+        n_points=sums.n_points,
+        n_parameters=sums.free,
         dof=dof,
-        rms_um=1e3 * float(np.sqrt(np.mean((fit.residuals / weights) ** 2))),
-        sigma0_um=1e3 * float(np.sqrt(square / dof / np.mean(weights**2))),
-        chi2_reduced=square / dof if stated else None,
+        rms_um=1e3 * float(np.sqrt(sums.square_mm2 / sums.n_points)),
+        sigma0_um=1e3 * float(np.sqrt(variance / (sums.weight / sums.n_points))),
+        chi2_reduced=variance if sums.stated else None,
         chi2_expected=expected.mean / dof,
         chi2_probability=probability,
         lack_of_fit=lack,
-        variance_factor=_variance_factor(square / dof, expected.mean / dof, probability, lack),
-        iterations=fit.iterations,
+        variance_factor=_variance_factor(variance, expected.mean / dof, probability, lack),
+        iterations=sums.iterations,
     )
+
+
+def _smaller_product(effects: Floats) -> Floats:
+    """Return EᵀE or EEᵀ: both have the same trace and the same sum of squares."""
+    return effects.T @ effects if effects.shape[0] > effects.shape[1] else effects @ effects.T
 
 
 def _variance_factor(
@@ -166,24 +209,33 @@ def _variance_factor(
 
 
 @dataclass(frozen=True)
-class _Expected:
-    """A sum of squares of white and systematic errors: its mean and its effective degrees of freedom."""
+class Expected:
+    """A sum of squares of white and systematic errors: its mean and its effective degrees of freedom.
+
+    Attributes:
+        mean: expected sum of squares, in squares of the white uncertainty.
+        dof: degrees of freedom of the χ² distribution of the same mean and spread.
+    """
 
     mean: float
     dof: float
 
     @classmethod
-    def of(cls, dof: int, effects: Floats) -> "_Expected":
+    def of(cls, dof: int, effects: Floats) -> "Expected":
         """Return what `dof` white errors and projected effects of shape (n, m) let expect (Satterthwaite)."""
-        inner = effects.T @ effects
+        return cls.of_products(dof, _smaller_product(effects))
+
+    @classmethod
+    def of_products(cls, dof: int, inner: Floats) -> "Expected":
+        """Return the same from the effects' products, EᵀE or EEᵀ."""
         mean = dof + float(np.trace(inner))
         return cls(mean, mean**2 / (dof + 2.0 * float(np.trace(inner)) + float(np.sum(inner**2))))
 
-    def minus(self, part: "_Expected", dof: int, inner: Floats) -> "_Expected":
+    def minus(self, part: "Expected", dof: int, inner: Floats) -> "Expected":
         """Return the expectation of the difference of two nested sums of squares."""
         mean = self.mean - part.mean
         spread = dof + 2.0 * float(np.trace(inner)) + float(np.sum(inner**2))
-        return _Expected(mean, mean**2 / spread)
+        return Expected(mean, mean**2 / spread)
 
     def probability(self, square: float) -> float:
         """Return the probability of a sum of squares this large."""
@@ -204,8 +256,8 @@ def lack_of_fit(fit: WeightedFit) -> LackOfFit | None:
     pure_square = float(pure @ pure) / dof_pure
     if pure_square <= (_EXACT_MM * float(np.mean(fit.weights))) ** 2:
         return None
-    whole = _Expected.of(len(fit.points) - fit.free, fit.effects)
-    scatter = _Expected.of(dof_pure, pure_effects)
+    whole = Expected.of(len(fit.points) - fit.free, fit.effects)
+    scatter = Expected.of(dof_pure, pure_effects)
     inner = fit.effects.T @ fit.effects - pure_effects.T @ pure_effects
     lack = whole.minus(scatter, dof_model, inner)
     lack_square = max(float(fit.residuals @ fit.residuals - pure @ pure), 0.0) / dof_model
@@ -217,8 +269,8 @@ def _judged(
     lack_square: float,
     pure_square: float,
     dofs: tuple[int, int],
-    lack: _Expected,
-    scatter: _Expected,
+    lack: Expected,
+    scatter: Expected,
 ) -> LackOfFit:
     dof_model, dof_pure = dofs
     ratio = lack_square / pure_square

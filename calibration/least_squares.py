@@ -16,10 +16,10 @@ from calibration.types import Bools, Floats
 RANK_TOLERANCE = 1e-10
 """Singular values of the scaled Jacobian below this share of the largest count as zero."""
 
-_STEP_TOLERANCE = 1e-8
+STEP_TOLERANCE = 1e-8
 """The iteration ends after a step that changes the residuals by less than this (rms, residual units)."""
 
-_MAX_ITERATIONS = 50
+MAX_ITERATIONS = 50
 
 
 @dataclass(frozen=True)
@@ -98,36 +98,43 @@ def minimise(
         ConvergenceError: no convergence within the iteration limit, or no step lowers the residuals.
     """
     parameters, current, change = start, residuals(start), np.inf
-    for iteration in range(1, _MAX_ITERATIONS + 1):
+    for iteration in range(1, MAX_ITERATIONS + 1):
         weighted = jacobian(parameters) * weights[:, None]
-        equations = _NormalEquations.of(weighted, current * weights, basis)
+        gradient = weighted.T @ (current * weights)
+        equations = NormalEquations.of(weighted.T @ weighted, gradient, basis)
         parameters, current, change = _improve(residuals, parameters, current, weights, equations)
-        if change < _STEP_TOLERANCE:
+        if change < STEP_TOLERANCE:
             final = jacobian(parameters)
             factor = factorise((final * weights[:, None]) @ basis)
             return Solution(parameters, current, final, factor, iteration)
     raise ConvergenceError(
-        f"no convergence after {_MAX_ITERATIONS} iterations (last change {change:.3g} mm rms): check the "
+        f"no convergence after {MAX_ITERATIONS} iterations (last change {change:.3g} mm rms): check the "
         "rough reflector places and the nominal links in the cell file, and the reflector names of the points"
     )
 
 
 @dataclass(frozen=True)
-class _NormalEquations:
-    """Normal equations in scaled free directions."""
+class NormalEquations:
+    """Normal equations in scaled free directions.
+
+    Attributes:
+        matrix: scaled, its diagonal is 1, shape (free, free).
+        gradient: scaled, shape (free,).
+        directions: the free directions divided by their scale, shape (p, free).
+    """
 
     matrix: Floats
     gradient: Floats
     directions: Floats
 
     @classmethod
-    def of(cls, jacobian: Floats, residuals: Floats, basis: Floats) -> "_NormalEquations":
-        """Reduce a weighted Jacobian (n, p) and residuals (n,) to the free directions."""
-        matrix = basis.T @ (jacobian.T @ jacobian) @ basis
-        diagonal = np.diag(matrix)
+    def of(cls, matrix: Floats, gradient: Floats, basis: Floats) -> "NormalEquations":
+        """Reduce JᵀWJ of shape (p, p) and JᵀWr of shape (p,) to the free directions, a basis of shape (p, free)."""
+        reduced = basis.T @ matrix @ basis
+        diagonal = np.diag(reduced)
         scale = 1.0 / np.sqrt(np.where(diagonal > 0.0, diagonal, 1.0))
         directions = basis * scale
-        return cls(matrix * np.outer(scale, scale), directions.T @ (jacobian.T @ residuals), directions)
+        return cls(reduced * np.outer(scale, scale), directions.T @ gradient, directions)
 
     def step(self, damping: float) -> Floats | None:
         """Return the damped step in all parameters, or None when the matrix is not positive definite."""
@@ -145,7 +152,7 @@ def _improve(
     parameters: Floats,
     current: Floats,
     weights: Floats,
-    equations: _NormalEquations,
+    equations: NormalEquations,
 ) -> tuple[Floats, Floats, float]:
     """Return better parameters, their residuals and the rms change of the residuals."""
     cost = _cost(current, weights)
@@ -157,7 +164,7 @@ def _improve(
             change = float(np.sqrt(np.mean((trial - current) ** 2)))
             if _cost(trial, weights) < cost:
                 return parameters + step, trial, change
-            if change < _STEP_TOLERANCE:
+            if change < STEP_TOLERANCE:
                 # At the minimum rounding decides whether the cost still falls.
                 return parameters, current, change
         damping = max(10.0 * damping, 1e-9)

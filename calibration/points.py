@@ -1,5 +1,6 @@
 """Measured distances, as columns."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -71,9 +72,9 @@ class Points:
         span = float(np.ptp(clock)) if clock.size else 0.0
         return (clock - clock.min()) / span - 0.5 if span > 0.0 else np.zeros(len(self))
 
-    def select(self, rows: Bools | Ints) -> "Points":
-        """Return the chosen rows; dead paths and reflectors that lose all rows are left out."""
-        kept = replace(
+    def rows(self, rows: Bools | Ints) -> "Points":
+        """Return the chosen rows; all dead paths and reflectors keep their names and numbers."""
+        return replace(
             self,
             commands=self.commands.select(rows),
             reflector=self.reflector[rows],
@@ -83,6 +84,10 @@ class Points:
             theta4_rad=_rows_of(self.theta4_rad, rows),
             time_s=_rows_of(self.time_s, rows),
         )
+
+    def select(self, rows: Bools | Ints) -> "Points":
+        """Return the chosen rows; dead paths and reflectors that lose all rows are left out."""
+        kept = self.rows(rows)
         paths, path_index = np.unique(kept.dead_path, return_inverse=True)
         names, name_index = np.unique(kept.reflector, return_inverse=True)
         return replace(
@@ -98,7 +103,64 @@ def _rows_of(column: Floats | None, rows: Bools | Ints) -> Floats | None:
     return None if column is None else column[rows]
 
 
-def without_short_segments(points: Points, fewest: int = 3) -> tuple[Points, list[str]]:
+FEWEST = 3
+"""Distances that a segment needs to carry a dead path of its own."""
+
+
+def rows_of_long_segments(points: Points, fewest: int = FEWEST) -> Bools:
+    """Return which rows belong to segments of at least so many distances, shape (n,)."""
+    counts = np.bincount(points.dead_path, minlength=len(points.dead_paths))
+    return np.asarray((counts >= fewest)[points.dead_path], dtype=np.bool_)
+
+
+def concatenated(parts: Sequence[Points]) -> Points:
+    """Return the rows of several tables one after another; they have the names of the first."""
+    commands = [part.commands for part in parts]
+    return replace(
+        parts[0],
+        commands=Commands(
+            np.concatenate([one.theta1_rad for one in commands]),
+            np.concatenate([one.theta2_rad for one in commands]),
+            np.concatenate([one.direction1 for one in commands]),
+            np.concatenate([one.direction2 for one in commands]),
+        ),
+        reflector=np.concatenate([part.reflector for part in parts]),
+        dead_path=np.concatenate([part.dead_path for part in parts]),
+        displacement_mm=np.concatenate([part.displacement_mm for part in parts]),
+        sigma_mm=_joined([part.sigma_mm for part in parts]),
+        theta4_rad=_joined([part.theta4_rad for part in parts]),
+        time_s=_joined([part.time_s for part in parts]),
+    )
+
+
+def _joined(columns: list[Floats | None]) -> Floats | None:
+    present = [column for column in columns if column is not None]
+    return np.concatenate(present) if len(present) == len(columns) else None
+
+
+def short_segments(
+    counts: Ints, dead_paths: Sequence[tuple[str, int]], fewest: int = FEWEST
+) -> tuple[Bools, list[str]]:
+    """Find segments that are too short to carry a dead path of their own.
+
+    Args:
+        counts: number of distances of each dead path, shape (k,).
+        dead_paths: (reflector name, segment) of each.
+        fewest: smallest number of distances that a segment keeps its place with.
+
+    Returns:
+        Flags of the short ones, shape (k,), and a sentence for each.
+    """
+    short = counts < fewest
+    sentences = [
+        f"segment {segment} of reflector {name} dropped: {counts[i]} distance(s), fewer than {fewest}"
+        for i, (name, segment) in enumerate(dead_paths)
+        if short[i]
+    ]
+    return short, sentences
+
+
+def without_short_segments(points: Points, fewest: int = FEWEST) -> tuple[Points, list[str]]:
     """Drop segments that are too short to carry a dead path of their own.
 
     Args:
@@ -109,12 +171,7 @@ def without_short_segments(points: Points, fewest: int = 3) -> tuple[Points, lis
         The remaining points and a sentence for each segment dropped.
     """
     counts = np.bincount(points.dead_path, minlength=len(points.dead_paths))
-    short = counts < fewest
-    sentences = [
-        f"segment {segment} of reflector {name} dropped: {counts[i]} distance(s), fewer than {fewest}"
-        for i, (name, segment) in enumerate(points.dead_paths)
-        if short[i]
-    ]
+    short, sentences = short_segments(counts, points.dead_paths, fewest)
     if not sentences:
         return points, []
-    return points.select(~short[points.dead_path]), sentences
+    return points.select(rows_of_long_segments(points, fewest)), sentences
