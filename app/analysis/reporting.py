@@ -1,8 +1,11 @@
 """What a report shows, gathered from stored runs and results."""
 
+import hashlib
 import json
+import platform
 from collections.abc import Iterable, Mapping, Sequence
 from datetime import UTC, datetime
+from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
@@ -39,9 +42,12 @@ from app.report.content import (
 )
 from app.report.page import render_html
 from app.store.reader import RunReader
+from app.store.seal import read_manifest
 from app.version import SOFTWARE
 from calibration.errors import CalibrationError
 from calibration.identification import Identification
+
+_MEASURED_WITH = ("python", "numpy", "sqlite", "platform")
 
 _TOLD_EVENTS = ("beam-lost", "step-dropped", "run-reopened")
 
@@ -63,12 +69,8 @@ def demo_report(result: DemoResult, path: Path) -> None:
 
 def demo_truth(result: DemoResult) -> TruthTables:
     """Return the true arm of a demo in the gauge of its error map."""
-    measured = RunReader(result.runs["open-loop"])
-    bench = bench_of_runs([measured], result.folder / "runs")
-    budget = error_budget(cell_of_run(measured))
-    identified = identify_rows(run_rows([measured]), bench, "error-map", budget)
     document = json.loads((result.folder / "truth.json").read_text(encoding="utf-8"))
-    return truth_tables(identified, document)
+    return truth_tables(result.identified["error-map"], document)
 
 
 def run_report(reader: RunReader, root: Path, path: Path) -> None:
@@ -95,6 +97,8 @@ def result_report(source: Path, path: Path) -> None:
         software=SOFTWARE,
         simulated=False,
         results=[result],
+        versions=_versions(),
+        digests={source.name: hashlib.sha256(source.read_bytes()).hexdigest()},
     )
     write_atomically(path, render_html(content))
 
@@ -142,6 +146,7 @@ def _run_parts(readers: Sequence[RunReader], cell: Cell) -> dict[str, Any]:
         "software": SOFTWARE,
         "simulated": any(bool(reader.meta.get("simulated")) for reader in readers),
         "cell": cell,
+        "origins": readers[-1].meta.get("configuration_origins") or {},
         "search": searches,
         "warnings": list(dict.fromkeys(warnings)),
         "events": [f"{e.time_utc[:19]} {e.kind}: {_facts(e.data)}" for e in events if e.kind in _TOLD_EVENTS],
@@ -149,6 +154,7 @@ def _run_parts(readers: Sequence[RunReader], cell: Cell) -> dict[str, Any]:
         "environment": _environment([row for reader in readers for row in _distances(reader)]),
         "compensation": _compensation(readers),
         "runs": [_run_record(reader) for reader in readers],
+        "versions": _versions(),
     }
 
 
@@ -202,6 +208,8 @@ def _spread(values: Iterable[float | None]) -> Spread | None:
 def _run_record(reader: RunReader) -> RunRecord:
     events = reader.events()
     start, end = (datetime.fromisoformat(events[i].time_utc) for i in (0, -1))
+    measured_with: Any = reader.meta.get("software") or {}
+    manifest = read_manifest(reader.path)
     measured = reader.count("points") or reader.count("path") or reader.count("search")
     return RunRecord(
         name=reader.path.name,
@@ -210,7 +218,17 @@ def _run_record(reader: RunReader) -> RunRecord:
         started_utc=events[0].time_utc,
         duration_s=(end - start).total_seconds(),
         points=measured or None,
+        software=f"catseye {measured_with.get('catseye', '')}",
+        versions={key: str(measured_with[key]) for key in _MEASURED_WITH if key in measured_with},
+        operator=str(reader.meta.get("operator", "")),
+        files={} if manifest is None else {name: file.sha256 for name, file in manifest.files.items()},
     )
+
+
+def _versions() -> dict[str, str]:
+    """Return what this program runs on."""
+    packages = {name: version(name) for name in ("numpy", "scipy", "matplotlib")}
+    return {"python": platform.python_version(), **packages, "platform": platform.platform()}
 
 
 def _now() -> str:

@@ -1,7 +1,7 @@
 """What a report is made from. Every part beyond the head is optional."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
@@ -106,6 +106,10 @@ class RunRecord:
         started_utc: ISO 8601 UTC time.
         duration_s: from start to end, None when it is not known.
         points: measured distances or positions, None when it measures none.
+        software: name and version of the program that measured.
+        versions: of what it ran on, by name.
+        operator: who started it.
+        files: SHA-256 of its sealed files, by name; empty when it is not sealed.
     """
 
     name: str
@@ -114,6 +118,10 @@ class RunRecord:
     started_utc: str
     duration_s: float | None = None
     points: int | None = None
+    software: str = ""
+    versions: dict[str, str] = field(default_factory=dict)
+    operator: str = ""
+    files: dict[str, str] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)
@@ -126,6 +134,7 @@ class ReportContent:
         software: name and version of the program.
         simulated: a device was an emulator; the page says so on top.
         cell: the configuration.
+        origins: "file" or "default" for each dotted key of the configuration.
         bench: the bench as it was planned with, for the layout.
         results: identified models; of two of one kind the last counts.
         truth: what an emulated bench really is.
@@ -139,6 +148,8 @@ class ReportContent:
         environment: the air.
         compensation: sentences about who corrected the lengths for the air.
         runs: runs that it was made from.
+        versions: of what the program ran on when it made the page, by name.
+        digests: SHA-256 of result files that it was made from, by name.
     """
 
     title: str
@@ -146,6 +157,7 @@ class ReportContent:
     software: str
     simulated: bool
     cell: Cell | None = None
+    origins: Mapping[str, str] = field(default_factory=dict)
     bench: Bench | None = None
     results: Sequence[Result] = ()
     truth: TruthTables | None = None
@@ -158,6 +170,8 @@ class ReportContent:
     environment: EnvironmentSummary | None = None
     compensation: Sequence[str] = ()
     runs: Sequence[RunRecord] = ()
+    versions: dict[str, str] = field(default_factory=dict)
+    digests: dict[str, str] = field(default_factory=dict)
 
     @property
     def conventional(self) -> Result | None:

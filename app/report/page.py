@@ -16,6 +16,7 @@ from app.report.run_sections import (
     run_section,
     search_section,
 )
+from app.report.trace_section import trace_section
 from app.report.verdict import Statement, verdict
 
 _STYLE = Path(__file__).with_name("report.css")
@@ -33,12 +34,28 @@ def render_html(content: ReportContent) -> str:
         "head",
         Html('<meta charset="utf-8"><meta name="viewport" content="width=device-width, initial-scale=1">'),
         element("title", content.title),
-        element("style", Html(_STYLE.read_text(encoding="utf-8"))),
+        element("style", Html(_STYLE.read_text(encoding="utf-8") + _page_margins(content))),
     )
     page = element(
         "html", head, element("body", _heading(content), element("main", *_sections(content))), lang="en"
     )
     return f"<!DOCTYPE html>\n{page}\n"
+
+
+def _page_margins(content: ReportContent) -> str:
+    """Return what stands in the margins of each printed page."""
+    banner = "SIMULATION: emulated devices" if content.simulated else ""
+    return (
+        f"@page {{ @top-left {{ content: {_css_text(banner)}; }} "
+        f"@top-right {{ content: {_css_text(content.title)}; }} "
+        f"@bottom-left {{ content: {_css_text(f'{content.created_utc} · {content.software}')}; }} "
+        '@bottom-right { content: counter(page) " / " counter(pages); } }\n'
+    )
+
+
+def _css_text(text: str) -> str:
+    """Return a string of a style sheet; escaped so that nothing in it can end the string or the sheet."""
+    return '"' + "".join(one if one.isalnum() else f"\\{ord(one):x} " for one in text) + '"'
 
 
 def _heading(content: ReportContent) -> Html:
@@ -70,6 +87,7 @@ def _sections(content: ReportContent) -> list[Html]:
         run_section(content),
         convention_section(content),
         configuration_section(content),
+        trace_section(content),
     ]
 
 

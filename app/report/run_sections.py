@@ -140,19 +140,38 @@ def configuration_section(content: ReportContent) -> Html:
     """Return the cell file as text."""
     if content.cell is None:
         return Html()
-    return section("configuration", "Configuration", element("pre", cell_text(content.cell)))
+    lines = (
+        element("span", line, class_=origin) for line, origin in cell_lines(content.cell, content.origins)
+    )
+    return section(
+        "configuration",
+        "Configuration",
+        element("pre", Html("\n".join(lines))),
+        paragraphs("Values marked “default” do not stand in the cell file." if content.origins else ""),
+    )
 
 
-def cell_text(cell: Cell) -> str:
-    """Return a cell with all its values, one a line, as the cell file names them."""
-    return "\n".join(_lines(cell.model_dump(exclude_none=True), ""))
+def cell_lines(cell: Cell, origins: Mapping[str, str]) -> list[tuple[str, str]]:
+    """Return a cell with all its values, one a line, as the cell file names them, each with its origin.
+
+    Args:
+        cell: the configuration.
+        origins: "file" or "default" by dotted key; what is missing counts as "file".
+    """
+    values = _values(cell.model_dump(exclude_none=True), "")
+    return [
+        (f"{key} = {value}" + ("  # default" if origin == "default" else ""), origin)
+        for key, value in values.items()
+        for origin in [origins.get(key, "file")]
+    ]
 
 
-def _lines(value: Any, name: str) -> list[str]:
+def _values(value: Any, name: str) -> dict[str, Any]:
+    """Return every value by its dotted key."""
     if isinstance(value, dict):
-        return [
-            line for key, part in value.items() for line in _lines(part, f"{name}.{key}" if name else key)
-        ]
-    if isinstance(value, list) and value and isinstance(value[0], dict):
-        return [line for i, part in enumerate(value, start=1) for line in _lines(part, f"{name}[{i}]")]
-    return [f"{name} = {value}"]
+        parts = [(f"{name}.{key}" if name else str(key), part) for key, part in value.items()]
+    elif isinstance(value, list) and value and isinstance(value[0], dict):
+        parts = [(f"{name}[{i}]", part) for i, part in enumerate(value, start=1)]
+    else:
+        return {name: value}
+    return {key: leaf for inner, part in parts for key, leaf in _values(part, inner).items()}

@@ -45,6 +45,7 @@ def test_whole_page_is_well_formed_and_has_every_section_and_figure(whole: str) 
         "Runs and instruments",
         "Conventions",
         "Configuration",
+        "Traceability",
     ]
 
 
@@ -137,7 +138,7 @@ def test_report_without_results_says_that_nothing_was_identified() -> None:
     empty = ReportContent("Nothing", "2026-01-02T03:04:05Z", "catseye 0.1.0", False)
     page = read_page(render_html(empty))
     assert "Nothing was identified" in page.text
-    assert page.headings == ["Verdict", "Conventions"]
+    assert page.headings == ["Verdict", "Conventions", "Traceability"]
     assert figures(page) == []
 
 
