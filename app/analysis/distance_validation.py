@@ -5,9 +5,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from app.errors import UsageError
-from calibration.distance_model import DistanceModel, distance_model
+from calibration.arm import arm_design
+from calibration.distance_model import DistanceModel
 from calibration.errors import InsufficientPointsError
-from calibration.identification import Identification
+from calibration.identification import Identification, beam_turn_rad
 from calibration.points import Points
 from calibration.prediction import inside_range
 from calibration.types import Bools, Floats, Ints
@@ -160,14 +161,22 @@ def _on_distances(path: DistancePath, identified: Identification, compared: Bool
 
 
 def _transferred(identified: Identification, points: Points) -> tuple[DistanceModel, Floats]:
-    """Return an identified arm with its reflectors, seen through other distances with dead paths of nothing."""
+    """Return an identified arm with its reflectors, seen through other distances with dead paths of nothing.
+
+    What grew over the measurement that identified it stands in its middle: the path has no share of that time.
+    """
     own = identified.layout
     layout = replace(own, dead_paths=points.dead_paths)
     order = np.array([own.reflector_names.index(name) for name in points.reflector_names], dtype=np.int64)
     seen = replace(points, reflector=order[points.reflector], reflector_names=own.reflector_names)
     parameters = np.zeros(layout.size)
     parameters[: own.reflectors.stop] = identified.parameters[: own.reflectors.stop]
-    return distance_model(layout, seen), parameters
+    if any(term.source == "theta4" for term in own.terms):
+        # The beam meets its reflector, so the identified places tell where it was aimed.
+        links, places = parameters[:2].tolist(), parameters[own.reflectors].reshape(-1, 2)
+        seen = replace(seen, theta4_rad=beam_turn_rad(seen, (links[0], links[1]), places))
+    design = arm_design(layout, seen.commands, seen.theta4_rad, elapsed=None)
+    return DistanceModel(layout, seen, design), parameters
 
 
 def _means(points: Points, values: Floats) -> Floats:

@@ -14,6 +14,7 @@ from app.errors import UsageError
 from app.store.reader import RunReader
 from app.store.run_store import RunStore
 from calibration.errors import InsufficientPointsError
+from calibration.extension import j4_map, thermal_drift
 from calibration.identification import Identification, identify
 from calibration.layout import ModelName
 from calibration.points import Commands, Points
@@ -26,6 +27,7 @@ from tests.unit.calibration.paper import (
     Truth,
     paper_points,
     random_truth,
+    sequence,
 )
 
 SIGMA_MM = 0.01
@@ -197,6 +199,41 @@ def stored_row(y_mm: float, theta1_deg: float, direction1: int, segment: int, pa
         "displacement_mm": 0.5 * y_mm,
         "pass_number": pass_number,
     }
+
+
+def test_what_the_beam_angle_adds_is_part_of_the_prediction() -> None:
+    # 20 µm of cos 2θ4 in every distance, those of the measurement and those of the path; θ4 from the places by hand.
+    def added(command: tuple[float, float, int, int], reflector: int) -> float:
+        x, y = true_place(TRUTH, command)
+        px, py = TRUTH.reflectors[reflector]
+        theta4 = math.atan2(py - y, px - x) - math.radians(command[0] + command[1])
+        return 0.020 * math.cos(2.0 * theta4)
+
+    extra = [
+        added((NODES1_DEG[i], NODES2_DEG[j], s1, s2), r) for r in range(3) for i, j, s1, s2 in sequence()
+    ]
+    points = paper_points(TRUTH, 3, np.array(extra), SIGMA_MM)
+    nodes = np.deg2rad(NODES1_DEG), np.deg2rad(NODES2_DEG)
+    rough = TRUTH.reflectors
+    with_j4 = identify(points, "error-map", *nodes, 325.0, 225.0, rough, terms=j4_map((2,)))
+    without = identify(points, "error-map", *nodes, 325.0, 225.0, rough)
+    measured = path(TRUTH)
+    grown = measured.points.displacement_mm + np.array([added(row, 1) for row in commands()])
+    bent = replace(measured, points=replace(measured.points, displacement_mm=grown))
+    poor, good = validate_on_distances(bent, [without, with_j4]).models
+    assert good.max_um < 0.5
+    assert poor.rms_um > 5.0
+
+
+def test_links_that_grew_over_the_measurement_stand_in_its_middle() -> None:
+    points = paper_points(TRUTH, 3, None, SIGMA_MM)
+    nodes = np.deg2rad(NODES1_DEG), np.deg2rad(NODES2_DEG)
+    plain = identify(points, "error-map", *nodes, 325.0, 225.0, TRUTH.reflectors, terms=thermal_drift())
+    parameters = plain.parameters.copy()
+    parameters[plain.layout.extension] = 0.5
+    grown = replace(plain, parameters=parameters)
+    (still,) = validate_on_distances(path(TRUTH), [grown]).models
+    assert still.max_um < 0.01
 
 
 async def test_stored_distances_become_columns(tmp_path: Path) -> None:
