@@ -112,6 +112,9 @@ def identify(
     start = distances.start(link1_mm, link2_mm, rough)
     if budget is not None and used.sigma_mm is None:
         distances = _weighted(distances, start, budget)
+    elif budget is not None:
+        # What differs from reading to reading is stated with the points.
+        budget = Budget(budget.systematic)
     solution = _solved(distances, start)
     return _judge(distances, solution, budget, rejected)
 

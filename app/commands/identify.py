@@ -3,6 +3,13 @@
 from dataclasses import dataclass
 from pathlib import Path
 
+from app.analysis.identified_uncertainty import (
+    Propagated,
+    by_jacobian,
+    by_monte_carlo,
+    require_draws,
+    sentences,
+)
 from app.analysis.identifying import (
     bench_of_runs,
     cell_of_run,
@@ -14,13 +21,16 @@ from app.analysis.identifying import (
 from app.analysis.material import with_reference_links
 from app.cell.bench import bench_of
 from app.cell.load import load_cell
+from app.cluster.sharing import sharing
 from app.commands.output import emit, emit_json, say, table
+from app.commands.progress import ProgressBar
 from app.errors import UsageError
 from app.files.points_csv import PointRow, read_points_csv
 from app.files.result_json import Fit, LackOfFitPart, Result, write_result
 from app.runs_folder import runs_folder
 from app.store.catalog import resolve_run
 from app.store.reader import RunReader
+from calibration.identification import Identification
 from calibration.layout import ModelName
 from calibration.uncertainty.budget import Budget
 from procedures.bench import Bench
@@ -63,14 +73,16 @@ def identify_command(
     as_json: bool,
 ) -> None:
     """Identify and write the result."""
+    if options.uncertainty == "monte-carlo":
+        require_draws(options.draws)
     source = _load(run, points, cell, runs)
     bench = source.bench
     identified = identify_rows(source.rows, bench, options.model, source.budget)
-    if options.uncertainty == "monte-carlo":
-        from calibration.uncertainty.monte_carlo import with_monte_carlo
-
-        identified = with_monte_carlo(identified, options.draws, options.seed)
-    result = with_reference_links(identified_result(identified, bench, source.names), source.readers)
+    propagated = _propagated(identified, options)
+    result = with_reference_links(
+        identified_result(propagated.identified, bench, source.names), source.readers
+    )
+    result = result.model_copy(update={"uncertainty": propagated.part})
     write_result(result, output)
     if as_json:
         emit_json(
@@ -81,9 +93,26 @@ def identify_command(
         )
     else:
         emit(summary_table(result, bench))
-    for text in verdicts(result):
+    for text in (*verdicts(result), *sentences(propagated.part)):
         say(text)
     say(f"{output} written")
+
+
+def _propagated(identified: Identification, options: IdentifyOptions) -> Propagated:
+    if options.uncertainty == "jacobian":
+        return by_jacobian(identified)
+    bar = ProgressBar("Monte Carlo")
+    with sharing(options.workers, options.dask) as share:
+        try:
+            return by_monte_carlo(
+                identified,
+                options.draws,
+                options.seed,
+                share,
+                lambda done: bar.update(done, options.draws, f"{done} of {options.draws} draws"),
+            )
+        finally:
+            bar.close()
 
 
 @dataclass(frozen=True)

@@ -11,6 +11,7 @@ from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_valida
 
 from app.errors import UsageError
 from app.files.atomic import write_atomically
+from app.files.uncertainty_part import UncertaintyPart
 from calibration.extension import Part, Source, Target, Term
 from calibration.fit_statistics import FitStatistics
 from calibration.identification import Identification
@@ -166,6 +167,7 @@ class Result(_Part):
     extension: list[TermEstimate] | None = None
     covariance: Covariance | None = None
     residuals: Residuals | None = None
+    uncertainty: UncertaintyPart | None = None
     provenance: Provenance
 
 

@@ -1,47 +1,114 @@
-"""Monte Carlo propagation of the distances' uncertainty: every draw is solved anew (JCGM 101)."""
+"""Propagation of distributions by draws, for any measurement model (JCGM 101)."""
 
-from dataclasses import replace
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 
 import numpy as np
 
-from calibration.distance_model import distance_model
-from calibration.identification import Identification
-from calibration.least_squares import minimise
+from calibration.errors import ConvergenceError
 from calibration.types import Floats
-from calibration.uncertainty.budget import geometry_of, systematic_effects
+from calibration.uncertainty.coverage import (
+    Interval,
+    fewest_draws,
+    numerical_tolerance,
+    shortest_interval,
+    symmetric_interval,
+)
+from calibration.uncertainty.distributions import Distribution
+
+Model = Callable[[Floats], Floats]
+"""Result of shape (draws,), or results of shape (m, draws), from inputs of shape (k, draws)."""
+
+_LEAST_BLOCK = 10_000
 
 
-def with_monte_carlo(identified: Identification, draws: int, seed: int) -> Identification:
-    """Return an identification whose covariance comes from repeated draws.
-
-    White errors of the stated standard uncertainty, and radial error motions where they are stated, are added to the
-    distances that the identified arm predicts; the fit's variance factor widens them as it widens the Jacobian
-    covariance.
+def propagate_distributions(model: Model, inputs: Sequence[Distribution], draws: int, seed: int) -> Floats:
+    """Return draws of the result, shape (draws,) or (m, draws).
 
     Args:
-        identified: what the solver returned.
-        draws: how many draws, at least 2.
+        model: the measurement model.
+        inputs: distribution of each input, independent of one another.
+        draws: how many.
         seed: of the draws.
     """
-    points, fit = identified.points, identified.fit
-    widened = np.sqrt(fit.variance_factor)
-    sigma_mm = (1.0 if points.sigma_mm is None else points.sigma_mm) * widened
-    effects = widened * _effects(identified)
-    ideal = points.displacement_mm + identified.residuals_mm
-    basis = identified.layout.gauge_basis()
-    weights = np.ones(len(points)) if points.sigma_mm is None else 1.0 / points.sigma_mm
-    rng = np.random.default_rng(seed)
-    found = np.empty((draws, identified.layout.size))
-    for k in range(draws):
-        white = sigma_mm * rng.standard_normal(len(points))
-        noisy = replace(
-            points, displacement_mm=ideal + white + effects @ rng.standard_normal(effects.shape[1])
-        )
-        model = distance_model(identified.layout, noisy)
-        found[k] = minimise(model.residuals, model.jacobian, identified.parameters, basis, weights).parameters
-    return replace(identified, covariance=np.cov(found, rowvar=False))
+    return _block(model, inputs, draws, np.random.default_rng(seed))
 
 
-def _effects(identified: Identification) -> Floats:
-    model = distance_model(identified.layout, identified.points)
-    return systematic_effects(identified.budget, geometry_of(model, identified.parameters))
+@dataclass(frozen=True)
+class Stable:
+    """A result whose numbers no longer change with more draws.
+
+    Attributes:
+        draws: of the result, shape (draws,).
+        tolerance: half a unit of the last digit of u; twice the standard deviation of mean, u and limits is below.
+        coverage: of the intervals.
+    """
+
+    draws: Floats
+    tolerance: float
+    coverage: float
+
+    @property
+    def mean(self) -> float:
+        """Estimate."""
+        return float(np.mean(self.draws))
+
+    @property
+    def u(self) -> float:
+        """Standard uncertainty."""
+        return float(np.std(self.draws, ddof=1))
+
+    @property
+    def symmetric(self) -> Interval:
+        """Probabilistically symmetric interval."""
+        return symmetric_interval(self.draws, self.coverage)
+
+    @property
+    def shortest(self) -> Interval:
+        """Shortest interval."""
+        return shortest_interval(self.draws, self.coverage)
+
+
+def until_stable(
+    model: Model,
+    inputs: Sequence[Distribution],
+    seed: int,
+    coverage: float = 0.95,
+    digits: int = 2,
+    most_blocks: int = 1000,
+) -> Stable:
+    """Draw blocks until estimate, standard uncertainty and limits are known to the tolerance.
+
+    Args:
+        model: the measurement model, of one result.
+        inputs: distribution of each input, independent of one another.
+        seed: of the draws.
+        coverage: of the interval.
+        digits: significant digits that the standard uncertainty shall have.
+        most_blocks: of draws.
+
+    Raises:
+        ConvergenceError: so many blocks do not settle it.
+    """
+    rng, size = np.random.default_rng(seed), max(_LEAST_BLOCK, fewest_draws(coverage))
+    blocks: list[Floats] = []
+    told: list[tuple[float, float, float, float]] = []
+    for count in range(1, most_blocks + 1):
+        blocks.append(_block(model, inputs, size, rng))
+        limits = symmetric_interval(blocks[-1], coverage)
+        told.append((float(blocks[-1].mean()), float(blocks[-1].std(ddof=1)), limits.low, limits.high))
+        if count < 2:
+            continue
+        scatter = np.std(told, axis=0, ddof=1) / np.sqrt(count)
+        tolerance = numerical_tolerance(float(np.std(np.concatenate(blocks), ddof=1)), digits)
+        if np.all(2.0 * scatter < tolerance):
+            return Stable(np.concatenate(blocks), tolerance, coverage)
+    raise ConvergenceError(
+        f"{most_blocks * size} draws do not settle {digits} digits of the standard uncertainty: "
+        "ask for fewer digits, or look for an input whose distribution has no standard deviation"
+    )
+
+
+def _block(model: Model, inputs: Sequence[Distribution], draws: int, rng: np.random.Generator) -> Floats:
+    drawn = np.stack([one.draw(rng, draws) for one in inputs])
+    return np.asarray(model(drawn), dtype=np.float64)

@@ -1,0 +1,241 @@
+"""Many measurements of one and the same plan, identified at once.
+
+The draws of a Monte Carlo differ in their distances only. Each is solved to the minimum of its own non-linear sum of
+squares: the gradient is exact at every iterate, only the Hessian stays that of the nominal solution (chord method).
+The gradient needs no dense Jacobian: commands that repeat share their trigonometry, and what is linear is sparse.
+"""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from scipy import sparse
+
+from calibration.distance_model import DistanceModel
+from calibration.fit_statistics import point_weights
+from calibration.least_squares import factorise, minimise
+from calibration.types import Bools, Floats, Ints
+
+_STEP_TOLERANCE_MM = 1e-9
+"""A draw is solved after a step that changes its residuals by less than this, rms."""
+
+_MOST_STEPS = 15
+"""A draw that is not solved by then is left to the damped solver."""
+
+_BATCH_NUMBERS = 14_000
+"""Distances solved at once: their arrays (100 kB each) stay in the cache."""
+
+
+@dataclass(frozen=True)
+class BatchedProblem:
+    """What all draws have in common; m distinct arm states among n distances, p parameters.
+
+    Attributes:
+        model: the distances, their commands and the order of the parameters.
+        nominal: parameters that the draws scatter about, shape (p,).
+        predicted_mm: displacements that the model predicts there, shape (n,).
+        weights: reciprocal standard uncertainties, shape (n,).
+        gain: what the estimate moves by per distance, to first order, shape (p, n).
+        descent: minus the inverse Hessian within the gauge, shape (p, p).
+        change: maps a gradient to the weighted residuals' change, shape (free, p).
+        command_rad: θ1 and θ2 commands of the states, shape (2, m, 1).
+        to_states: parameters to L1, L2, θ1 and θ2 of the states, shape (4 m, p).
+        from_states: its transpose.
+        to_rows: parameters to reflector x, y and added length of the distances, shape (3 n, p).
+        from_rows: its transpose.
+        state: state of each distance, shape (n,).
+        gather: sums distances over their state, shape (m, n).
+    """
+
+    model: DistanceModel
+    nominal: Floats
+    predicted_mm: Floats
+    weights: Floats
+    gain: Floats
+    descent: Floats
+    change: Floats
+    command_rad: Floats
+    to_states: sparse.csr_array
+    from_states: sparse.csr_array
+    to_rows: sparse.csr_array
+    from_rows: sparse.csr_array
+    state: Ints
+    gather: sparse.csr_array
+
+    @classmethod
+    def of(cls, model: DistanceModel, nominal: Floats) -> "BatchedProblem":
+        """Prepare a plan.
+
+        Args:
+            model: the distances; their displacements are not used.
+            nominal: solution that the draws scatter about, shape (p,); the distances determine it.
+        """
+        weights, basis = point_weights(model.points), model.layout.gauge_basis()
+        jacobian = model.jacobian(nominal) * weights[:, None]
+        factor = factorise(jacobian @ basis)
+        root = basis @ (factor.right.T / factor.singular_values / factor.scale[:, None])
+        first, state = _distinct_states(model)
+        to_states, to_rows = _arm_matrix(model, first), _row_matrix(model)
+        rows = np.arange(state.size)
+        return cls(
+            model=model,
+            nominal=nominal,
+            predicted_mm=model.residuals(nominal) + model.points.displacement_mm,
+            weights=weights,
+            gain=root @ (root.T @ (jacobian * weights[:, None]).T),
+            descent=-root @ root.T,
+            change=np.ascontiguousarray(root.T),
+            command_rad=np.stack([model.design.commands.theta1_rad, model.design.commands.theta2_rad])[
+                :, first, None
+            ],
+            to_states=to_states,
+            from_states=to_states.T.tocsr(),
+            to_rows=to_rows,
+            from_rows=to_rows.T.tocsr(),
+            state=state,
+            gather=sparse.csr_array((np.ones(rows.size), (state, rows)), shape=(first.size, rows.size)),
+        )
+
+    def residuals_and_gradient(self, parameters: Floats, displacement_mm: Floats) -> tuple[Floats, Floats]:
+        """Return residuals and half the gradient of their weighted sum of squares.
+
+        Args:
+            parameters: one column a draw, shape (p, b).
+            displacement_mm: their distances, shape (n, b).
+
+        Returns:
+            Residuals, mm, shape (n, b), and the exact Jᵀ W² r, shape (p, b).
+        """
+        draws = parameters.shape[1]
+        link1, link2, theta1, theta2 = (self.to_states @ parameters).reshape(4, -1, draws)
+        theta1 = theta1 + self.command_rad[0]
+        both = theta1 + theta2
+        both += self.command_rad[1]
+        cos1, sin1, cos12, sin12 = np.cos(theta1), np.sin(theta1), np.cos(both), np.sin(both)
+        x2, y2 = link2 * cos12, link2 * sin12
+        x, y = link1 * cos1 + x2, link1 * sin1 + y2
+        place_x, place_y, added = (self.to_rows @ parameters).reshape(3, -1, draws)
+        beam_x, beam_y = x[self.state], y[self.state]
+        beam_x -= place_x
+        beam_y -= place_y
+        length = beam_x * beam_x
+        length += beam_y * beam_y
+        np.sqrt(length, out=length)
+        residuals = length + added
+        residuals -= displacement_mm
+        pull = residuals * (self.weights**2)[:, None]
+        along = pull / length
+        beam_x *= along
+        beam_y *= along
+        force_x, force_y = self.gather @ beam_x, self.gather @ beam_y
+        turn2 = x2 * force_y - y2 * force_x
+        on_states = np.concatenate(
+            [
+                cos1 * force_x + sin1 * force_y,
+                cos12 * force_x + sin12 * force_y,
+                x * force_y - y * force_x,
+                turn2,
+            ]
+        )
+        gradient = self.from_states @ on_states
+        gradient += self.from_rows @ np.concatenate([-beam_x, -beam_y, pull])
+        return residuals, gradient
+
+
+@dataclass(frozen=True)
+class Solved:
+    """Solutions of draws.
+
+    Attributes:
+        parameters: one row a draw, shape (draws, p).
+        fallbacks: draws that the damped solver had to solve.
+    """
+
+    parameters: Floats
+    fallbacks: int
+
+
+def solve_draws(problem: BatchedProblem, noise_mm: Floats) -> Solved:
+    """Identify the predicted distances with errors added, every draw to the minimum of its own sum of squares.
+
+    A point that the chord method is drawn to is a minimum: its Hessian is positive definite there, measured by the
+    nominal one. Draws that are not drawn anywhere are solved by damped Gauss-Newton steps.
+
+    Args:
+        problem: what the draws have in common.
+        noise_mm: errors of the distances, one row a draw, shape (draws, n).
+
+    Raises:
+        ConvergenceError: a draw has no minimum near the nominal arm.
+    """
+    found = np.empty((noise_mm.shape[0], problem.nominal.size))
+    open_ = np.zeros(noise_mm.shape[0], dtype=np.bool_)
+    batch = max(1, _BATCH_NUMBERS // noise_mm.shape[1])
+    for first in range(0, noise_mm.shape[0], batch):
+        part = slice(first, first + batch)
+        found[part], open_[part] = _solve_batch(problem, np.ascontiguousarray(noise_mm[part].T))
+    for k in np.flatnonzero(open_):
+        found[k] = _solve_alone(problem, noise_mm[k])
+    return Solved(found, int(open_.sum()))
+
+
+def _solve_batch(problem: BatchedProblem, noise_mm: Floats) -> tuple[Floats, Bools]:
+    """Return solutions (b, p) of errors (n, b), and which of them were not reached."""
+    measured = problem.predicted_mm[:, None] + noise_mm
+    parameters = problem.nominal[:, None] + problem.gain @ noise_mm
+    tolerance = _STEP_TOLERANCE_MM * np.sqrt(measured.shape[0]) * problem.weights.min()
+    open_ = np.arange(measured.shape[1])
+    for _ in range(_MOST_STEPS):
+        columns = slice(None) if open_.size == measured.shape[1] else open_
+        _, gradient = problem.residuals_and_gradient(parameters[:, columns], measured[:, columns])
+        parameters[:, columns] += problem.descent @ gradient
+        change = problem.change @ gradient
+        # A step that is not finite has not settled.
+        open_ = open_[~(np.sqrt(np.einsum("ij,ij->j", change, change)) < tolerance)]
+        if not open_.size:
+            break
+    flags = np.zeros(measured.shape[1], dtype=np.bool_)
+    flags[open_] = True
+    return parameters.T, flags
+
+
+def _solve_alone(problem: BatchedProblem, noise_mm: Floats) -> Floats:
+    points = replace(problem.model.points, displacement_mm=problem.predicted_mm + noise_mm)
+    model = replace(problem.model, points=points)
+    basis = model.layout.gauge_basis()
+    return minimise(model.residuals, model.jacobian, problem.nominal, basis, problem.weights).parameters
+
+
+def _distinct_states(model: DistanceModel) -> tuple[Ints, Ints]:
+    """Return a row of each distinct arm state, and the state of each distance."""
+    commands, terms = model.design.commands, model.layout.terms
+    acting = [i for i, term in enumerate(terms) if term.target != "length"]
+    columns = [commands.theta1_rad, commands.theta2_rad, commands.direction1, commands.direction2]
+    table = np.column_stack([*columns, model.design.extra[:, acting]])
+    _, first, state = np.unique(table, axis=0, return_index=True, return_inverse=True)
+    return first, np.ravel(state)
+
+
+def _arm_matrix(model: DistanceModel, rows: Ints) -> sparse.csr_array:
+    """Return how L1, L2, θ1 and θ2 of the states follow from all parameters."""
+    blocks = []
+    for quantity in range(4):
+        local = np.zeros((len(model.points), 4))
+        local[:, quantity] = 1.0
+        blocks.append(model.design.spread(local)[rows])
+    arm = np.vstack(blocks)
+    return sparse.csr_array(np.hstack([arm, np.zeros((arm.shape[0], model.layout.size - arm.shape[1]))]))
+
+
+def _row_matrix(model: DistanceModel) -> sparse.csr_array:
+    """Return how each distance's reflector and added length follow from all parameters."""
+    layout, points = model.layout, model.points
+    rows = np.arange(len(points))
+    x, y, added = np.zeros((3, len(points), layout.size))
+    place = layout.reflectors.start + 2 * points.reflector
+    x[rows, place] = 1.0
+    y[rows, place + 1] = 1.0
+    added[rows, layout.dead_path.start + points.dead_path] = -1.0
+    for i, term in enumerate(layout.terms):
+        if term.target == "length":
+            added[:, layout.extension.start + i] = model.design.extra[:, i]
+    return sparse.csr_array(np.vstack([x, y, added]))

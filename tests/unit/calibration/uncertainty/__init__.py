@@ -1,0 +1,1 @@
+"""Tests of budget, law of propagation and Monte Carlo."""
