@@ -142,6 +142,10 @@ class Controller:
         self._run = Run(self.bench.standstill_s, target)
         return self._run
 
+    def wait(self, seconds: float) -> Run:
+        """Stand still for a while; what waits for the end of a motion waits for that of the delay."""
+        return Run(self.bench.time_s + seconds, self.bench.joints)
+
     @property
     def executing(self) -> bool:
         """Something is carried out: a motion, the selected program, or a program that waits for its PC."""

@@ -27,6 +27,7 @@ _CONSTANT = re.compile(r"([JP]?)\(([^()]*)\)\s*(?:\(([^()]*)\))?")
 _SUM = re.compile(r"(P[A-Z0-9_]*)\s*\+\s*(\([^()]*\)\s*(?:\([^()]*\))?)")
 _WORD = re.compile(r"([A-Z]+)\b\s*(.*)")
 _LARGEST_STORE = 500
+_LONGEST_DELAY_S = 3600.0
 
 
 def execute(controller: Controller, statement: str) -> Run | None:
@@ -174,6 +175,13 @@ def _accel(controller: Controller, text: str) -> None:
     controller.accel_percent = min(values)
 
 
+def _delay(controller: Controller, text: str) -> Run:
+    seconds = _number(controller, text)
+    if not 0.0 < seconds <= _LONGEST_DELAY_S:
+        raise Refusal(alarms.OUT_OF_RANGE)
+    return controller.wait(seconds)
+
+
 def _servo(controller: Controller, text: str) -> None:
     if text == "ON":
         controller.switch_servo_on()
@@ -197,6 +205,7 @@ _STATEMENTS: dict[str, Callable[[Controller, str], Run | None]] = {
     "SPD": _linear_speed,
     "ACCEL": _accel,
     "SERVO": _servo,
+    "DLY": _delay,
     **dict.fromkeys(("END", "HOPEN", "HCLOSE", "TOOL", "BASE", "FINE", "CNT", "OADL", "TORQ"), _accept),
 }
 

@@ -1,9 +1,9 @@
 """The task slot: which program is selected, and its execution (sheet, sections 1.9 and 1.10).
 
 There is one task; the slot in the header of a request has to exist, and leads to it. A program is carried out
-line by line, one statement after the other, each motion up to its end. There is no interpreter: a line that is
-not a statement of `simulators.melfa.statements`, a comment or END (labels, IF, GOTO, DLY, WAIT, Input …) stops
-the program with alarm 4220.
+line by line, one statement after the other, each motion and delay up to its end. There is no interpreter: a
+line that is not a statement of `simulators.melfa.statements`, a comment or END (labels, IF, GOTO, WAIT,
+Input …) stops the program with alarm 4220.
 """
 
 from __future__ import annotations

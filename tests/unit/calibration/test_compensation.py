@@ -33,7 +33,7 @@ class PlainArm:
 
     def __init__(self, seed: int, spread_mdeg: float = 12.0, crosstalk_mdeg: float = 0.0) -> None:
         rng = np.random.default_rng(seed)
-        self.link1, self.link2 = (float(v) for v in (325.0, 225.0) + rng.normal(0.0, 0.03, 2))
+        self.link1, self.link2 = (nominal + float(rng.normal(0.0, 0.03)) for nominal in (325.0, 225.0))
         self.tables1 = {s: rng.normal(0.0, spread_mdeg, len(NODES1)).tolist() for s in (1, -1)}
         self.tables2 = {s: rng.normal(0.0, spread_mdeg, len(NODES2)).tolist() for s in (1, -1)}
         self.crosstalk = crosstalk_mdeg
@@ -112,7 +112,7 @@ def test_the_number_of_steps_is_as_stated(slope_mdeg: float, most: int) -> None:
     # A saw whose teeth rise and fall by the slope, the largest change there is.
     saw = [10.0 * slope_mdeg * (-1) ** i for i in range(len(NODES2))]
     arm.tables1 = {s: saw[: len(NODES1)] for s in (1, -1)}
-    arm.tables2 = {s: saw for s in (1, -1)}
+    arm.tables2 = dict.fromkeys((1, -1), saw)
     grid = np.array(
         [[one, two] for one in np.arange(-130.0, 55.0, 7.3) for two in np.arange(11.0, 130.0, 7.9)]
     )

@@ -130,7 +130,18 @@ def test_a_repeated_program_goes_on_until_its_cycle_is_stopped() -> None:
     assert desk.bench.joints[0] == 0.0
 
 
-@pytest.mark.parametrize("line", ["GOTO *LOOP", "DLY 0.2", "M1 = M1 + 1", "*LOOP"])
+def test_a_program_stands_still_for_a_delay() -> None:
+    desk = Desk()
+    robot = with_program(desk, lines=("MOV (10,0,0,0)", "DLY 3.5", "MOV (20,0,0,0)", "END"))
+    robot.do("RUNABC;1")
+    desk.bench.advance(3.4)
+    assert desk.bench.joints[0] == pytest.approx(10.0)
+    desk.bench.advance(2.0)
+    assert desk.bench.joints[0] == pytest.approx(20.0)
+    assert robot.ask("EXECDLY 0") == "QeR311000000"
+
+
+@pytest.mark.parametrize("line", ["GOTO *LOOP", "WAIT M_SVO=1", "M1 = M1 + 1", "*LOOP"])
 def test_what_needs_an_interpreter_stops_with_a_syntax_alarm(line: str) -> None:
     desk = Desk()
     robot = with_program(desk, lines=("MOV (10,0,0,0)", line))
