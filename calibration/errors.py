@@ -32,3 +32,7 @@ class InsufficientPointsError(CalibrationError):
 
 class ConvergenceError(CalibrationError):
     """The iteration did not settle; the starting values are too far off or the points contradict."""
+
+
+class RejectionError(CalibrationError):
+    """More distances than a stated share would have to be left out: the model is in doubt, not the points."""

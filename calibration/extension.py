@@ -19,6 +19,9 @@ Source = Literal["theta1", "theta2", "theta4", "elapsed"]
 
 Part = Literal["cos", "sin", "linear"]
 
+_ROUNDING = 1e-11
+"""Values of cosine and sine below this are zero."""
+
 _SYMBOLS = {"theta1": "θ1", "theta2": "θ2", "theta4": "θ4", "elapsed": "t"}
 _TARGETS = {"theta1": "Δθ1", "theta2": "Δθ2", "link1": "ΔL1", "link2": "ΔL2", "length": "Δd"}
 
@@ -45,6 +48,11 @@ class Term:
         argument = _SYMBOLS[self.source] if self.order == 1 else f"{self.order}{_SYMBOLS[self.source]}"
         function = argument if self.part == "linear" else f"{self.part} {argument}"
         return f"{_TARGETS[self.target]} {function}"
+
+    @property
+    def of_own_joint(self) -> bool:
+        """It adds to the joint whose angle it is a function of: at its nodes the joint's map does the same."""
+        return self.target == self.source
 
     @property
     def angular(self) -> bool:
@@ -108,4 +116,6 @@ def term_values(terms: tuple[Term, ...], sources: dict[Source, Floats | None], r
                 values[:, i] = np.sin(term.order * source)
             case "linear":
                 values[:, i] = source
+    # Zeros of a sine are rounding at the angles of a grid; scaled up they would pass for a measurement.
+    values[np.abs(values) < _ROUNDING] = 0.0
     return values

@@ -11,13 +11,16 @@ _PARTICIPATION = 0.02
 """A parameter takes part in a null direction when its scaled share exceeds this."""
 
 
-def null_directions(layout: Layout, jacobian: Floats, basis: Floats) -> list[list[str]]:
+def null_directions(
+    layout: Layout, jacobian: Floats, basis: Floats, tolerance: float = RANK_TOLERANCE
+) -> list[list[str]]:
     """Return the undetermined combinations beyond the gauge, each as the names of its parameters.
 
     Args:
         layout: names of the parameters.
         jacobian: weighted Jacobian at the solution, shape (n, p).
         basis: steps that keep the gauge, shape (p, free).
+        tolerance: singular values below this share of the largest count as zero.
     """
     names = layout.names()
     norms = np.linalg.norm(jacobian, axis=0)
@@ -26,22 +29,34 @@ def null_directions(layout: Layout, jacobian: Floats, basis: Floats) -> list[lis
     if not touched.all():
         basis = _basis_within(basis, touched)
     factor = factorise(jacobian @ basis)
-    null = factor.right[factor.singular_values <= RANK_TOLERANCE * factor.singular_values[0]]
+    null = factor.right[factor.singular_values <= tolerance * factor.singular_values[0]]
     return untouched + [_involved(names, norms, basis @ (row / factor.scale)) for row in null]
 
 
-def require_identifiable(layout: Layout, jacobian: Floats, basis: Floats) -> None:
-    """Refuse a problem that leaves parameters undetermined.
+def require_identifiable(
+    layout: Layout, jacobian: Floats, basis: Floats, tolerance: float = RANK_TOLERANCE
+) -> None:
+    """Refuse a problem that leaves parameters undetermined; arguments are those of null_directions.
 
     Raises:
         UnidentifiableError: names the parameters of each null direction and what to measure.
     """
-    directions = null_directions(layout, jacobian, basis)
+    directions = null_directions(layout, jacobian, basis, tolerance)
     if not directions:
         return
-    single = [names[0] for names in directions if len(names) == 1]
-    mixed = [", ".join(names) for names in directions if len(names) > 1]
+    own = {term.name for term in layout.terms if term.of_own_joint}
+    periodic = [
+        name for name in layout.names() if any(name in own.intersection(names) for names in directions)
+    ]
+    rest = [names for names in directions if not own.intersection(names)]
+    single = [names[0] for names in rest if len(names) == 1]
+    mixed = [", ".join(names) for names in rest if len(names) > 1]
     parts = []
+    if periodic:
+        parts.append(
+            f"at these commands the maps absorb {_shortened(periodic)}: measure between the nodes, at angles that "
+            "differ within the period, or leave the terms out"
+        )
     if single:
         parts.append(
             f"no point touches {_shortened(single)}: approach these nodes from these directions, "

@@ -174,4 +174,4 @@ def without_short_segments(points: Points, fewest: int = FEWEST) -> tuple[Points
     short, sentences = short_segments(counts, points.dead_paths, fewest)
     if not sentences:
         return points, []
-    return points.select(rows_of_long_segments(points, fewest)), sentences
+    return points.select(~short[points.dead_path]), sentences
