@@ -39,7 +39,7 @@ def identify(
     uncertainty: Annotated[
         Literal["jacobian", "monte-carlo"], typer.Option(help="how uncertainties are propagated")
     ] = "jacobian",
-    draws: Annotated[int, typer.Option(min=100, help="Monte Carlo draws")] = 1000,
+    draws: Annotated[int, typer.Option(help="Monte Carlo draws, at least 2000")] = 10_000,
     seed: Annotated[int, typer.Option(min=0, help="of the Monte Carlo draws")] = 1,
     loss: Annotated[
         Literal["squares", "huber", "soft-l1"], typer.Option(help="how much far-off distances count")
@@ -145,15 +145,18 @@ def compensate(
     cell: Annotated[
         Path | None, typer.Option(help="cell file whose joint limits the commands have to keep")
     ] = None,
+    j4: Annotated[
+        float, typer.Option("--j4", metavar="DEG", help="angle of J4 throughout a MELFA-BASIC program")
+    ] = 0.0,
     as_json: AsJson = False,
 ) -> None:
     """Turn the model round: commands that bring the arm where it shall go, or a bidirectional table.
 
-    Example: catseye compensate result.json --path path.csv --format melfa -o path.prg
+    Example: catseye compensate result.json --path path.csv --format melfa --cell cell.toml -o path.prg
     """
     from app.commands.compensate import compensate_command
 
-    compensate_command(result, output, path, format_, hand, start_direction, cell, as_json)
+    compensate_command(result, output, path, format_, hand, start_direction, cell, j4, as_json)
 
 
 def design(
@@ -167,13 +170,37 @@ def design(
     floor: Annotated[
         str | None, typer.Option(metavar="X0,X1,Y0,Y1", help="floor on which reflectors may stand, mm")
     ] = None,
-    places: Annotated[int, typer.Option(min=10, help="candidate places")] = 400,
+    places: Annotated[int, typer.Option(min=10, max=5000, help="candidate places")] = 400,
+    keep_out: Annotated[
+        float | None,
+        typer.Option(
+            metavar="MM",
+            min=0.0,
+            help="radius about J1 kept free of reflectors [the arm's reach and the shortest beam]",
+        ),
+    ] = None,
+    apart: Annotated[
+        float, typer.Option(metavar="MM", min=0.0, help="smallest distance between two reflectors")
+    ] = 100.0,
+    breaks: Annotated[int, typer.Option(min=0, help="how often the beam to a reflector may be given up")] = 4,
+    random_only: Annotated[
+        bool, typer.Option("--random-only", help="the criterion leaves out what does not average out")
+    ] = False,
+    commands: Annotated[
+        int | None, typer.Option(metavar="N", min=1, help="choose so many of the cell file's commands")
+    ] = None,
+    minutes: Annotated[
+        float | None, typer.Option(metavar="T", min=0.0, help="choose as many commands as this time allows")
+    ] = None,
     pareto: Annotated[
         bool, typer.Option("--pareto", help="bench time against uncertainty, 1 to 4 reflectors")
     ] = False,
     output: Annotated[Path | None, typer.Option("-o", "--output", help="HTML page with the pictures")] = None,
     write_cell: Annotated[
         Path | None, typer.Option(help="cell file to write with the reflectors found")
+    ] = None,
+    write_commands: Annotated[
+        Path | None, typer.Option(help="path CSV to write with the commands chosen, in measuring order")
     ] = None,
     seed: Annotated[int, typer.Option(min=0, help="of the exchange's starts")] = 1,
     workers: Workers = 1,
@@ -186,8 +213,24 @@ def design(
     """
     from app.commands.design import DesignOptions, design_command
 
-    options = DesignOptions(reflectors, criterion, path, floor, places, pareto, seed, workers, dask)
-    design_command(cell, options, output, write_cell, as_json)
+    options = DesignOptions(
+        reflectors,
+        criterion,
+        path,
+        floor,
+        places,
+        pareto,
+        seed,
+        workers,
+        dask,
+        keep_out,
+        apart,
+        breaks,
+        random_only,
+        commands,
+        minutes,
+    )
+    design_command(cell, options, output, write_cell, as_json, write_commands)
 
 
 def report(
@@ -205,15 +248,20 @@ def report(
 
 
 def export(
-    run: Annotated[str, typer.Argument(metavar="RUN", help="path, name, beginning of a name, or id")],
-    output: Annotated[Path, typer.Option("-o", "--output", help="file to write")],
-    format_: Annotated[Literal["csv", "json", "parquet"], typer.Option("--format")] = "csv",
+    source: Annotated[str, typer.Argument(metavar="RUN|RESULT", help="run, or result JSON")],
+    output: Annotated[Path, typer.Option("-o", "--output", help="file to write; replaced if it exists")],
+    format_: Annotated[
+        Literal["csv", "json", "parquet"] | None,
+        typer.Option("--format", help="what to write; FILE's ending says it too"),
+    ] = None,
     runs: Runs = None,
 ) -> None:
-    """Write a run's points: csv (points format), json or parquet (all columns).
+    """Write what a run has measured or what a result holds for other programs.
 
-    Example: catseye export 1a2b3c --format csv -o points.csv
+    The CSV of distances is a points file, that of located positions a measured file; JSON and Parquet hold all columns.
+
+    Example: catseye export 1a2b3c -o points.csv
     """
     from app.commands.export import export_command
 
-    export_command(run, output, format_, runs)
+    export_command(source, output, format_, runs)

@@ -1,53 +1,68 @@
-"""export: a run's points for other programs."""
+"""export: a run's rows or a result's values for other programs."""
 
-import importlib
-import io
 import json
-from collections.abc import Mapping, Sequence
-from dataclasses import replace
 from pathlib import Path
+from typing import Literal
 
-from app.analysis.identifying import cell_of_run, run_rows
+from app.analysis.exporting import Export, result_export, run_export
 from app.commands.output import say
-from app.errors import ConfigError, UsageError
+from app.errors import UsageError
 from app.files.atomic import write_atomically
-from app.files.points_csv import PointRow, points_csv
+from app.files.tabular import table_parquet
 from app.runs_folder import runs_folder
 from app.store.catalog import resolve_run
 from app.store.reader import RunReader
 
+Format = Literal["csv", "json", "parquet"]
 
-def export_command(run: str, output: Path, form: str, runs: Path | None) -> None:
-    """Write a run's points."""
-    reader = RunReader(resolve_run(runs_folder(runs), run))
-    points = reader.points()
-    if not points:
-        raise UsageError(f"{reader.path.name} holds no points; export needs a run of open-loop")
+_ENDINGS: dict[str, Format] = {".csv": "csv", ".json": "json", ".parquet": "parquet"}
+
+
+def export_command(source: str, output: Path, form: Format | None, runs: Path | None) -> None:
+    """Write the table."""
+    chosen = form_of(output, form)
+    direct = Path(source)
+    if direct.is_file():
+        if output.exists() and output.samefile(direct):
+            raise UsageError(f"{output} is the result itself; choose another -o FILE")
+        table = result_export(direct)
+    elif direct.suffix.lower() == ".json":
+        raise UsageError(f"{direct}: there is no such file")
+    else:
+        table = run_export(RunReader(resolve_run(runs_folder(runs), source)))
+    write_atomically(output, _written(table, chosen))
+    say(f"{output}: {len(table.rows)} rows ({table.content}) of {table.source}")
+
+
+def form_of(output: Path, form: Format | None) -> Format:
+    """Return the format that is meant.
+
+    Args:
+        output: file to write; its ending may say the format.
+        form: what was asked for; None leaves it to the ending.
+
+    Raises:
+        UsageError: the ending says nothing, or something else than what was asked for.
+    """
+    ending = _ENDINGS.get(output.suffix.lower())
+    chosen = form or ending
+    if chosen is None:
+        raise UsageError(
+            f"{output}: say what to write: --format csv, json or parquet, or a FILE that ends so"
+        )
+    if ending is not None and chosen != ending:
+        raise UsageError(
+            f"{output} would hold {chosen}, though its name says {ending}: "
+            f"write -o {output.with_suffix(f'.{chosen}')} or --format {ending}"
+        )
+    return chosen
+
+
+def _written(table: Export, form: Format) -> str | bytes:
     match form:
         case "csv":
-            write_atomically(output, points_csv(_with_whole_sigma(reader)))
+            return table.csv
         case "json":
-            text = json.dumps(
-                {"run": reader.path.name, "meta": reader.meta, "points": points}, ensure_ascii=False
-            )
-            write_atomically(output, text + "\n")
+            return json.dumps({**table.about, table.content: table.rows}, ensure_ascii=False) + "\n"
         case _:
-            write_atomically(output, _parquet(points))
-    say(f"{output}: {len(points)} points of {reader.path.name}")
-
-
-def _with_whole_sigma(reader: RunReader) -> list[PointRow]:
-    """Return a run's rows; a CSV carries no correlations, so each sigma covers the radial error motions too."""
-    sigma_mm = 1e-3 * cell_of_run(reader).uncertainty.distance_um
-    return [replace(row, sigma_mm=sigma_mm) for row in run_rows([reader])]
-
-
-def _parquet(points: Sequence[Mapping[str, object]]) -> bytes:
-    try:
-        pyarrow = importlib.import_module("pyarrow")
-        parquet = importlib.import_module("pyarrow.parquet")
-    except ImportError as error:
-        raise ConfigError("Parquet needs an extra package: pip install 'catseye[parquet]'") from error
-    buffer = io.BytesIO()
-    parquet.write_table(pyarrow.Table.from_pylist(list(points)), buffer)
-    return buffer.getvalue()
+            return table_parquet(table.rows)

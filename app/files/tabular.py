@@ -1,0 +1,59 @@
+"""Rows of one table as CSV or Parquet; columns that a row lacks stay empty."""
+
+import csv
+import importlib
+import io
+import json
+from collections.abc import Mapping, Sequence
+
+from app.errors import ConfigError
+
+Row = Mapping[str, object]
+Cell = str | int | float | bool | None
+
+
+def columns(rows: Sequence[Row]) -> list[str]:
+    """Return the names of all columns in the order in which they first appear."""
+    return list(dict.fromkeys(name for row in rows for name in row))
+
+
+def table_csv(rows: Sequence[Row]) -> str:
+    """Return rows as CSV with a header line; numbers keep their full precision, lists become JSON."""
+    names, out = columns(rows), io.StringIO()
+    writer = csv.writer(out, lineterminator="\n")
+    writer.writerow(names)
+    writer.writerows([_cell(row.get(name)) for name in names] for row in rows)
+    return out.getvalue()
+
+
+def table_parquet(rows: Sequence[Row]) -> bytes:
+    """Return rows as Parquet; a column that holds texts and numbers holds texts.
+
+    Raises:
+        ConfigError: the extra package is not installed.
+    """
+    try:
+        pyarrow = importlib.import_module("pyarrow")
+        parquet = importlib.import_module("pyarrow.parquet")
+    except ImportError as error:
+        raise ConfigError("Parquet needs an extra package: pip install 'catseye[parquet]'") from error
+    arrays = {name: pyarrow.array(_column(rows, name)) for name in columns(rows)}
+    buffer = io.BytesIO()
+    parquet.write_table(pyarrow.table(arrays), buffer)
+    written: bytes = buffer.getvalue()
+    return written
+
+
+def _column(rows: Sequence[Row], name: str) -> list[Cell]:
+    cells = [_cell(row.get(name)) for row in rows]
+    if any(isinstance(cell, str) for cell in cells):
+        return [None if cell is None else str(cell) for cell in cells]
+    if any(isinstance(cell, float) for cell in cells):
+        return [None if cell is None else float(cell) for cell in cells]
+    return cells
+
+
+def _cell(value: object) -> Cell:
+    if value is None or isinstance(value, str | int | float):
+        return value
+    return json.dumps(value, ensure_ascii=False)

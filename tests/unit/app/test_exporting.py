@@ -1,0 +1,200 @@
+"""What is exported is what was measured, and what this program writes it reads again."""
+
+import csv
+import importlib
+import io
+import json
+from pathlib import Path
+
+import pytest
+
+from app.analysis.exporting import Export, result_export, result_rows, run_export
+from app.commands.export import export_command, form_of
+from app.errors import ConfigError, UsageError
+from app.files.measured_csv import read_measured_csv
+from app.files.points_csv import read_points_csv
+from app.files.result_json import TermEstimate, write_result
+from app.files.tabular import table_csv, table_parquet
+from procedures.context import Json, Row
+from tests.unit.app.engine.fakes import point
+from tests.unit.app.report import sample
+from tests.unit.app.test_path_comparison import distances, stored
+
+
+def lines(text: str) -> list[dict[str, str]]:
+    return list(csv.DictReader(io.StringIO(text)))
+
+
+def read_again(tmp_path: Path, export: Export) -> Path:
+    path = tmp_path / "again.csv"
+    path.write_text(export.csv, encoding="utf-8")
+    return path
+
+
+async def test_distances_come_back_from_their_csv_to_the_last_digit_and_with_a_sigma(tmp_path: Path) -> None:
+    given = [
+        {
+            **point(),
+            "reflector": "P2",
+            "segment": i // 3,
+            "displacement_mm": 100.0 / 3.0 + i,
+            "direction2": -1,
+        }
+        for i in range(6)
+    ]
+    reader = await stored(tmp_path, "open-loop", [("points", row) for row in given])
+    rows = read_points_csv(read_again(tmp_path, run_export(reader)), ["P2"])
+    assert [row.displacement_mm for row in rows] == [row["displacement_mm"] for row in given]
+    assert [row.segment for row in rows] == [0, 0, 0, 1, 1, 1]
+    assert {row.direction2 for row in rows} == {-1}
+    # Table 2 in a distance of 743 mm: 10 and the radial 5, 5, 10 µm, all else below 0.4 µm.
+    assert [row.sigma_mm for row in rows] == pytest.approx([0.01582] * 6, abs=2e-5)
+
+
+async def test_positions_of_a_path_are_a_measured_file(tmp_path: Path) -> None:
+    place: Row = {
+        "theta1_deg": -10.0,
+        "theta2_deg": 70.0,
+        "direction1": 1,
+        "direction2": -1,
+        "pass_number": 0,
+    }
+    seen: list[Json] = [200.25, 201.125]
+    given = [
+        {**place, "x_mm": 200.0, "y_mm": 1.0, "x_meas_mm": x, "y_meas_mm": 1.5, "u_mm": 0.0085} for x in seen
+    ]
+    reader = await stored(tmp_path, "validation-path", [("path", row) for row in given])
+    rows = read_measured_csv(read_again(tmp_path, run_export(reader)))
+    assert [(row.x_meas_mm, row.y_meas_mm, row.u_mm) for row in rows] == [(x, 1.5, 0.0085) for x in seen]
+    assert rows[0].theta_deg == (-10.0, 70.0)
+    assert rows[0].directions == (1, -1)
+
+
+async def test_an_instrument_without_uncertainty_gives_no_column_for_it(tmp_path: Path) -> None:
+    row: Row = {"theta1_deg": -10.0, "theta2_deg": 70.0, "direction1": 1, "direction2": -1}
+    place: Row = {"x_mm": 200.0, "y_mm": 1.0, "x_meas_mm": 200.1, "y_meas_mm": 1.5}
+    reader = await stored(tmp_path, "validation-path", [("path", {**row, **place})])
+    assert read_measured_csv(read_again(tmp_path, run_export(reader)))[0].u_mm is None
+
+
+async def test_distances_along_a_path_are_a_points_file(tmp_path: Path) -> None:
+    reader = await stored(tmp_path, "validation-path", distances())
+    export = run_export(reader)
+    rows = read_points_csv(read_again(tmp_path, export), ["P2"])
+    assert export.content == "path"
+    assert [row.displacement_mm for row in rows] == [row["displacement_mm"] for _, row in distances()]
+
+
+async def test_sightings_and_records_are_exported_with_all_their_columns(tmp_path: Path) -> None:
+    sighting: Row = {"reflector": "P1", "theta1_deg": 1.0, "theta2_deg": 2.0, "j4_deg": 3.0}
+    reader = await stored(tmp_path, "reflector-search", [("search", sighting)])
+    found = lines(run_export(reader).csv)[0]
+    assert (found["reflector"], found["j4_deg"], found["signal"]) == ("P1", "3.0", "")
+    kinds: list[Row] = [{"kind": "drift", "um": 1.5}, {"kind": "repeat", "cycle": 2, "xy_mm": [1.0, 2.0]}]
+    reader = await stored(tmp_path, "repeatability", [("records", row) for row in kinds])
+    rows = lines(run_export(reader).csv)
+    assert [row["kind"] for row in rows] == ["drift", "repeat"]
+    assert (rows[0]["um"], rows[0]["cycle"], rows[1]["cycle"], rows[1]["xy_mm"]) == (
+        "1.5",
+        "",
+        "2",
+        "[1.0, 2.0]",
+    )
+
+
+async def test_a_run_that_measured_nothing_says_so(tmp_path: Path) -> None:
+    reader = await stored(tmp_path, "open-loop", [])
+    with pytest.raises(UsageError, match="holds nothing to export: it is complete"):
+        run_export(reader)
+
+
+def test_every_value_of_a_result_is_a_row_with_unit_and_uncertainty(tmp_path: Path) -> None:
+    result = sample.hand_made()
+    write_result(result, tmp_path / "result.json")
+    export = result_export(tmp_path / "result.json")
+    rows = lines(export.csv)
+    assert list(rows[0]) == ["quantity", "node_deg", "direction", "value", "unit", "u"]
+    assert list(rows[0].values()) == ["L1", "", "", "324.964123", "mm", "0.00234"]
+    node = next(
+        row for row in rows if (row["quantity"], row["node_deg"], row["direction"]) == ("Δθ1", "0.0", "-1")
+    )
+    assert (node["value"], node["unit"], node["u"]) == ("-6.543", "mdeg", "0.65")
+    # 2 links, 2 joints × 2 directions × 3 nodes, 1 reflector, 1 dead path.
+    assert len(rows) == 2 + 12 + 2 + 1
+    assert rows[-1]["quantity"] == "dead path P1/0"
+    assert export.about["gauge"] == result.gauge
+
+
+def test_terms_beyond_the_maps_are_rows_too() -> None:
+    term = TermEstimate(
+        target="link1", source="elapsed", part="linear", order=1, unit="um", value=12.0, u=3.0
+    )
+    result = sample.hand_made().model_copy(update={"extension": [term]})
+    row = next(row for row in result_rows(result) if row["quantity"] == "ΔL1 t")
+    assert (row["value"], row["unit"], row["u"]) == (12.0, "µm", 3.0)
+
+
+def test_parquet_is_read_back_as_it_was_written() -> None:
+    parquet = importlib.import_module("pyarrow.parquet")
+    rows: list[dict[str, object]] = [{"a": 1, "b": 0.1, "c": "x"}, {"a": 2, "b": 1, "d": [1, 2]}, {"c": 5}]
+    read = parquet.read_table(io.BytesIO(table_parquet(rows))).to_pylist()
+    assert read == [
+        {"a": 1, "b": 0.1, "c": "x", "d": None},
+        {"a": 2, "b": 1.0, "c": None, "d": "[1, 2]"},
+        {"a": None, "b": None, "c": "5", "d": None},
+    ]
+
+
+def test_parquet_of_a_result_holds_its_numbers_as_numbers(tmp_path: Path) -> None:
+    parquet = importlib.import_module("pyarrow.parquet")
+    write_result(sample.hand_made(), tmp_path / "result.json")
+    export_command(str(tmp_path / "result.json"), tmp_path / "result.parquet", None, None)
+    table = parquet.read_table(tmp_path / "result.parquet")
+    assert [str(table.schema.field(name).type) for name in ("node_deg", "direction", "value", "unit")] == [
+        "double",
+        "int64",
+        "double",
+        "string",
+    ]
+    assert table.column("value")[0].as_py() == 324.964123
+
+
+def test_parquet_without_its_package_names_the_remedy(monkeypatch: pytest.MonkeyPatch) -> None:
+    def missing(name: str) -> None:
+        raise ImportError(name)
+
+    monkeypatch.setattr(importlib, "import_module", missing)
+    with pytest.raises(ConfigError, match=r"pip install 'catseye\[parquet\]'"):
+        table_parquet([{"a": 1}])
+
+
+async def test_json_holds_the_whole_record(tmp_path: Path) -> None:
+    reader = await stored(tmp_path, "validation-path", distances())
+    export_command(str(reader.path), tmp_path / "path.json", None, None)
+    document = json.loads((tmp_path / "path.json").read_text(encoding="utf-8"))
+    assert (document["run"], document["meta"]["cell"]) == (reader.path.name, "lab-1")
+    assert len(document["path"]) == len(distances())
+
+
+def test_the_ending_says_the_format_and_may_not_contradict_it() -> None:
+    assert form_of(Path("a.CSV"), None) == "csv"
+    assert form_of(Path("a.dat"), "parquet") == "parquet"
+    with pytest.raises(UsageError, match=r"a\.json would hold csv.*-o a\.csv or --format json"):
+        form_of(Path("a.json"), "csv")
+    with pytest.raises(UsageError, match="say what to write"):
+        form_of(Path("a.dat"), None)
+
+
+def test_a_result_is_never_overwritten_by_its_own_export(tmp_path: Path) -> None:
+    path = tmp_path / "result.json"
+    write_result(sample.hand_made(), path)
+    before = path.read_bytes()
+    with pytest.raises(UsageError, match="is the result itself"):
+        export_command(str(path), path, "json", None)
+    assert path.read_bytes() == before
+    with pytest.raises(UsageError, match="there is no such file"):
+        export_command(str(tmp_path / "missing.json"), tmp_path / "a.csv", None, None)
+
+
+def test_names_with_commas_and_quotes_survive() -> None:
+    assert lines(table_csv([{"name": 'a,"b"\nc', "on": True}])) == [{"name": 'a,"b"\nc', "on": "True"}]
