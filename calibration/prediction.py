@@ -21,14 +21,19 @@ class Prediction:
     Attributes:
         command_mm: where the nominal arm would stand, shape (n, 2).
         position_mm: where the identified arm stands, shape (n, 2).
-        u_mm: standard uncertainties of x and y, shape (n, 2).
+        covariance_mm2: of x and y, mm², shape (n, 2, 2).
         inside: rows within the identified range, shape (n,).
     """
 
     command_mm: Floats
     position_mm: Floats
-    u_mm: Floats
+    covariance_mm2: Floats
     inside: Bools
+
+    @property
+    def u_mm(self) -> Floats:
+        """Standard uncertainties of x and y, shape (n, 2)."""
+        return np.sqrt(np.maximum(np.einsum("nii->ni", self.covariance_mm2), 0.0))
 
     @property
     def error_mm(self) -> Floats:
@@ -63,17 +68,15 @@ def predict(arm: IdentifiedArm, commands: Commands, link1_mm: float, link2_mm: f
     """
     inside = inside_range(arm, commands)
     position = np.full((len(commands), 2), np.nan)
-    uncertainty = np.full((len(commands), 2), np.nan)
+    covariance = np.full((len(commands), 2, 2), np.nan)
     if inside.any():
         design = arm_design(arm.layout, commands.select(inside))
         position[inside] = design.positions(arm.parameters)
         local = design.local_jacobian(arm.parameters)
-        for axis in range(2):
-            gradient = design.spread(local[:, axis, :])
-            variance = np.einsum("ni,ni->n", gradient @ arm.covariance, gradient)
-            uncertainty[inside, axis] = np.sqrt(np.maximum(variance, 0.0))
+        gradient = np.stack([design.spread(local[:, axis, :]) for axis in range(2)], axis=1)
+        covariance[inside] = (gradient @ arm.covariance) @ gradient.transpose(0, 2, 1)
     command = forward(commands.theta1_rad, commands.theta2_rad, link1_mm, link2_mm)
-    return Prediction(command, position, uncertainty, inside)
+    return Prediction(command, position, covariance, inside)
 
 
 def position_effects(arm: IdentifiedArm, commands: Commands) -> Floats:
