@@ -85,7 +85,7 @@ def compensate_path(
     """
     solution = _consistent(arm, path) if path.cartesian else _solved(arm, path, _states(path.commands))
     solved, states = solution.solved, _states(solution.commands)
-    sent_deg: Floats = np.round(np.rad2deg(_angles(solution.commands)), _DECIMALS)
+    sent_deg = np.asarray(np.round(np.rad2deg(_angles(solution.commands)), _DECIMALS), dtype=np.float64)
     stops = with_take_up(_targets(sent_deg, states, solved), take_up_deg)
     steps = np.diff(np.where(solved[:, None], sent_deg, np.nan), axis=0, prepend=np.nan)
     return CompensatedPath(
