@@ -71,6 +71,23 @@ def joined(solved: Sequence[Solved]) -> Solved:
     return Solved(np.concatenate([one.parameters for one in solved]), sum(one.fallbacks for one in solved))
 
 
+def draw_estimates(identified: Identification, draws: int, seed: int) -> Floats:
+    """Draw errors from the whole budget and identify every draw anew.
+
+    Args:
+        identified: what the solver returned.
+        draws: how many, at least 2.
+        seed: of the draws.
+
+    Returns:
+        Estimates, one row a draw, shape (draws, p).
+
+    Raises:
+        CalibrationError: a distribution has no standard deviation, or nothing is uncertain.
+    """
+    return joined([solve_chunk(chunk) for chunk in chunks(identified, draws, seed)]).parameters
+
+
 def with_draws(identified: Identification, parameters: Floats) -> Identification:
     """Return an identification whose covariance is that of draws.
 

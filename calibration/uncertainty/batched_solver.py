@@ -1,8 +1,9 @@
 """Many measurements of one and the same plan, identified at once.
 
 The draws of a Monte Carlo differ in their distances only. Each is solved to the minimum of its own non-linear sum of
-squares: the gradient is exact at every iterate, only the Hessian stays that of the nominal solution (chord method).
-The gradient needs no dense Jacobian: commands that repeat share their trigonometry, and what is linear is sparse.
+squares: the gradient is exact at every iterate; the Hessian begins as that of the nominal solution and learns from
+the steps (limited-memory BFGS). The gradient needs no dense Jacobian: commands that repeat share their trigonometry,
+and what is linear is sparse.
 """
 
 from dataclasses import dataclass, replace
@@ -18,7 +19,7 @@ from calibration.types import Bools, Floats, Ints
 _STEP_TOLERANCE_MM = 1e-9
 """A draw is solved after a step that changes its residuals by less than this, rms."""
 
-_MOST_STEPS = 15
+_MOST_STEPS = 25
 """A draw that is not solved by then is left to the damped solver."""
 
 _BATCH_NUMBERS = 14_000
@@ -35,8 +36,7 @@ class BatchedProblem:
         predicted_mm: displacements that the model predicts there, shape (n,).
         weights: reciprocal standard uncertainties, shape (n,).
         gain: what the estimate moves by per distance, to first order, shape (p, n).
-        descent: minus the inverse Hessian within the gauge, shape (p, p).
-        change: maps a gradient to the weighted residuals' change, shape (free, p).
+        directions: steps within the gauge that each change the weighted residuals by 1, shape (p, free).
         command_rad: θ1 and θ2 commands of the states, shape (2, m, 1).
         to_states: parameters to L1, L2, θ1 and θ2 of the states, shape (4 m, p).
         from_states: its transpose.
@@ -51,8 +51,7 @@ class BatchedProblem:
     predicted_mm: Floats
     weights: Floats
     gain: Floats
-    descent: Floats
-    change: Floats
+    directions: Floats
     command_rad: Floats
     to_states: sparse.csr_array
     from_states: sparse.csr_array
@@ -82,8 +81,7 @@ class BatchedProblem:
             predicted_mm=model.residuals(nominal) + model.points.displacement_mm,
             weights=weights,
             gain=root @ (root.T @ (jacobian * weights[:, None]).T),
-            descent=-root @ root.T,
-            change=np.ascontiguousarray(root.T),
+            directions=root,
             command_rad=np.stack([model.design.commands.theta1_rad, model.design.commands.theta2_rad])[
                 :, first, None
             ],
@@ -157,8 +155,8 @@ class Solved:
 def solve_draws(problem: BatchedProblem, noise_mm: Floats) -> Solved:
     """Identify the predicted distances with errors added, every draw to the minimum of its own sum of squares.
 
-    A point that the chord method is drawn to is a minimum: its Hessian is positive definite there, measured by the
-    nominal one. Draws that are not drawn anywhere are solved by damped Gauss-Newton steps.
+    Draws that do not settle, or that a step throws further than their errors reach, are solved by damped Gauss-Newton
+    steps.
 
     Args:
         problem: what the draws have in common.
@@ -182,20 +180,71 @@ def _solve_batch(problem: BatchedProblem, noise_mm: Floats) -> tuple[Floats, Boo
     """Return solutions (b, p) of errors (n, b), and which of them were not reached."""
     measured = problem.predicted_mm[:, None] + noise_mm
     parameters = problem.nominal[:, None] + problem.gain @ noise_mm
-    tolerance = _STEP_TOLERANCE_MM * np.sqrt(measured.shape[0]) * problem.weights.min()
-    open_ = np.arange(measured.shape[1])
+    settled = _STEP_TOLERANCE_MM * np.sqrt(measured.shape[0]) * problem.weights.min()
+    farthest = _lengths(noise_mm * problem.weights[:, None])
+    open_, memory = np.arange(measured.shape[1]), _Memory([], [])
+    flags = np.ones(measured.shape[1], dtype=np.bool_)
     for _ in range(_MOST_STEPS):
-        columns = slice(None) if open_.size == measured.shape[1] else open_
-        _, gradient = problem.residuals_and_gradient(parameters[:, columns], measured[:, columns])
-        parameters[:, columns] += problem.descent @ gradient
-        change = problem.change @ gradient
-        # A step that is not finite has not settled.
-        open_ = open_[~(np.sqrt(np.einsum("ij,ij->j", change, change)) < tolerance)]
-        if not open_.size:
+        _, gradient = problem.residuals_and_gradient(parameters[:, open_], measured[:, open_])
+        step = memory.step(problem.directions.T @ gradient)
+        parameters[:, open_] += problem.directions @ step
+        size = _lengths(step)
+        flags[open_[size < settled]] = False
+        going = (size >= settled) & (size <= farthest[open_])
+        if not going.any():
             break
-    flags = np.zeros(measured.shape[1], dtype=np.bool_)
-    flags[open_] = True
+        open_, memory = open_[going], memory.select(going)
     return parameters.T, flags
+
+
+@dataclass
+class _Memory:
+    """What steps and gradients tell about the inverse Hessians of draws; without any it is 1.
+
+    Attributes:
+        steps: earlier steps, shape (free, b) each.
+        changes: of the gradient by each step; the last entry is the gradient itself until the next is known.
+    """
+
+    steps: list[Floats]
+    changes: list[Floats]
+
+    def step(self, gradient: Floats) -> Floats:
+        """Return the next step, shape (free, b), at a gradient of this shape (two-loop recursion)."""
+        if self.changes:
+            self.changes[-1] = gradient - self.changes[-1]
+        step = -gradient
+        scales = [_reciprocal(_dots(s, y)) for s, y in zip(self.steps, self.changes, strict=True)]
+        known = list(zip(self.steps, self.changes, scales, strict=True))
+        shares = []
+        for s, y, scale in reversed(known):
+            shares.append(scale * _dots(s, step))
+            step = step - shares[-1] * y
+        for (s, y, scale), share in zip(known, reversed(shares), strict=True):
+            step = step + s * (share - scale * _dots(y, step))
+        self.steps.append(step)
+        self.changes.append(gradient)
+        return step
+
+    def select(self, draws: Bools) -> "_Memory":
+        """Return what is known of the chosen draws."""
+        if draws.all():
+            return self
+        return _Memory([one[:, draws] for one in self.steps], [one[:, draws] for one in self.changes])
+
+
+def _dots(first: Floats, second: Floats) -> Floats:
+    return np.asarray(np.einsum("ij,ij->j", first, second), dtype=np.float64)
+
+
+def _lengths(columns: Floats) -> Floats:
+    return np.sqrt(_dots(columns, columns))
+
+
+def _reciprocal(curvature: Floats) -> Floats:
+    """Return 1/curvature, 0 where it is not positive: such a step teaches nothing."""
+    usable = curvature > 0.0
+    return np.where(usable, 1.0 / np.where(usable, curvature, 1.0), 0.0)
 
 
 def _solve_alone(problem: BatchedProblem, noise_mm: Floats) -> Floats:

@@ -191,15 +191,16 @@ def test_fewest_draws(coverage: float, draws: int) -> None:
 
 
 def test_blocks_are_drawn_until_the_digits_stand() -> None:
-    found = until_stable(added, [rectangular(1.0)] * 4, seed=8, digits=2)
-    assert found.tolerance == 0.05
-    assert found.draws.size % 10_000 == 0
-    assert found.mean == pytest.approx(0.0, abs=0.05)
-    assert found.u == pytest.approx(2.0, abs=0.05)
-    assert [found.symmetric.low, found.symmetric.high] == pytest.approx([-3.88, 3.88], abs=0.05)
-    assert found.shortest.high - found.shortest.low <= found.symmetric.high - found.symmetric.low
-    more = until_stable(added, [rectangular(1.0)] * 4, seed=8, digits=3)
-    assert more.draws.size > 10 * found.draws.size
+    found = until_stable(added, [Normal(0.0, 3.0), Normal(0.0, 4.0)], seed=8, digits=1)
+    assert found.tolerance == 0.5
+    assert found.draws.size == 20_000
+    more = until_stable(added, [Normal(0.0, 3.0), Normal(0.0, 4.0)], seed=8, digits=2)
+    assert more.tolerance == pytest.approx(0.05)
+    assert more.draws.size > 50_000
+    assert more.mean == pytest.approx(0.0, abs=0.05)
+    assert more.u == pytest.approx(5.0, abs=0.05)
+    assert [more.symmetric.low, more.symmetric.high] == pytest.approx([-9.80, 9.80], abs=0.05)
+    assert more.shortest.high - more.shortest.low <= more.symmetric.high - more.symmetric.low
 
 
 def test_blocks_that_never_settle_are_refused() -> None:
