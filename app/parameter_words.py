@@ -13,6 +13,8 @@ def range_text(facts: dict[str, Any]) -> str:
     """
     if "anyOf" in facts:
         return ", or ".join(range_text(one) for one in facts["anyOf"] if one.get("type") != "null")
+    if "file" in facts:
+        return "the name of a file"
     if "enum" in facts:
         return " or ".join(str(one) for one in facts["enum"])
     if facts.get("type") == "array":

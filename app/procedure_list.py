@@ -3,6 +3,7 @@
 import difflib
 import tomllib
 from importlib import metadata
+from pathlib import Path
 from typing import Any, Protocol, cast
 
 from pydantic import BaseModel, ValidationError
@@ -82,11 +83,23 @@ def parse_params(params_type: type[BaseModel], given: list[str]) -> BaseModel:
         key, equals, value = text.partition("=")
         if not equals:
             raise UsageError(f"--param {text!r} has to be name=value, for instance --param poses=10")
-        values[key.strip()] = _toml_value(value.strip())
+        values[key.strip()] = _given_value(params_type, key.strip(), value.strip())
     try:
         return params_type.model_validate(values)
     except ValidationError as error:
         raise UsageError(_explain(params_type, error)) from error
+
+
+def _given_value(params_type: type[BaseModel], key: str, text: str) -> Any:
+    """Return a value; where a parameter takes the rows of a file, those rows, so that a run holds what it drove."""
+    field = params_type.model_fields.get(key)
+    value = _toml_value(text)
+    if field is None or not isinstance(value, str) or field.json_schema_extra != {"file": "joint rows"}:
+        return value
+    # Most commands read no such file, and start without what reads it.
+    from app.files.joint_rows import read_joint_rows
+
+    return read_joint_rows(Path(value))
 
 
 def _toml_value(text: str) -> Any:

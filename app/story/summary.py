@@ -13,6 +13,8 @@ from procedures.context import Table
 
 _TABLES: tuple[Table | Literal["steps"], ...] = ("steps", "points", "search", "path", "records")
 _RESULT = "solve"
+_FEW = 20
+"""A longer list of parameters is the content of a file."""
 
 
 def summary(reader: RunReader) -> list[str]:
@@ -23,7 +25,7 @@ def summary(reader: RunReader) -> list[str]:
         lines = []
     lines += [
         f"procedure       {meta.get('procedure')} on cell {meta.get('cell')}, operator {meta.get('operator')}",
-        f"params          {json.dumps(meta.get('params', {}), ensure_ascii=False)}",
+        f"params          {json.dumps(_short(meta.get('params', {})), ensure_ascii=False)}",
         f"aim             from {meta.get('aim')}",
     ]
     lines += [f"{name:<16}{device_text(facts)}" for name, facts in (meta.get("devices") or {}).items()]
@@ -33,6 +35,12 @@ def summary(reader: RunReader) -> list[str]:
     if not why_not_resumable(reader):
         lines.append(f"to go on            catseye resume {reader.path.name}")
     return lines
+
+
+def _short(params: dict[str, Any]) -> dict[str, Any]:
+    """Return parameters with the rows of a file counted instead of told."""
+    rows = {name: value for name, value in params.items() if isinstance(value, list) and len(value) > _FEW}
+    return {**params, **{name: f"{len(value)} rows" for name, value in rows.items()}}
 
 
 def _interruptions(reader: RunReader) -> list[str]:

@@ -36,6 +36,7 @@ class PathPlan:
         tracked: how the beam follows a reflector along the way; None unless the interferometer measures.
         hold_time_s: how long the arm stands still at a point that is measured for a file.
         confirm_each: the operator confirms each of those points.
+        come_from: J1 and J2 of the take-up before each point, None where there is none; empty for a path without any.
     """
 
     bench: Bench
@@ -47,6 +48,7 @@ class PathPlan:
     tracked: TrackedPath | None = None
     hold_time_s: float = 0.0
     confirm_each: bool = False
+    come_from: tuple[tuple[float, float] | None, ...] = ()
 
 
 def plan_path(
@@ -82,18 +84,18 @@ def plan_path(
         PlanLimitError: a joint leaves its limits.
         PlanError: both ends of the path are the same; no reflector sees enough of it; the cell has no tracker.
     """
-    chosen = _instrument(bench, instrument)
+    chosen = chosen_instrument(bench, instrument)
     points = path_points(bench, x_mm, (y_from_mm, y_to_mm), step_mm, hand)
     theta = np.array([[point.theta1_deg, point.theta2_deg] for point in points])
     run_in: Joints = (*_unclipped(points[0], bench), bench.arm.j3_mm, 0.0)
-    _require_limits(np.vstack([run_in[:2], theta]), bench)
+    require_path_limits(np.vstack([run_in[:2], theta]), bench)
     require_free_way(np.vstack([run_in[:2], theta]), bench)
     if chosen == "interferometer":
-        _require_limits(np.array([_unclipped(point, bench) for point in points]), bench)
+        require_path_limits(np.array([_unclipped(point, bench) for point in points]), bench)
         tracked = plan_tracked_path(run_in, points, passes, bench, reflector)
         return PathPlan(bench, run_in, points, passes, tracked.duration_s, chosen, tracked)
     hold_s = hold_time_s if chosen == "file" else bench.timing.settle_time_s
-    duration_s = passes * _duration_s(theta, hold_s, bench)
+    duration_s = passes * path_duration_s(theta, hold_s, bench)
     return PathPlan(
         bench, run_in, points, passes, duration_s, chosen, hold_time_s=hold_time_s, confirm_each=confirm_each
     )
@@ -156,7 +158,16 @@ def states_of_approach(theta_rad: NDArray[np.float64], first: int) -> NDArray[np
     return signs[last]
 
 
-def _instrument(bench: Bench, wanted: Instrument | None) -> Instrument:
+def chosen_instrument(bench: Bench, wanted: Instrument | None) -> Instrument:
+    """Return who measures.
+
+    Args:
+        bench: tells whether there is a tracker.
+        wanted: by the operator; None for the cell's tracker, or the interferometer without one.
+
+    Raises:
+        PlanError: a tracker is wanted that the cell does not have.
+    """
     if wanted is None:
         return "tracker" if bench.tracker else "interferometer"
     if wanted == "tracker" and not bench.tracker:
@@ -179,7 +190,12 @@ def _first_sign(theta_rad: NDArray[np.float64]) -> int:
     return 1 if not moving.size or np.diff(theta_rad)[moving[0]] > 0 else -1
 
 
-def _require_limits(theta_deg: NDArray[np.float64], bench: Bench) -> None:
+def require_path_limits(theta_deg: NDArray[np.float64], bench: Bench) -> None:
+    """Refuse targets of J1 and J2, deg, shape (n, 2), outside their limits.
+
+    Raises:
+        PlanLimitError: names the joint and the farthest target.
+    """
     for joint, angles, (low, high) in (
         ("J1", theta_deg[:, 0], bench.arm.j1_limits_deg),
         ("J2", theta_deg[:, 1], bench.arm.j2_limits_deg),
@@ -192,6 +208,7 @@ def _require_limits(theta_deg: NDArray[np.float64], bench: Bench) -> None:
             )
 
 
-def _duration_s(theta_deg: NDArray[np.float64], rest_s: float, bench: Bench) -> float:
+def path_duration_s(theta_deg: NDArray[np.float64], rest_s: float, bench: Bench) -> float:
+    """Return the expected time of one pass, with a rest at each of n targets, deg, shape (n, 2)."""
     travel = np.column_stack([np.diff(theta_deg, axis=0), np.zeros(len(theta_deg) - 1)])
     return float(move_time_s(bench.arm, travel).sum()) + rest_s * len(theta_deg)

@@ -1,6 +1,7 @@
 """A straight path both ways, measured by an independent instrument (Sec. 4.3 of the SCARA paper) or by distances."""
 
 from functools import partial
+from typing import Annotated
 
 from pydantic import BaseModel, ConfigDict, Field
 
@@ -10,6 +11,7 @@ from procedures.context import Context, Location, Prompt, Row
 from procedures.devices import Joints
 from procedures.errors import ArmMovedError, MeasuredFileError
 from procedures.motion.entry import stands_at, way_in
+from procedures.path.joint_rows import plan_joint_rows
 from procedures.path.measured_path import matched_rows
 from procedures.path.path_plan import Instrument, PathPlan, plan_path, take_up_of
 from procedures.path.tracked_path import PathPoint, TrackedCampaign
@@ -19,6 +21,10 @@ _ATTEMPTS = 3
 
 _MOST_FILES = 10
 """After so many files that cannot be used nobody will find the right one."""
+
+
+JointRow = Annotated[list[float], Field(min_length=6, max_length=6)]
+"""Where the arm shall stand, x and y in mm, J1 and J2 in deg, and their states of approach, 1 or -1."""
 
 
 class PathParams(BaseModel):
@@ -45,6 +51,11 @@ class PathParams(BaseModel):
         2.0, ge=0.0, le=600.0, description="standstill at a point that is measured for a file, s"
     )
     confirm_each: bool = Field(False, description="you confirm each point that is measured for a file")
+    joints: list[JointRow] = Field(
+        [],
+        description="CSV of catseye compensate, whose commands are driven as they stand instead of a straight path",
+        json_schema_extra={"file": "joint rows"},
+    )
 
 
 class ValidationPath:
@@ -57,8 +68,17 @@ class ValidationPath:
     params_type = PathParams
 
     def plan(self, bench: Bench, params: PathParams) -> PathPlan:
-        """Plan the path; see plan_path."""
-        return plan_path(bench, **params.model_dump())
+        """Plan the path; see plan_path, and plan_joint_rows for given commands."""
+        if params.joints:
+            return plan_joint_rows(
+                bench,
+                params.joints,
+                params.passes,
+                params.instrument,
+                params.hold_time_s,
+                params.confirm_each,
+            )
+        return plan_path(bench, **params.model_dump(exclude={"joints"}))
 
     async def run(self, ctx: Context, plan: PathPlan) -> None:
         """Drive and measure.
@@ -114,6 +134,8 @@ class _Drive:
                 # The arm may stand anywhere, and came there from any side.
                 start = take_up_of(point, self._plan.bench)
                 await self._enter(start[0], start[1])
+            elif self._plan.come_from and (beyond := self._plan.come_from[number]) is not None:
+                await self._move((*beyond, self._plan.bench.arm.j3_mm, 0.0))
             await self._move((point.theta1_deg, point.theta2_deg, self._plan.bench.arm.j3_mm, 0.0))
             found = await self._measured(point, f"point/{pass_number}/{number:04d}", attempt)
             if await self._undisturbed():

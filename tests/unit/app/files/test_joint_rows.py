@@ -1,0 +1,50 @@
+"""Rows to be driven as they stand, and the parameter that takes them."""
+
+from pathlib import Path
+
+import pytest
+
+from app.errors import UsageError
+from app.files.joint_rows import read_joint_rows
+from app.procedure_list import parse_params
+from procedures.path.validation_path import PathParams
+
+HEADER = "x_mm,y_mm,theta1_deg,theta2_deg,direction1,direction2,u_x_um\n"
+
+
+def written(folder: Path, text: str) -> Path:
+    path = folder / "rows.csv"
+    path.write_text(text, encoding="utf-8")
+    return path
+
+
+def test_rows_are_read_and_further_columns_passed_over(tmp_path: Path) -> None:
+    path = written(tmp_path, f"# made by hand\n{HEADER}200,-400,-92.1037,72.5987,1,-1,5.4\n")
+    assert read_joint_rows(path) == [[200.0, -400.0, -92.1037, 72.5987, 1.0, -1.0]]
+
+
+def test_the_parameter_takes_the_rows_of_the_file(tmp_path: Path) -> None:
+    path = written(tmp_path, HEADER + "200,-400,-92.1037,72.5987,1,-1,5.4\n")
+    params = parse_params(PathParams, [f"joints={path}", "passes=2"])
+    assert params == PathParams(joints=[[200.0, -400.0, -92.1037, 72.5987, 1.0, -1.0]], passes=2)
+
+
+@pytest.mark.parametrize(
+    ("text", "part"),
+    [
+        (HEADER + "200,-400,,,,,\n", "rows.csv:2: has no corrected command"),
+        (HEADER + "200,-400,1,2,1,0,\n", "rows.csv:2: direction2 = '0' is not 1 or -1"),
+        (HEADER, "holds no rows"),
+        ("theta1_deg,theta2_deg,direction1,direction2\n1,2,1,1\n", "column x_mm, y_mm is missing"),
+    ],
+)
+def test_what_cannot_be_driven_is_refused(tmp_path: Path, text: str, part: str) -> None:
+    with pytest.raises(UsageError, match=part):
+        read_joint_rows(written(tmp_path, text))
+
+
+def test_a_parameter_that_is_no_file_is_told() -> None:
+    with pytest.raises(UsageError, match="--param joints: 3 is not possible; it takes the name of a file"):
+        parse_params(PathParams, ["joints=3"])
+    with pytest.raises(UsageError, match="there is no such file"):
+        parse_params(PathParams, ["joints=nowhere.csv"])
