@@ -1,0 +1,65 @@
+"""The example and the pages about the Python interface do what they say."""
+
+import ast
+import re
+import runpy
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+import calibration
+
+ROOT = Path(__file__).parents[2]
+API = (ROOT / "docs" / "api.md").read_text(encoding="utf-8")
+BLOCKS = re.findall(r"```python\n(.*?)```", API, re.DOTALL)
+
+
+def test_the_example_runs_and_its_statements_hold(capsys: pytest.CaptureFixture[str]) -> None:
+    path = ROOT / "docs" / "examples" / "from_distances_to_decisions.py"
+    runpy.run_path(str(path))
+    assert "best three" in capsys.readouterr().out
+    assert path.read_text(encoding="utf-8").count("\nassert ") >= 15
+
+
+def test_the_blocks_of_the_page_run_one_after_the_other() -> None:
+    names: dict[str, object] = {}
+    for number, block in enumerate(BLOCKS):
+        exec(compile(block, f"api.md, block {number + 1}", "exec"), names)
+    assert len(BLOCKS) >= 5
+
+
+def test_every_public_name_is_there_and_on_the_page() -> None:
+    told = set(re.findall(r"\b\w+\b", " ".join(re.findall(r"`[^`]*`", API))))
+    for name in calibration.__all__:
+        assert getattr(calibration, name).__name__ == name
+        assert name in told
+
+
+def test_what_type_checkers_see_is_what_is_imported() -> None:
+    tree = ast.parse((ROOT / "calibration" / "__init__.py").read_text(encoding="utf-8"))
+    seen = {
+        alias.name: node.module
+        for node in ast.walk(tree)
+        if isinstance(node, ast.ImportFrom)
+        and node.module is not None
+        and node.module.startswith("calibration.")
+        for alias in node.names
+    }
+    assert sorted(seen) == sorted(calibration.__all__)
+    for name, module in seen.items():
+        assert getattr(calibration, name).__module__ == module
+
+
+def test_unknown_names_are_refused_as_of_any_module() -> None:
+    with pytest.raises(AttributeError, match="no attribute 'nothing'"):
+        calibration.nothing  # noqa: B018  # the access is what is tested
+
+
+def test_the_package_alone_loads_no_numerical_library() -> None:
+    code = (
+        "import sys, calibration; assert not {'numpy', 'scipy'} & set(sys.modules);"
+        "import calibration.kinematics, calibration.error_map; assert 'scipy' not in sys.modules"
+    )
+    subprocess.run([sys.executable, "-c", code], check=True, cwd=ROOT)
