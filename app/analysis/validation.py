@@ -36,7 +36,7 @@ class PathMeasurement:
     established: Bools
 
 
-_FEWEST = 4
+FEWEST_ROWS = 4
 """Rows that leave something to compare after the alignment."""
 
 TAKE_UP_DEG = 1.0
@@ -129,10 +129,10 @@ def validate_on_path(
     """
     predictions = [predict(arm, path.commands, *nominal) for arm in arms]
     compared: Bools = np.logical_and.reduce([path.established, *(one.inside for one in predictions)])
-    if int(compared.sum()) < _FEWEST:
+    if int(compared.sum()) < FEWEST_ROWS:
         raise InsufficientPointsError(
             f"{int(compared.sum())} of {compared.size} rows lie inside the identified range with an established "
-            f"direction of approach; a rigid alignment has three unknowns, so that it takes {_FEWEST} or more: "
+            f"direction of approach; a rigid alignment has three unknowns, so that it takes {FEWEST_ROWS} or more: "
             "measure a path inside the nodes"
         )
     names = titles or [""] * len(arms)

@@ -34,6 +34,11 @@ def read_measured_csv(path: Path) -> list[MeasuredPoint]:
 
 
 def _check(path: Path, line: int, header: list[str]) -> None:
+    if "displacement_mm" in header:
+        raise UsageError(
+            f"{path}:{line}: the file holds distances to reflectors, and positions are needed: x_meas_mm, y_meas_mm. "
+            "A path of distances is compared by catseye report on its run of validation-path"
+        )
     joint_form = any(name in header for name in JOINTS + DIRECTIONS)
     if joint_form and any(name in header for name in PLACE):
         raise UsageError(

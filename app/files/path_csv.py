@@ -1,6 +1,6 @@
 """Path CSV: commands of a path, in joints or in Cartesian positions (version 1)."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
@@ -124,18 +124,19 @@ def _cartesian(
     rows: Sequence[CsvRow], nominal: tuple[float, float], hand: Hand, start: tuple[int, int]
 ) -> CommandPath:
     place = np.array([[row.finite(name) for name in PLACE] for row in rows])
-    require_reach([row.fault for row in rows], place, nominal, hand)
+    require_reach([row.line for row in rows], rows[0].path, place, nominal, hand)
     commands = cartesian_commands(place, nominal, hand, start)
     return CommandPath(commands, place, cartesian=True, rows=tuple(rows))
 
 
 def require_reach(
-    faults: Sequence[Callable[[str], UsageError]], place_mm: Floats, nominal: tuple[float, float], hand: Hand
+    lines: Sequence[int], file: Path, place_mm: Floats, nominal: tuple[float, float], hand: Hand
 ) -> None:
     """Refuse positions that the nominal arm does not reach.
 
     Args:
-        faults: for each position, what makes a complaint that names its line.
+        lines: line of each position in its file.
+        file: the file.
         place_mm: positions, mm, shape (n, 2).
         nominal: nominal links, mm.
         hand: of the positions.
@@ -146,13 +147,12 @@ def require_reach(
     try:
         inverse(place_mm, *nominal, hand)
     except OutOfReachError:
-        for fault, xy in zip(faults, place_mm, strict=True):
+        for line, xy in zip(lines, place_mm, strict=True):
             try:
                 inverse(xy, *nominal, hand)
             except OutOfReachError as error:
                 text = str(error).removeprefix("position 1 of 1 ")
-                raise fault(f"the position {text}") from None
-        raise
+                raise UsageError(f"{file}:{line}: the position {text}") from None
 
 
 def _check(path: Path, line: int, header: list[str]) -> None:

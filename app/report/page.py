@@ -16,6 +16,7 @@ from app.report.run_sections import (
     run_section,
     search_section,
 )
+from app.report.standards_section import standards_section
 from app.report.trace_section import trace_section
 from app.report.verdict import Statement, verdict
 
@@ -77,6 +78,7 @@ def _sections(content: ReportContent) -> list[Html]:
         element("section", element("h2", "Verdict"), join([statements, note]), id_="verdict"),
         parameter_section(content),
         map_section(content),
+        standards_section(content.error_map),
         path_section(content),
         distance_section(content),
         fit_section(content),

@@ -5,13 +5,16 @@ import math
 import numpy as np
 
 from app.analysis.validation import ModelOnPath, PathValidation
-from app.report.content import MODEL_TITLES, ReportContent
+from app.report.agreement_text import agreement_text
+from app.report.circle_table import circle_table
+from app.report.content import ReportContent
 from app.report.drawing import figure
 from app.report.figures.path_deviation import path_figure
-from app.report.figures.path_vectors import MAGNIFICATION, vector_figure
 from app.report.markup import Html, bullets, paragraphs, section, table
-from app.report.numbers import fixed, signed
-from app.report.path_view import Gap, PathAxis, gaps, path_axis
+from app.report.numbers import fixed, probability, signed
+from app.report.path_view import Gap, PathAxis, gaps, model_title, path_axis
+from app.report.repeat_table import repeat_table
+from app.report.trajectory_section import trajectory_section
 
 
 def path_section(content: ReportContent) -> Html:
@@ -24,24 +27,21 @@ def path_section(content: ReportContent) -> Html:
         path_figure(validation, left_out),
         "path",
         "Deviations along the validation path",
-        f"{_definitions(axis)} × there, + back: measured; circles and squares: predicted, error bars: standard "
-        "uncertainty of the prediction (k = 1). Grey: not compared.",
-    )
-    vectors = figure(
-        vector_figure(validation),
-        "vectors",
-        "Error vectors on the validation path",
-        f"Error vectors from command (black dots) to actual position, magnified {MAGNIFICATION} times. The last "
-        "panel, measured minus the model, is what a compensation with the model would leave.",
+        f"{_definitions(axis)} × there, + back: measured; circles, squares or lines: predicted, error bars or bands: "
+        "standard uncertainty of the prediction (k = 1). Below each: measured minus predicted; yellow: ±2 standard "
+        "uncertainties of that difference. Grey: not compared.",
     )
     return section(
         "validation",
         "Validation path",
         paragraphs(_measured(validation, axis)),
         _comparison(validation),
+        _agreement(validation),
         bullets(_gap_texts(left_out, axis)) if left_out else "",
         deviations,
-        vectors,
+        trajectory_section(validation),
+        circle_table(validation),
+        repeat_table(validation),
     )
 
 
@@ -84,29 +84,63 @@ def _comparison(validation: PathValidation) -> Html:
         "ratio",
         "u of prediction / µm",
     ]
-    head += ["rotation / mdeg", "shift x / mm", "shift y / mm"]
     reference = validation.models[0].comparison.rms_2d_um
     rows = [_row(model, reference) for model in validation.models]
-    inner = table("Measured minus predicted position, and the rigid alignment of the measurement", head, rows)
-    note = (
-        "Ratio: 2D rms over that of the first model. Distances cannot fix the rotation about J1, and the instrument "
-        "has a frame of its own: the measurement was turned about the J1 axis and shifted onto each model by least "
-        "squares (rotation counter-clockwise). u of prediction: median of the 2D standard uncertainty."
+    return Html(
+        table("Measured minus predicted position", head, rows)
+        + paragraphs(
+            "Ratio: 2D rms over that of the first model. u of prediction: median of the 2D standard uncertainty."
+        )
     )
-    return Html(inner + paragraphs(note))
 
 
 def _row(model: ModelOnPath, reference_um: float) -> list[str]:
-    comparison, transform = model.comparison, model.comparison.transform
+    comparison = model.comparison
     rms_x, rms_y = comparison.rms_um
     u_um = 1e3 * float(np.median(np.hypot(*model.prediction.u_mm[comparison.inside].T)))
     return [
-        MODEL_TITLES[model.model],
+        model_title(model),
         *(fixed(value, 1) for value in (rms_x, rms_y, comparison.rms_2d_um, comparison.max_um)),
         fixed(comparison.rms_2d_um / reference_um, 2) if reference_um > 0.0 else fixed(None, 2),
         fixed(u_um, 1),
+    ]
+
+
+def _agreement(validation: PathValidation) -> Html:
+    """Return the alignment with its uncertainties, and what the stated uncertainties account for."""
+    head = ["model", "rotation / mdeg", "u", "shift x / mm", "u", "shift y / mm", "u"]
+    head += ["rms 2D expected / µm", "share explained", "within ±2 u", "p"]
+    rows = [_judged(model) for model in validation.models]
+    note = (
+        "Distances cannot fix the rotation about J1, and the instrument has a frame of its own: the measurement was "
+        "turned about the J1 axis (counter-clockwise) and shifted onto each model by least squares. Expected: "
+        "√(trace W / n), with W = P V P; V is the covariance of measured minus predicted coordinates (prediction and "
+        "instrument), P takes off what a rotation and a shift absorb. Share explained: trace W over the sum of "
+        "squared differences. p: probability of differences this large if the stated uncertainties are all there is "
+        "(χ² with the effective degrees of freedom of W). The arm's own repeatability is part of what is measured; "
+        "where the instrument's uncertainty does not include it, it belongs to what is not explained."
+    )
+    told = bullets(agreement_text(model) for model in validation.models)
+    return Html(
+        table("Alignment, and agreement with the uncertainties", head, rows) + told + paragraphs(note)
+    )
+
+
+def _judged(model: ModelOnPath) -> list[str]:
+    transform, judged = model.comparison.transform, model.agreement
+    cells = [
+        model_title(model),
         signed(1e3 * math.degrees(transform.rotation_rad), 2),
-        *(signed(float(shift), 4) for shift in transform.shift_mm),
+        fixed(1e3 * math.degrees(judged.u_rotation_rad), 2),
+    ]
+    for shift, u in zip(transform.shift_mm, judged.u_shift_mm, strict=True):
+        cells += [signed(float(shift), 4), fixed(float(u), 4)]
+    return [
+        *cells,
+        fixed(judged.expected_um, 1),
+        f"{fixed(100.0 * judged.share, 0)} %",
+        f"{fixed(100.0 * judged.within, 0)} %",
+        probability(judged.probability).removeprefix("p ").removeprefix("= "),
     ]
 
 

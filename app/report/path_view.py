@@ -4,8 +4,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from app.analysis.validation import PathMeasurement, PathValidation
+from app.analysis.validation import ModelOnPath, PathMeasurement, PathValidation
 from app.files.result_json import MapTable, Result
+from app.report.content import MODEL_TITLES
 from app.report.numbers import plain
 from calibration.types import Bools, Floats
 
@@ -124,3 +125,8 @@ def _beyond(theta_deg: float, table: MapTable) -> bool:
 def there(path: PathMeasurement) -> Bools:
     """Return which rows belong to the way there, shape (n,)."""
     return np.asarray(path.travel > 0, dtype=np.bool_)
+
+
+def model_title(model: ModelOnPath) -> str:
+    """Return what a reader calls a model."""
+    return model.title or MODEL_TITLES[model.model]

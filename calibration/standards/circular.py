@@ -8,6 +8,8 @@ from calibration.errors import InsufficientPointsError
 from calibration.types import Floats
 
 _FEWEST = 3
+_STEPS = 20
+"""Steps of the circle's fit; a start this near settles in a few."""
 
 
 @dataclass(frozen=True)
@@ -56,21 +58,31 @@ def circular(clockwise: Floats, counter_clockwise: Floats) -> Circular:
     )
 
 
-def least_squares_centre(xy_mm: Floats, radius_mm: float, start_mm: Floats) -> Floats:
-    """Return the centre of the least-squares circle through measured positions, mm, shape (2,).
+def algebraic_centre(xy: Floats) -> Floats:
+    """Return the centre of a circle through positions that lie on one, shape (2,).
 
     Args:
-        xy_mm: positions, mm, shape (n, 2).
-        radius_mm: rough radius, mm.
-        start_mm: rough centre, mm, shape (2,).
+        xy: positions, shape (n, 2); those that lie on no circle give a point without meaning.
     """
-    parameters = np.array([*start_mm, radius_mm])
-    for _ in range(20):
-        arm = xy_mm - parameters[:2]
+    mean = xy.mean(axis=0)
+    own = xy - mean
+    design = np.column_stack([2.0 * own, np.ones(len(own))])
+    return np.asarray(mean + np.linalg.lstsq(design, np.sum(own**2, axis=1), rcond=None)[0][:2])
+
+
+def least_squares_centre(xy: Floats) -> Floats:
+    """Return the centre of the least-squares circle through measured positions, in their unit, shape (2,).
+
+    Args:
+        xy: positions near a circle, shape (n, 2).
+    """
+    centre = algebraic_centre(xy)
+    for _ in range(_STEPS):
+        arm = xy - centre
         length = np.hypot(*arm.T)
         jacobian = np.column_stack([-arm / length[:, None], -np.ones(length.size)])
-        step = np.linalg.lstsq(jacobian, parameters[2] - length, rcond=None)[0]
-        parameters = parameters + step
-        if float(np.abs(step).max()) <= 1e-12 * radius_mm:
+        step = np.linalg.lstsq(jacobian, length.mean() - length, rcond=None)[0][:2]
+        centre = centre + step
+        if float(np.abs(step).max()) <= 1e-12 * float(length.mean()):
             break
-    return np.asarray(parameters[:2], dtype=np.float64)
+    return np.asarray(centre, dtype=np.float64)

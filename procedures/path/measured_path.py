@@ -1,6 +1,7 @@
 """Positions from an instrument's file against the path that was driven: in order, in mm, and of this path."""
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -120,32 +121,77 @@ def _require_command(file: str, number: int, point: PathPoint, row: MeasuredPoin
 
 
 def _require_places(file: str, driven: Sequence[PathPoint], measured: Sequence[MeasuredPoint]) -> None:
-    commands = _places(driven)
     places = np.array([[row.x_meas_mm, row.y_meas_mm] for row in measured])
-    ratio = _spread(places) / _spread(commands)
+    fault = misplaced(_places(driven), places)
+    if fault is not None:
+        where = "" if fault.row is None else f":{measured[fault.row].line}"
+        raise MeasuredFileError(f"{file}{where}: {fault.text}")
+
+
+@dataclass(frozen=True)
+class Misplaced:
+    """Why measured positions cannot be those of a path.
+
+    Attributes:
+        row: the worst one, None where all of them are concerned.
+        text: what is wrong and what to do.
+    """
+
+    row: int | None
+    text: str
+
+
+def misplaced(commands_mm: Floats, places_mm: Floats) -> Misplaced | None:
+    """Return why measured positions cannot belong to commands: another unit, a left-handed frame, another path.
+
+    Args:
+        commands_mm: command positions, mm, shape (n, 2), not all in one place.
+        places_mm: measured positions in a frame of their own, shape (n, 2).
+    """
+    ratio = _spread(places_mm) / _spread(commands_mm)
     if abs(ratio - 1.0) > _UNIT_SHARE:
-        unit = suspected_unit(commands, places)
+        unit = suspected_unit(commands_mm, places_mm)
         like = f"they seem to be in {unit}: convert them to mm" if unit else "they are not those of this path"
-        raise MeasuredFileError(
-            f"{file}: the measured positions are spread {ratio:.3g} times as far as the commands: {like}"
+        return Misplaced(
+            None, f"the measured positions are spread {ratio:.3g} times as far as the commands: {like}"
         )
-    off = np.hypot(*(rigid_fit(places, commands).apply(places) - commands).T)
+    off = _off_mm(commands_mm, places_mm)
     worst = int(np.argmax(off))
-    if off[worst] > _MEASURED_MM:
-        raise MeasuredFileError(
-            f"{file}:{measured[worst].line}: the measured position lies {off[worst]:.1f} mm from its command after "
-            f"the frames are aligned, more than {_MEASURED_MM:g} mm: it belongs to another point, or x and y are "
-            "mixed up"
+    if off[worst] <= _MEASURED_MM:
+        return None
+    if _off_mm(commands_mm, places_mm[:, ::-1]).max() <= _MEASURED_MM:
+        return Misplaced(
+            None,
+            "the measured positions fit their commands only with x and y exchanged: the columns are mixed up, or the "
+            "instrument's frame is left-handed; exchange x_meas_mm and y_meas_mm",
         )
+    return Misplaced(
+        worst,
+        f"the measured position lies {off[worst]:.1f} mm from its command after the frames are aligned, more than "
+        f"{_MEASURED_MM:g} mm: it belongs to another point, or x and y are mixed up",
+    )
+
+
+def _off_mm(commands_mm: Floats, places_mm: Floats) -> Floats:
+    """Return the distances of measured positions from their commands after a rigid alignment, mm, shape (n,)."""
+    off = rigid_fit(places_mm, commands_mm).apply(places_mm) - commands_mm
+    return np.asarray(np.hypot(*off.T), dtype=np.float64)
 
 
 def _require_uncertainties(file: str, measured: Sequence[MeasuredPoint]) -> None:
     for row in measured:
-        if row.u_mm is not None and row.u_mm > _LARGEST_U_MM:
-            raise MeasuredFileError(
-                f"{file}:{row.line}: u_mm = {row.u_mm:g} is more than {_LARGEST_U_MM:g} mm: it seems to be in µm; "
-                "convert it to mm, or leave the column out"
-            )
+        if fault := uncertainty_fault(row.u_mm):
+            raise MeasuredFileError(f"{file}:{row.line}: {fault}")
+
+
+def uncertainty_fault(u_mm: float | None) -> str:
+    """Return what is wrong with a stated standard uncertainty; empty when nothing is."""
+    if u_mm is None or u_mm <= _LARGEST_U_MM:
+        return ""
+    return (
+        f"u_mm = {u_mm:g} is more than {_LARGEST_U_MM:g} mm: it seems to be in µm; convert it to mm, or leave the "
+        "column out"
+    )
 
 
 def _places(driven: Sequence[PathPoint]) -> Floats:

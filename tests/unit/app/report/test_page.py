@@ -12,7 +12,7 @@ from app.report.page import render_html
 from tests.unit.app.report import sample
 from tests.unit.app.report.page_reader import Page, read_page
 
-FIGURES = ["figure-maps", "figure-path", "figure-vectors", "figure-residuals", "figure-layout"]
+FIGURES = ["figure-maps", "figure-path", "figure-trajectories", "figure-residuals", "figure-layout"]
 
 
 @pytest.fixture(scope="module")
@@ -36,6 +36,7 @@ def test_whole_page_is_well_formed_and_has_every_section_and_figure(whole: str) 
         "Verdict",
         "Identified arm",
         "Error maps",
+        "Positioning quantities of the joints",
         "Validation path",
         "Quality of the fit",
         "Layout",

@@ -83,8 +83,13 @@ def test_validation_table_shows_figures_ratio_and_alignment(whole: Page) -> None
     assert shown[2] == pytest.approx(comparison.rms_2d_um, abs=0.051)
     assert shown[3] == pytest.approx(comparison.max_um, abs=0.051)
     assert shown[4] == pytest.approx(validation.ratio, abs=0.0051)
-    assert shown[6] == pytest.approx(1e3 * math.degrees(comparison.transform.rotation_rad), abs=0.0051)
-    assert shown[7:9] == pytest.approx(comparison.transform.shift_mm.tolist(), abs=6e-5)
+    judged = validation.models[1].agreement
+    aligned = [float(cell.replace("−", "-").removesuffix(" %")) for cell in rows[1][1:9]]
+    assert aligned[0] == pytest.approx(1e3 * math.degrees(comparison.transform.rotation_rad), abs=0.0051)
+    assert aligned[1] == pytest.approx(1e3 * math.degrees(judged.u_rotation_rad), abs=0.0051)
+    assert aligned[2::2][:2] == pytest.approx(comparison.transform.shift_mm.tolist(), abs=6e-5)
+    assert aligned[3::2][:2] == pytest.approx(judged.u_shift_mm.tolist(), abs=6e-5)
+    assert aligned[6:8] == pytest.approx([judged.expected_um, 100.0 * judged.share], abs=0.51)
     assert f"{int(validation.compared.sum())} rows compared" in whole.text
     assert f"{int((~validation.compared).sum())} left out" in whole.text
     assert "standard uncertainty of 8.5 µm" in whole.text

@@ -18,7 +18,7 @@ def test_the_centre_is_fitted() -> None:
     # Harmonics from the second on move neither centre nor radius of the least-squares circle but by second order.
     radius = 100.0 + 0.01 * np.cos(3.0 * angle)
     xy = np.column_stack([30.2 + radius * np.cos(angle), -7.3 + radius * np.sin(angle)])
-    centre = least_squares_centre(xy, 100.0, np.array([30.0, -7.0]))
+    centre = least_squares_centre(xy)
     assert centre == pytest.approx([30.2, -7.3], abs=1e-6)
 
 
