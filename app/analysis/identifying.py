@@ -17,7 +17,9 @@ from app.files.points_csv import PointRow, to_points
 from app.files.result_json import Result, result_of
 from app.store.reader import RunReader
 from app.version import SOFTWARE
-from calibration.identification import Identification, identify
+from calibration.diagnostics.problem import Problem
+from calibration.extension import Term
+from calibration.identification import Identification
 from calibration.layout import ModelName
 from calibration.uncertainty.budget import Budget
 from procedures.bench import Bench, Reflector
@@ -79,25 +81,38 @@ def error_budget(cell: Cell) -> Budget:
     return cell.uncertainty.budget
 
 
-def identify_rows(
-    rows: list[PointRow], bench: Bench, model: ModelName, budget: Budget | None
-) -> Identification:
-    """Identify an arm from distances.
+def problem_of_rows(
+    rows: list[PointRow],
+    bench: Bench,
+    model: ModelName,
+    budget: Budget | None,
+    terms: tuple[Term, ...] = (),
+) -> Problem:
+    """Return what is to be solved to identify an arm from distances.
 
     Args:
         rows: distances in measuring order.
         bench: nodes, nominal links and rough reflectors.
         model: which model.
         budget: contributors of the uncertainty; None for what the rows state themselves.
-
-    Raises:
-        CalibrationError: the points cannot determine the model; the text names what is missing.
+        terms: functions beyond the model.
     """
     places = {reflector.name: (reflector.x_mm, reflector.y_mm) for reflector in bench.reflectors}
     points = to_points(rows, places)
     nodes = np.deg2rad(bench.nodes1_deg), np.deg2rad(bench.nodes2_deg)
     rough = np.array([places[name] for name in points.reflector_names])
-    return identify(points, model, *nodes, bench.arm.link1_mm, bench.arm.link2_mm, rough, budget)
+    return Problem(points, model, *nodes, bench.arm.link1_mm, bench.arm.link2_mm, rough, budget, terms)
+
+
+def identify_rows(
+    rows: list[PointRow], bench: Bench, model: ModelName, budget: Budget | None
+) -> Identification:
+    """Identify an arm from distances; arguments are those of problem_of_rows.
+
+    Raises:
+        CalibrationError: the points cannot determine the model; the text names what is missing.
+    """
+    return problem_of_rows(rows, bench, model, budget).solve()
 
 
 def identified_result(identified: Identification, bench: Bench, sources: list[str]) -> Result:

@@ -3,6 +3,8 @@
 from dataclasses import dataclass
 from pathlib import Path
 
+from app.analysis.distance_source import load_distances
+from app.analysis.extension_words import parse_extensions
 from app.analysis.identified_uncertainty import (
     Propagated,
     by_jacobian,
@@ -10,29 +12,17 @@ from app.analysis.identified_uncertainty import (
     require_draws,
     sentences,
 )
-from app.analysis.identifying import (
-    bench_of_runs,
-    cell_of_run,
-    error_budget,
-    identified_result,
-    identify_rows,
-    run_rows,
-)
+from app.analysis.identifying import identified_result, problem_of_rows
 from app.analysis.material import with_reference_links
-from app.cell.bench import bench_of
-from app.cell.load import load_cell
+from app.analysis.robust_identifying import identify_robustly
 from app.cluster.sharing import sharing
 from app.commands.output import emit, emit_json, say, table
 from app.commands.progress import ProgressBar
 from app.errors import UsageError
-from app.files.points_csv import PointRow, read_points_csv
 from app.files.result_json import Fit, LackOfFitPart, Result, write_result
-from app.runs_folder import runs_folder
-from app.store.catalog import resolve_run
-from app.store.reader import RunReader
+from calibration.extension import Term
 from calibration.identification import Identification
 from calibration.layout import ModelName
-from calibration.uncertainty.budget import Budget
 from procedures.bench import Bench
 
 
@@ -75,9 +65,13 @@ def identify_command(
     """Identify and write the result."""
     if options.uncertainty == "monte-carlo":
         require_draws(options.draws)
-    source = _load(run, points, cell, runs)
-    bench = source.bench
-    identified = identify_rows(source.rows, bench, options.model, source.budget)
+    _require_consistent(options)
+    source = load_distances(run, points, cell, runs)
+    for text in source.warnings:
+        say(text)
+    bench, terms = source.bench, parse_extensions(options.extend)
+    problem = problem_of_rows(source.rows, bench, options.model, source.budget, terms)
+    identified = identify_robustly(problem, options.loss, options.reject)
     propagated = _propagated(identified, options)
     result = with_reference_links(
         identified_result(propagated.identified, bench, source.names), source.readers
@@ -88,7 +82,7 @@ def identify_command(
         emit_json(
             {
                 "result": str(output),
-                **result.model_dump(include={"model", "gauge", "link1_mm", "link2_mm", "fit"}),
+                **result.model_dump(include={"model", "gauge", "link1_mm", "link2_mm", "extension", "fit"}),
             }
         )
     else:
@@ -96,6 +90,14 @@ def identify_command(
     for text in (*verdicts(result), *sentences(propagated.part)):
         say(text)
     say(f"{output} written")
+
+
+def _require_consistent(options: IdentifyOptions) -> None:
+    if options.loss != "squares" and options.uncertainty == "monte-carlo":
+        raise UsageError(
+            f"--loss {options.loss} takes its uncertainties from the scatter of the distances; Monte Carlo draws are "
+            "identified by least squares: use --reject K with --uncertainty monte-carlo, or --uncertainty jacobian"
+        )
 
 
 def _propagated(identified: Identification, options: IdentifyOptions) -> Propagated:
@@ -113,38 +115,6 @@ def _propagated(identified: Identification, options: IdentifyOptions) -> Propaga
             )
         finally:
             bar.close()
-
-
-@dataclass(frozen=True)
-class _Source:
-    rows: list[PointRow]
-    bench: Bench
-    budget: Budget | None
-    names: list[str]
-    readers: list[RunReader]
-
-
-def _load(run: list[str], points: Path | None, cell: Path | None, runs: Path | None) -> _Source:
-    if bool(run) == (points is not None):
-        raise UsageError("give either runs, or --points FILE with --cell FILE")
-    if points is not None:
-        if cell is None:
-            raise UsageError(
-                "--points needs --cell FILE: nodes, nominal links and rough reflectors stand there"
-            )
-        loaded = load_cell(cell)
-        rows = read_points_csv(points, [reflector.name for reflector in loaded.cell.reflector])
-        # A points file states its uncertainties itself, in the column sigma_mm.
-        return _Source(rows, bench_of(loaded.cell), None, [points.name], [])
-    root = runs_folder(runs)
-    readers = [RunReader(resolve_run(root, text)) for text in run]
-    for reader in readers:
-        if reader.status != "complete":
-            say(f"warning: {reader.path.name} is {reader.status}; identifying from what it holds")
-    budget = error_budget(cell_of_run(readers[0]))
-    return _Source(
-        run_rows(readers), bench_of_runs(readers, root), budget, [r.path.name for r in readers], readers
-    )
 
 
 def summary_table(result: Result, bench: Bench) -> str:
@@ -169,6 +139,10 @@ def summary_table(result: Result, bench: Bench) -> str:
                 [f"{name}({node:g}°, {sign})", "mdeg", "0", f"{value:.2f}", f"{u:.2f}"]
                 for node, value, u in zip(part.node_deg, values, us, strict=True)
             ]
+    for term in result.extension or []:
+        unit = "mdeg" if term.unit == "mdeg" else "µm"
+        name = Term(term.target, term.source, term.part, term.order).name
+        rows.append([name, unit, "0", f"{term.value:.2f}", f"{term.u:.2f}"])
     return table(["parameter", "unit", "nominal", "identified", "u (k=1)"], rows)
 
 
