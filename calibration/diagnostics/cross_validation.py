@@ -22,6 +22,9 @@ Way = Literal["reflector", "segment", "sweep"]
 _OWN = 1e-9
 """1 − σ² of a direction that the fold alone determines, σ a singular value of its part of the basis."""
 
+_WEAK = 10.0
+"""A fold that is expected to be predicted so many times worse than it is fitted tells nothing of the model."""
+
 
 @dataclass(frozen=True)
 class Fold:
@@ -46,6 +49,11 @@ class Fold:
     probability: float
 
     @property
+    def weak(self) -> bool:
+        """The others say next to nothing about it: an uncertain prediction is expected."""
+        return self.identified and self.expected_um > _WEAK * self.in_sample_um
+
+    @property
     def fails(self) -> bool:
         """The others predict it worse than their uncertainties let expect."""
         return self.identified and self.probability < SIGNIFICANCE
@@ -58,7 +66,7 @@ class CrossValidation:
     Attributes:
         way: what is left out at a time.
         folds: each of them.
-        predicted_um: rms of all predictions, µm; NaN when no fold is identified.
+        predicted_um: rms of all predictions, weak folds left out, µm; NaN when no fold is left.
         in_sample_um: rms of the same distances in the fit, µm.
         expected_um: rms of the predictions that the stated uncertainties let expect, µm.
     """
@@ -82,7 +90,7 @@ def cross_validation(projection: Projection, way: Way) -> CrossValidation:
     """
     names, group = _groups(projection, way)
     folds = [_fold(projection, np.flatnonzero(group == i), name, len(names)) for i, name in enumerate(names)]
-    used = [fold for fold in folds if fold.identified]
+    used = [fold for fold in folds if fold.identified and not fold.weak]
     return CrossValidation(
         way,
         tuple(folds),
