@@ -35,12 +35,13 @@ class BatchedProblem:
         nominal: parameters that the draws scatter about, shape (p,).
         predicted_mm: displacements that the model predicts there, shape (n,).
         weights: reciprocal standard uncertainties, shape (n,).
+        squares: their squares, shape (n, 1).
         gain: what the estimate moves by per distance, to first order, shape (p, n).
         directions: steps within the gauge that each change the weighted residuals by 1, shape (p, free).
         command_rad: θ1 and θ2 commands of the states, shape (2, m, 1).
         to_states: parameters to L1, L2, θ1 and θ2 of the states, shape (4 m, p).
         from_states: its transpose.
-        to_rows: parameters to reflector x, y and added length of the distances, shape (3 n, p).
+        to_rows: parameters to minus reflector x, y and to what is added to the lengths, shape (3 n, p).
         from_rows: its transpose.
         state: state of each distance, shape (n,).
         gather: sums distances over their state, shape (m, n).
@@ -50,6 +51,7 @@ class BatchedProblem:
     nominal: Floats
     predicted_mm: Floats
     weights: Floats
+    squares: Floats
     gain: Floats
     directions: Floats
     command_rad: Floats
@@ -80,6 +82,7 @@ class BatchedProblem:
             nominal=nominal,
             predicted_mm=model.residuals(nominal) + model.points.displacement_mm,
             weights=weights,
+            squares=(weights**2)[:, None],
             gain=root @ (root.T @ (jacobian * weights[:, None]).T),
             directions=root,
             command_rad=np.stack([model.design.commands.theta1_rad, model.design.commands.theta2_rad])[
@@ -93,50 +96,50 @@ class BatchedProblem:
             gather=sparse.csr_array((np.ones(rows.size), (state, rows)), shape=(first.size, rows.size)),
         )
 
-    def residuals_and_gradient(self, parameters: Floats, displacement_mm: Floats) -> tuple[Floats, Floats]:
-        """Return residuals and half the gradient of their weighted sum of squares.
+    def gradient(self, parameters: Floats, displacement_mm: Floats) -> Floats:
+        """Return half the gradient of the weighted sums of squared residuals.
 
         Args:
             parameters: one column a draw, shape (p, b).
             displacement_mm: their distances, shape (n, b).
 
         Returns:
-            Residuals, mm, shape (n, b), and the exact Jᵀ W² r, shape (p, b).
+            The exact Jᵀ W² r, shape (p, b).
         """
         draws = parameters.shape[1]
         link1, link2, theta1, theta2 = (self.to_states @ parameters).reshape(4, -1, draws)
-        theta1 = theta1 + self.command_rad[0]
+        theta1 += self.command_rad[0]
         both = theta1 + theta2
         both += self.command_rad[1]
         cos1, sin1, cos12, sin12 = np.cos(theta1), np.sin(theta1), np.cos(both), np.sin(both)
         x2, y2 = link2 * cos12, link2 * sin12
         x, y = link1 * cos1 + x2, link1 * sin1 + y2
-        place_x, place_y, added = (self.to_rows @ parameters).reshape(3, -1, draws)
-        beam_x, beam_y = x[self.state], y[self.state]
-        beam_x -= place_x
-        beam_y -= place_y
+        # Overwritten step by step: beam and residual, then the pull of each distance on its ends.
+        rows = (self.to_rows @ parameters).reshape(3, -1, draws)
+        beam_x, beam_y, residual = rows
+        beam_x += x[self.state]
+        beam_y += y[self.state]
         length = beam_x * beam_x
         length += beam_y * beam_y
         np.sqrt(length, out=length)
-        residuals = length + added
-        residuals -= displacement_mm
-        pull = residuals * (self.weights**2)[:, None]
-        along = pull / length
-        beam_x *= along
-        beam_y *= along
+        residual += length
+        residual -= displacement_mm
+        residual *= self.squares
+        np.divide(residual, length, out=length)
+        beam_x *= length
+        beam_y *= length
         force_x, force_y = self.gather @ beam_x, self.gather @ beam_y
-        turn2 = x2 * force_y - y2 * force_x
-        on_states = np.concatenate(
+        on_states = np.stack(
             [
                 cos1 * force_x + sin1 * force_y,
                 cos12 * force_x + sin12 * force_y,
                 x * force_y - y * force_x,
-                turn2,
+                x2 * force_y - y2 * force_x,
             ]
         )
-        gradient = self.from_states @ on_states
-        gradient += self.from_rows @ np.concatenate([-beam_x, -beam_y, pull])
-        return residuals, gradient
+        gradient = self.from_states @ on_states.reshape(-1, draws)
+        gradient += self.from_rows @ rows.reshape(-1, draws)
+        return np.asarray(gradient, dtype=np.float64)
 
 
 @dataclass(frozen=True)
@@ -185,7 +188,7 @@ def _solve_batch(problem: BatchedProblem, noise_mm: Floats) -> tuple[Floats, Boo
     open_, memory = np.arange(measured.shape[1]), _Memory([], [])
     flags = np.ones(measured.shape[1], dtype=np.bool_)
     for _ in range(_MOST_STEPS):
-        _, gradient = problem.residuals_and_gradient(parameters[:, open_], measured[:, open_])
+        gradient = problem.gradient(parameters[:, open_], measured[:, open_])
         step = memory.step(problem.directions.T @ gradient)
         parameters[:, open_] += problem.directions @ step
         size = _lengths(step)
@@ -276,13 +279,13 @@ def _arm_matrix(model: DistanceModel, rows: Ints) -> sparse.csr_array:
 
 
 def _row_matrix(model: DistanceModel) -> sparse.csr_array:
-    """Return how each distance's reflector and added length follow from all parameters."""
+    """Return what the parameters add to each distance's beam, in x and y, and to its length."""
     layout, points = model.layout, model.points
     rows = np.arange(len(points))
     x, y, added = np.zeros((3, len(points), layout.size))
     place = layout.reflectors.start + 2 * points.reflector
-    x[rows, place] = 1.0
-    y[rows, place + 1] = 1.0
+    x[rows, place] = -1.0
+    y[rows, place + 1] = -1.0
     added[rows, layout.dead_path.start + points.dead_path] = -1.0
     for i, term in enumerate(layout.terms):
         if term.target == "length":

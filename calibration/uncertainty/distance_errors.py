@@ -44,9 +44,11 @@ class White:
         if self.tilt_rad is None:
             errors *= self.sigma_mm
         else:
-            # The beam's length is in sigma = L u²/√2, what a cosine error scatters by to first order.
-            length = self.sigma_mm * (math.sqrt(2.0) / self.tilt_rad**2)
-            errors = length * (1.0 - np.cos(self.tilt_rad * errors))
+            errors *= self.tilt_rad
+            np.cos(errors, out=errors)
+            np.subtract(1.0, errors, out=errors)
+            # sigma is L u²/√2, what a cosine error scatters by to first order.
+            errors *= self.sigma_mm * (math.sqrt(2.0) / self.tilt_rad**2)
         return _spread_by_dof(errors, self.dof, rng)
 
 
@@ -67,9 +69,9 @@ class Shared:
     dof: float = math.inf
 
     def draw(self, rng: np.random.Generator, draws: int) -> Floats:
-        """Return errors, mm, shape (draws, n)."""
+        """Return the sources, shape (draws, m)."""
         sources = standard_draws(self.shape, rng, (draws, self.effects_mm.shape[1]))
-        return _spread_by_dof(sources, self.dof, rng) @ self.effects_mm.T
+        return _spread_by_dof(sources, self.dof, rng)
 
 
 @dataclass(frozen=True)
@@ -99,9 +101,11 @@ class DistanceErrors:
         errors = first.draw(rng, draws)
         for white in others:
             errors += white.draw(rng, draws)
-        for shared in self.shared:
-            errors += shared.draw(rng, draws)
-        return math.sqrt(self.factor) * _spread_by_dof(errors, self.factor_dof, rng)
+        if self.shared:
+            sources = np.hstack([shared.draw(rng, draws) for shared in self.shared])
+            errors += sources @ np.hstack([shared.effects_mm for shared in self.shared]).T
+        errors *= math.sqrt(self.factor)
+        return _spread_by_dof(errors, self.factor_dof, rng)
 
 
 def distance_errors(identified: Identification) -> DistanceErrors:
