@@ -183,7 +183,8 @@ def test_a_technician_drives_it_and_an_independent_instrument_sees_it(
             seen[name] = 1e3 * rms(np.hypot(*(rigid_fit(measured, place).apply(measured) - place).T))
     with capsys.disabled():
         print(  # noqa: T201  # the figure is the result
-            f"\nseen by a tracker, all errors of the bench: {seen['nominal.csv']:.0f} → {seen['joints.csv']:.0f} µm rms"
+            f"\nseen by a tracker, all errors of the bench: {seen['nominal.csv']:.0f} → "
+            f"{seen['joints.csv']:.0f} µm rms"
         )
     # Repeatability and radial error motions of three joints, x and y: 22 µm; the tracker adds 11 µm.
     assert seen["joints.csv"] < 30.0
