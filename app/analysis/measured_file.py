@@ -18,6 +18,9 @@ from procedures.path.measured_path import misplaced, uncertainty_fault
 _ANGLE_UNITS = {"rad": 180.0 / np.pi, "mdeg": 1e-3}
 """What makes degrees of other units."""
 
+_TELLING_MM = 50.0
+"""Smaller paths fit commands in any unit of angles."""
+
 _TURNS_BACK = -0.9
 """Cosine between steps of a path that turns back on itself."""
 
@@ -112,7 +115,7 @@ def _require_places(
     wrong = misplaced(command_mm, places)
     if wrong is None:
         return
-    if measured[0].theta_deg is not None:
+    if measured[0].theta_deg is not None and np.ptp(places, axis=0).max() > _TELLING_MM:
         for unit, factor in _ANGLE_UNITS.items():
             theta = factor * _theta(measured)
             if misplaced(forward(theta[:, 0], theta[:, 1], *nominal), places) is None:
