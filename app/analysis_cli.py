@@ -258,7 +258,8 @@ def export(
 ) -> None:
     """Write what a run has measured or what a result holds for other programs.
 
-    The CSV of distances is a points file, that of located positions a measured file; JSON and Parquet hold all columns.
+    The CSV of distances is a points file, that of located positions a measured file; JSON and Parquet hold all
+    columns.
 
     Example: catseye export 1a2b3c -o points.csv
     """

@@ -33,7 +33,8 @@ class Prediction:
     @property
     def u_mm(self) -> Floats:
         """Standard uncertainties of x and y, shape (n, 2)."""
-        return np.sqrt(np.maximum(np.einsum("nii->ni", self.covariance_mm2), 0.0))
+        variances = np.einsum("nii->ni", self.covariance_mm2)
+        return np.asarray(np.sqrt(np.maximum(variances, 0.0)), dtype=np.float64)
 
     @property
     def error_mm(self) -> Floats:

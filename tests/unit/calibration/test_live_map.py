@@ -24,7 +24,7 @@ from tests.unit.calibration.paper import (
     sequence,
     true_position,
 )
-from tests.unit.calibration.test_budget import radial_errors
+from tests.unit.calibration.uncertainty.test_radial_budget import radial_errors
 
 NODES1, NODES2 = np.deg2rad(NODES1_DEG), np.deg2rad(NODES2_DEG)
 WHITE_MM = 0.010
