@@ -25,6 +25,10 @@ class UnidentifiableError(CalibrationError):
         super().__init__(text)
         self.null_directions = null_directions
 
+    def __reduce__(self) -> tuple[type["UnidentifiableError"], tuple[str, list[list[str]]]]:
+        """Keep both arguments on the way to another process."""
+        return type(self), (str(self), self.null_directions)
+
 
 class InsufficientPointsError(CalibrationError):
     """There are fewer usable points than the model needs."""

@@ -1,8 +1,8 @@
 """Work shared over the machines of a dask.distributed scheduler."""
 
 import platform
-import queue
 from collections.abc import Callable, Iterator, Sequence
+from concurrent.futures import CancelledError
 from contextlib import contextmanager
 from importlib import metadata
 from typing import TypeVar
@@ -12,7 +12,7 @@ from app.cluster.sharing import name_item
 from app.errors import ConfigError
 
 try:
-    from distributed import Client, Future, KilledWorker
+    from distributed import Client, Future, KilledWorker, wait
 except ImportError as missing:
     raise ConfigError(
         "--dask needs the package distributed, which is not installed: pip install 'catseye[cluster]'"
@@ -49,22 +49,23 @@ class Machines:
         """Carry out a function on each item; see Share."""
         # Not "pure": the scheduler would answer a repeated item from its memory.
         futures: list[Future[B]] = self._client.map(function, list(items), pure=False)
-        finished: queue.Queue[int] = queue.Queue()
+        numbers = {future: number for number, future in enumerate(futures, 1)}
         try:
-            for i, future in enumerate(futures):
-                future.add_done_callback(lambda _, i=i: finished.put(i))
-            for count in range(1, len(items) + 1):
-                i = self._next(finished)
-                _raise_with_item(futures[i], i + 1, items)
-                if done is not None:
-                    done(count)
+            waiting = set(futures)
+            while waiting:
+                finished = self._next(waiting)
+                waiting -= finished
+                for count, future in enumerate(finished, len(items) - len(waiting) - len(finished) + 1):
+                    _raise_with_item(future, numbers[future], items)
+                    if done is not None:
+                        done(count)
             results: list[B] = self._client.gather(futures)
             return results
         finally:
             self._client.cancel(futures)
 
-    def _next(self, finished: queue.Queue[int]) -> int:
-        """Wait for an item, as long as there are workers.
+    def _next(self, waiting: set[Future[B]]) -> set[Future[B]]:
+        """Wait for items, as long as there are workers.
 
         Raises:
             WorkerLostError: no worker is left, or the scheduler is gone.
@@ -72,10 +73,12 @@ class Machines:
         looks_without = 0
         while looks_without < _PATIENCE:
             try:
-                return finished.get(timeout=_LOOK_S)
-            except queue.Empty:
+                return set(wait(waiting, _LOOK_S, "FIRST_COMPLETED").done)
+            except TimeoutError:
                 alive = self._client.status == "running" and self._client.nthreads()
                 looks_without = 0 if alive else looks_without + 1
+            except CancelledError:
+                break
         raise WorkerLostError(
             "no worker of the dask scheduler is left, or the scheduler itself is gone: start them and repeat"
         )
@@ -102,7 +105,7 @@ def machines(address: str) -> Iterator[Machines]:
         ConfigError: nobody answers, there are no workers, or they have other versions.
     """
     try:
-        client = Client(address, timeout=_CONNECT_S, set_as_default=False)
+        client = Client(address, timeout=_CONNECT_S)
     except (OSError, ValueError) as error:
         raise ConfigError(
             f"no dask scheduler answers at {address} within {_CONNECT_S:g} s ({error}): start one with "

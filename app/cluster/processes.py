@@ -2,6 +2,7 @@
 
 import multiprocessing
 import os
+import pickle
 import signal
 import threading
 from collections.abc import Callable, Iterator, Sequence
@@ -38,7 +39,7 @@ class Processes:
         futures: dict[Future[B], int] = {}
         try:
             for number, item in enumerate(items, 1):
-                futures[self._pool.submit(function, item)] = number
+                futures[self._pool.submit(_carry_out, function, item)] = number
             for count, future in enumerate(as_completed(futures), 1):
                 _raise_with_item(future, futures[future], items)
                 if done is not None:
@@ -53,6 +54,18 @@ class Processes:
                 future.cancel()
             raise
         return [future.result() for future in futures]
+
+
+def _carry_out(function: Callable[[A], B], item: A) -> B:
+    """Call a function in a worker; an error that cannot travel is told by one that can."""
+    try:
+        return function(item)
+    except Exception as error:
+        try:
+            pickle.loads(pickle.dumps(error))
+        except Exception as reason:  # noqa: BLE001  # whatever the error's own class raises
+            raise RuntimeError(f"{type(error).__name__}: {error} (which cannot travel: {reason})") from None
+        raise
 
 
 def _raise_with_item(future: Future[B], number: int, items: Sequence[object]) -> None:

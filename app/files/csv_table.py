@@ -72,18 +72,30 @@ def csv_rows(path: Path, example: str, check: Callable[[int, list[str]], None]) 
     """
     header: list[str] | None = None
     for number, line in _lines(path):
-        cells = [cell.strip() for cell in _cells(path, number, line)]
         if header is None:
-            header = cells
+            header = cells_of(path, number, line)
             check(number, header)
             continue
-        if len(cells) != len(header):
-            raise UsageError(
-                f"{path}:{number}: {len(cells)} values, but the header has {len(header)} columns"
-            )
-        yield CsvRow(path, number, dict(zip(header, cells, strict=True)))
+        yield csv_row(path, number, line, header)
     if header is None:
         raise UsageError(f"{path}: is empty; the first line has to be the header {example}")
+
+
+def csv_row(path: Path, number: int, line: str, header: list[str]) -> CsvRow:
+    """Return one line below the header.
+
+    Raises:
+        UsageError: it has another number of values than the header has columns.
+    """
+    cells = cells_of(path, number, line)
+    if len(cells) != len(header):
+        raise UsageError(f"{path}:{number}: {len(cells)} values, but the header has {len(header)} columns")
+    return CsvRow(path, number, dict(zip(header, cells, strict=True)))
+
+
+def is_talk(line: str) -> bool:
+    """Tell whether a line is a comment or blank."""
+    return not line.strip() or line.lstrip().startswith("#")
 
 
 def misnamed(header: list[str], allowed: tuple[str, ...]) -> str:
@@ -121,9 +133,14 @@ def _direction(text: str) -> int:
     return int(number)
 
 
-def _cells(path: Path, number: int, line: str) -> list[str]:
+def cells_of(path: Path, number: int, line: str) -> list[str]:
+    """Return the cells of a line, without blanks around them.
+
+    Raises:
+        UsageError: a cell is too long.
+    """
     try:
-        return next(csv.reader([line]))
+        return [cell.strip() for cell in next(csv.reader([line]))]
     except csv.Error as error:
         raise UsageError(f"{path}:{number}: a value is too long for a table: {error}") from error
 
@@ -140,5 +157,5 @@ def _lines(path: Path) -> Iterator[tuple[int, str]]:
     except ValueError as error:
         raise UsageError(f"{str(path)!r}: is no name of a file: {error}") from error
     for number, line in enumerate(text.splitlines(), 1):
-        if line.strip() and not line.lstrip().startswith("#"):
+        if not is_talk(line):
             yield number, line

@@ -73,8 +73,8 @@ def read_points_csv(path: Path, reflectors: Iterable[str]) -> list[PointRow]:
         UsageError: the file is missing, a column is missing, a value is wrong; names file and line.
     """
     known = list(reflectors)
-    found = csv_rows(path, ",".join(COLUMNS), partial(_require_columns, path))
-    rows = [_row(row, known) for row in found]
+    found = csv_rows(path, ",".join(COLUMNS), partial(require_columns, path))
+    rows = [point_row(row, known) for row in found]
     if not rows:
         raise UsageError(f"{path}: holds no points; each row below the header line is one distance")
     return rows
@@ -104,7 +104,12 @@ def to_points(rows: list[PointRow], reflectors: Iterable[str]) -> Points:
     )
 
 
-def _require_columns(path: Path, line: int, header: list[str]) -> None:
+def require_columns(path: Path, line: int, header: list[str]) -> None:
+    """Check the header of a points file.
+
+    Raises:
+        UsageError: a column is missing, unknown or stands twice.
+    """
     missing = [name for name in COLUMNS if name not in header]
     if missing:
         raise UsageError(
@@ -115,7 +120,12 @@ def _require_columns(path: Path, line: int, header: list[str]) -> None:
         raise UsageError(f"{path}:{line}: {fault}; allowed are {','.join(COLUMNS)}[,sigma_mm]")
 
 
-def _row(row: CsvRow, known: list[str]) -> PointRow:
+def point_row(row: CsvRow, known: list[str]) -> PointRow:
+    """Return a line of a points file as a distance.
+
+    Raises:
+        UsageError: a value is wrong, or the reflector is none of the known ones.
+    """
     reflector = row.cells["reflector"]
     if reflector not in known:
         raise row.fault(f"unknown reflector {reflector!r}; the cell file knows {', '.join(known)}")

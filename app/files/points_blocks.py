@@ -1,0 +1,181 @@
+"""Points files of any length, CSV or Parquet, block by block."""
+
+import importlib
+import warnings
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+from typing import Any, BinaryIO
+
+import numpy as np
+
+from app.errors import ConfigError, UsageError
+from app.files.csv_table import cells_of, csv_row, is_talk
+from app.files.point_columns import PointColumns, columns_of
+from app.files.points_csv import COLUMNS, point_row, require_columns
+
+_CHUNK_BYTES = 4_000_000
+"""Some 50 000 lines."""
+
+_BATCH_ROWS = 50_000
+
+
+def points_blocks(path: Path, known: Sequence[str]) -> Iterator[tuple[float, PointColumns]]:
+    """Read a points file.
+
+    Args:
+        path: the file; .parquet is Parquet, anything else CSV.
+        known: names of the reflectors of the cell file.
+
+    Yields:
+        The share of the file that is read, and the distances of a block.
+
+    Raises:
+        UsageError: the file is missing, a column is missing, a value is wrong; names file and line.
+        ConfigError: Parquet needs a package that is not installed.
+    """
+    if path.suffix == ".parquet":
+        yield from _parquet_blocks(path, known)
+    else:
+        yield from _csv_blocks(path, known)
+
+
+def _csv_blocks(path: Path, known: Sequence[str]) -> Iterator[tuple[float, PointColumns]]:
+    header: list[str] = []
+    for line, text, share in _chunks(path):
+        below, number = text, line
+        while not header and below:
+            first, _, below = below.partition("\n")
+            if not is_talk(first):
+                header = cells_of(path, number, first)
+                require_columns(path, number, header)
+            number += 1
+        if below:
+            clean = _clean_columns(below, header, known)
+            yield share, clean if clean is not None else _checked_columns(path, number, below, header, known)
+    if not header:
+        raise UsageError(f"{path}: is empty; the first line has to be the header {','.join(COLUMNS)}")
+
+
+def _chunks(path: Path) -> Iterator[tuple[int, str, float]]:
+    """Return whole lines: the number of the first, the text, and the share of the file that is read."""
+    try:
+        with path.open("rb") as stream:
+            yield from _whole_lines(stream, max(path.stat().st_size, 1))
+    except FileNotFoundError as error:
+        raise UsageError(f"{path}: there is no such file") from error
+    except OSError as error:
+        raise UsageError(f"{path}: cannot be read: {error.strerror}") from error
+    except UnicodeDecodeError as error:
+        raise UsageError(f"{path}: is not UTF-8 text; export it as UTF-8 CSV") from error
+
+
+def _whole_lines(stream: BinaryIO, size: int) -> Iterator[tuple[int, str, float]]:
+    line, rest, encoding = 1, b"", "utf-8-sig"
+    while chunk := stream.read(_CHUNK_BYTES):
+        whole, newline, rest = (rest + chunk).rpartition(b"\n")
+        if newline:
+            text = (whole + newline).decode(encoding)
+            yield line, text, stream.tell() / size
+            line, encoding = line + text.count("\n"), "utf-8"
+    if rest:
+        yield line, rest.decode(encoding), 1.0
+
+
+def _clean_columns(text: str, header: list[str], known: Sequence[str]) -> PointColumns | None:
+    """Return lines as columns at once; None when a line is not of plain numbers and known names."""
+    if "#" in text or '"' in text:
+        return None
+    width = 1 + max(len(name) for name in known)
+    kinds = {"reflector": f"U{width}", "segment": "i8"}
+    table = np.dtype([(name, kinds.get(name, "f8")) for name in header])
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("error")
+            rows = np.loadtxt(text.splitlines(), table, comments=None, delimiter=",", ndmin=1)
+    except (ValueError, Warning):
+        return None
+    columns = PointColumns(
+        _index(rows["reflector"], known),
+        rows["segment"],
+        rows["theta1_deg"],
+        rows["theta2_deg"],
+        rows["direction1"],
+        rows["direction2"],
+        rows["displacement_mm"],
+        rows["sigma_mm"] if "sigma_mm" in header else None,
+    )
+    return None if columns.first_fault() else columns
+
+
+def _index(names: Any, known: Sequence[str]) -> np.ndarray[tuple[int, ...], np.dtype[np.int64]]:
+    index = np.full(names.size, -1, dtype=np.int64)
+    for i, name in enumerate(known):
+        index[names == name] = i
+    return index
+
+
+def _checked_columns(
+    path: Path, first_line: int, text: str, header: list[str], known: Sequence[str]
+) -> PointColumns:
+    """Return lines as columns, each checked by itself: what is wrong is told with its line."""
+    names = list(known)
+    rows = [
+        point_row(csv_row(path, number, line, header), names)
+        for number, line in enumerate(text.splitlines(), first_line)
+        if not is_talk(line)
+    ]
+    return columns_of(rows, known, with_sigma="sigma_mm" in header)
+
+
+def _parquet_blocks(path: Path, known: Sequence[str]) -> Iterator[tuple[float, PointColumns]]:
+    try:
+        parquet = importlib.import_module("pyarrow.parquet")
+    except ImportError as error:
+        raise ConfigError("Parquet needs an extra package: pip install 'catseye[parquet]'") from error
+    try:
+        with parquet.ParquetFile(path) as file:
+            present = file.schema_arrow.names
+            missing = [name for name in COLUMNS if name not in present]
+            if missing:
+                raise UsageError(f"{path}: column {', '.join(missing)} is missing")
+            wanted = [*COLUMNS, *(["sigma_mm"] if "sigma_mm" in present else [])]
+            total, read = max(file.metadata.num_rows, 1), 0
+            for batch in file.iter_batches(_BATCH_ROWS, columns=wanted):
+                columns = _batch_columns(batch, known)
+                if fault := columns.first_fault():
+                    row, name = fault
+                    raise UsageError(
+                        f"{path}: row {read + row + 1}: {name} = {batch.column(name)[row].as_py()!r} cannot be; "
+                        f"reflectors are {', '.join(known)}, directions 1 or -1, numbers finite, sigma_mm above 0"
+                    )
+                read += len(columns)
+                yield read / total, columns
+    except FileNotFoundError as error:
+        raise UsageError(f"{path}: there is no such file") from error
+    except (OSError, ValueError) as error:
+        raise UsageError(f"{path}: cannot be read as Parquet: {error}") from error
+
+
+def _batch_columns(batch: Any, known: Sequence[str]) -> PointColumns:
+    names = batch.column("reflector").cast("string").dictionary_encode()
+    index = _index(np.array(names.dictionary.to_pylist(), dtype=np.str_), known)
+    # Values that are missing become NaN, which no check lets pass.
+    numbers = {
+        name: np.asarray(batch.column(name).cast("double").to_numpy(zero_copy_only=False), dtype=np.float64)
+        for name in batch.schema.names
+        if name != "reflector"
+    }
+    places = np.nan_to_num(
+        np.asarray(names.indices.to_numpy(zero_copy_only=False), dtype=np.float64), nan=-1.0
+    )
+    reflector = np.where(places < 0.0, -1, index[places.astype(np.int64)])
+    return PointColumns(
+        reflector,
+        numbers["segment"].astype(np.int64),
+        numbers["theta1_deg"],
+        numbers["theta2_deg"],
+        numbers["direction1"],
+        numbers["direction2"],
+        numbers["displacement_mm"],
+        numbers.get("sigma_mm"),
+    )

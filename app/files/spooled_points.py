@@ -1,0 +1,144 @@
+"""A points file kept as numbers in a temporary file, for as many passes as a solver needs.
+
+A pass then costs a fraction of what reading text does, and memory holds one block.
+"""
+
+import tempfile
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from app.errors import UsageError
+from app.files.point_columns import PointColumns
+from app.files.points_blocks import points_blocks
+from calibration.points import Commands, Points
+from calibration.types import Ints
+
+_BLOCK_ROWS = 50_000
+
+_RECORD = np.dtype(
+    [
+        ("theta1_rad", "<f8"),
+        ("theta2_rad", "<f8"),
+        ("displacement_mm", "<f8"),
+        ("sigma_mm", "<f8"),
+        ("dead_path", "<i4"),
+        ("reflector", "<i2"),
+        ("direction1", "i1"),
+        ("direction2", "i1"),
+    ]
+)
+
+
+@dataclass(frozen=True)
+class SpooledPoints:
+    """Distances in a temporary file: a source of blocks for the solver.
+
+    Attributes:
+        file: of records, without a header.
+        reflector_names: names of the reflectors.
+        dead_paths: (reflector name, segment) of each dead path.
+        with_sigma: the points state their uncertainties.
+        rows: number of distances.
+    """
+
+    file: Path
+    reflector_names: tuple[str, ...]
+    dead_paths: tuple[tuple[str, int], ...]
+    with_sigma: bool
+    rows: int
+
+    def __len__(self) -> int:
+        """Return the number of distances."""
+        return self.rows
+
+    def blocks(self) -> Iterator[Points]:
+        """Return all distances in measuring order, anew at each call."""
+        with self.file.open("rb") as stream:
+            while (records := np.fromfile(stream, _RECORD, _BLOCK_ROWS)).size:
+                numbers = {name: records[name].astype(np.float64) for name in _RECORD.names or ()}
+                yield Points(
+                    commands=Commands(
+                        numbers["theta1_rad"],
+                        numbers["theta2_rad"],
+                        records["direction1"].astype(np.int64),
+                        records["direction2"].astype(np.int64),
+                    ),
+                    reflector=records["reflector"].astype(np.int64),
+                    dead_path=records["dead_path"].astype(np.int64),
+                    displacement_mm=numbers["displacement_mm"],
+                    sigma_mm=numbers["sigma_mm"] if self.with_sigma else None,
+                    reflector_names=self.reflector_names,
+                    dead_paths=self.dead_paths,
+                )
+
+
+@contextmanager
+def spooled_points(
+    path: Path, known: Sequence[str], progress: Callable[[float], None] | None = None
+) -> Iterator[SpooledPoints]:
+    """Read a points file into a temporary file that lasts as long as the context.
+
+    Args:
+        path: the file; .parquet is Parquet, anything else CSV.
+        known: names of the reflectors of the cell file, each once.
+        progress: is told the share of the file that is read.
+
+    Raises:
+        UsageError: the file is missing, a column is missing, a value is wrong; names file and line.
+    """
+    # Reflectors that the file does not name keep their place: without a dead path they are left out later.
+    paths, with_sigma, rows = _DeadPaths(tuple(known)), False, 0
+    with tempfile.TemporaryDirectory(prefix="catseye-scan-") as folder:
+        file = Path(folder) / "points"
+        with file.open("wb") as stream:
+            for share, columns in points_blocks(path, known):
+                _records(columns, paths.index(columns)).tofile(stream)
+                with_sigma, rows = columns.sigma_mm is not None, rows + len(columns)
+                if progress is not None:
+                    progress(share)
+        if not rows:
+            raise UsageError(f"{path}: holds no points; each row below the header line is one distance")
+        yield SpooledPoints(file, tuple(known), paths.names, with_sigma, rows)
+
+
+class _DeadPaths:
+    """Numbers the segments in the order in which they first appear.
+
+    Args:
+        known: names of the reflectors.
+    """
+
+    def __init__(self, known: tuple[str, ...]) -> None:
+        self._known = known
+        self._numbers: dict[tuple[int, int], int] = {}
+
+    @property
+    def names(self) -> tuple[tuple[str, int], ...]:
+        """(Reflector name, segment) of each."""
+        return tuple((self._known[reflector], segment) for reflector, segment in self._numbers)
+
+    def index(self, columns: PointColumns) -> Ints:
+        """Return the dead path of each row, shape (n,)."""
+        changes = (np.diff(columns.segment) != 0) | (np.diff(columns.reflector) != 0)
+        starts = np.concatenate([[0], np.flatnonzero(changes) + 1]) if len(columns) else np.zeros(0, np.int64)
+        keys = zip(columns.reflector[starts].tolist(), columns.segment[starts].tolist(), strict=True)
+        numbers = [self._numbers.setdefault(key, len(self._numbers)) for key in keys]
+        return np.repeat(np.array(numbers, dtype=np.int64), np.diff(np.append(starts, len(columns))))
+
+
+def _records(columns: PointColumns, dead_path: Ints) -> np.ndarray[tuple[int, ...], np.dtype[np.void]]:
+    records = np.zeros(len(columns), dtype=_RECORD)
+    records["theta1_rad"] = np.deg2rad(columns.theta1_deg)
+    records["theta2_rad"] = np.deg2rad(columns.theta2_deg)
+    records["displacement_mm"] = columns.displacement_mm
+    if columns.sigma_mm is not None:
+        records["sigma_mm"] = columns.sigma_mm
+    records["dead_path"] = dead_path
+    records["reflector"] = columns.reflector
+    records["direction1"] = columns.direction1
+    records["direction2"] = columns.direction2
+    return records

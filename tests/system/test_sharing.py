@@ -1,0 +1,210 @@
+"""Shared work as a whole: interrupted, killed, and over a real dask scheduler with workers of its own."""
+
+import os
+import signal
+import socket
+import subprocess
+import sys
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from app.cluster.errors import WorkerLostError
+from app.cluster.sharing import sharing
+from app.errors import ConfigError
+from calibration.errors import UnidentifiableError
+from tests.unit.app.cluster.work import drawn, fails_at_three, killed_at_three
+
+ROOT = Path(__file__).parents[2]
+
+LINGERING = """
+import sys
+from pathlib import Path
+from app.cluster.sharing import sharing
+from tests.unit.app.cluster.work import lingering
+
+if __name__ == "__main__":
+    with sharing(2, None) as share:
+        share.map(lingering, [Path(sys.argv[1])] * 2)
+"""
+
+
+CONNECTING = """
+import sys
+from app.cluster.sharing import sharing
+from app.failure import tell
+
+try:
+    with sharing(1, sys.argv[1]):
+        pass
+except Exception as error:
+    sys.exit(tell(error))
+"""
+
+
+def wait_until(condition: Callable[[], bool], what: str, limit_s: float = 30.0) -> None:
+    end_s = time.monotonic() + limit_s
+    while not condition():
+        assert time.monotonic() < end_s, f"{what} took longer than {limit_s:g} s"
+        time.sleep(0.02)
+
+
+def is_running(process: int) -> bool:
+    try:
+        os.kill(process, 0)
+    except ProcessLookupError:
+        return False
+    state = Path(f"/proc/{process}/stat")
+    return not state.exists() or state.read_text().rpartition(")")[2].split()[0] != "Z"
+
+
+@pytest.mark.parametrize("ending", [signal.SIGINT, signal.SIGTERM, signal.SIGKILL])
+def test_whatever_ends_the_work_leaves_no_worker_behind(tmp_path: Path, ending: signal.Signals) -> None:
+    script = tmp_path / "linger.py"
+    script.write_text(LINGERING)
+    process = subprocess.Popen(
+        [sys.executable, str(script), str(tmp_path)],
+        env=os.environ | {"PYTHONPATH": str(ROOT)},
+        stderr=subprocess.PIPE,
+        start_new_session=True,
+    )
+    with process:
+        wait_until(lambda: len(list(tmp_path.glob("*.running"))) == 2, "starting two workers")
+        workers = [int(path.stem) for path in tmp_path.glob("*.running")]
+        # Ctrl-C on a terminal goes to the whole group.
+        (os.killpg if ending == signal.SIGINT else os.kill)(process.pid, ending)
+        errors = process.communicate(timeout=30)[1].decode()
+        wait_until(lambda: not any(is_running(worker) for worker in workers), "ending the workers")
+    if ending == signal.SIGINT:
+        assert errors.count("KeyboardInterrupt") == 1, "the workers themselves say nothing"
+
+
+def free_port() -> int:
+    with socket.socket() as probe:
+        probe.bind(("127.0.0.1", 0))
+        return int(probe.getsockname()[1])
+
+
+@contextmanager
+def dask(*arguments: str, folder: Path) -> Iterator[subprocess.Popen[bytes]]:
+    """Run a command of dask until the context ends."""
+    with (folder / f"{arguments[0]}.log").open("wb") as log:
+        process = subprocess.Popen(
+            [sys.executable, "-W", "ignore", "-m", "dask", *arguments, "--no-dashboard"],
+            env=os.environ | {"PYTHONPATH": str(ROOT)},
+            stdout=log,
+            stderr=log,
+            cwd=folder,
+        )
+    try:
+        yield process
+    finally:
+        process.terminate()
+        try:
+            process.wait(20.0)
+        except subprocess.TimeoutExpired:
+            process.kill()
+            process.wait()
+
+
+def answers(port: int) -> bool:
+    with socket.socket() as probe:
+        return probe.connect_ex(("127.0.0.1", port)) == 0
+
+
+@pytest.fixture(scope="module")
+def scheduler(tmp_path_factory: pytest.TempPathFactory) -> Iterator[str]:
+    port = free_port()
+    with dask("scheduler", "--port", str(port), folder=tmp_path_factory.mktemp("scheduler")):
+        wait_until(lambda: answers(port), "starting the scheduler")
+        yield f"tcp://127.0.0.1:{port}"
+
+
+@pytest.fixture
+def workers(scheduler: str, tmp_path: Path) -> Iterator[subprocess.Popen[bytes]]:
+    with dask("worker", scheduler, "--nworkers", "2", "--nthreads", "1", folder=tmp_path) as process:
+        yield process
+
+
+@contextmanager
+def ready(address: str) -> Iterator[None]:
+    """Wait until workers have reported to a scheduler."""
+
+    def reported() -> bool:
+        try:
+            with sharing(1, address):
+                return True
+        except ConfigError as error:
+            if "has no workers" not in str(error):
+                raise
+            return False
+
+    wait_until(reported, "the workers' report")
+    yield
+
+
+@pytest.mark.slow
+@pytest.mark.usefixtures("workers")
+def test_dask_gives_the_same_numbers_and_the_same_errors(scheduler: str) -> None:
+    seen: list[int] = []
+    with ready(scheduler), sharing(1, scheduler) as share:
+        found = share.map(drawn, np.random.SeedSequence(7).spawn(5), seen.append)
+        with pytest.raises(UnidentifiableError, match="three") as caught:
+            share.map(fails_at_three, range(8))
+        with pytest.raises(WorkerLostError, match="lost item 4 of 8"):
+            share.map(killed_at_three, range(8))
+    assert found == [
+        float(np.random.default_rng(seed).normal(size=1000).sum())
+        for seed in np.random.SeedSequence(7).spawn(5)
+    ]
+    assert seen == [1, 2, 3, 4, 5]
+    assert caught.value.__notes__[-1] == "in item 4 of 8: 3"
+
+
+@pytest.mark.slow
+def test_workers_that_all_go_are_told_and_nothing_hangs(
+    scheduler: str, workers: subprocess.Popen[bytes], tmp_path: Path
+) -> None:
+    begun_s = 0.0
+    with ready(scheduler), sharing(1, scheduler) as share:
+
+        def leave(_: int) -> None:
+            nonlocal begun_s
+            workers.terminate()
+            begun_s = time.monotonic()
+
+        with pytest.raises(WorkerLostError, match="no worker of the dask scheduler is left"):
+            share.map(pausing, [tmp_path] + [None] * 40, leave)
+    assert time.monotonic() - begun_s < 40.0
+
+
+def pausing(_: object) -> None:
+    """Take a moment."""
+    time.sleep(1.0)
+
+
+@pytest.mark.slow
+def test_a_scheduler_without_workers_is_told(scheduler: str) -> None:
+    with pytest.raises(ConfigError, match="has no workers"), sharing(1, scheduler):
+        pass
+
+
+@pytest.mark.slow
+def test_an_address_where_nobody_answers_is_told_in_bounded_time(tmp_path: Path) -> None:
+    address = f"tcp://127.0.0.1:{free_port()}"
+    script = tmp_path / "connect.py"
+    script.write_text(CONNECTING)
+    answer = subprocess.run(
+        [sys.executable, str(script), address],
+        env=os.environ | {"PYTHONPATH": str(ROOT)},
+        capture_output=True,
+        text=True,
+        timeout=40.0,
+        check=False,
+    )
+    assert f"no dask scheduler answers at {address}" in answer.stderr
+    assert answer.returncode == 2

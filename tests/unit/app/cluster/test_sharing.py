@@ -1,0 +1,100 @@
+"""Work shared over processes: order, progress, errors, the same numbers however many there are."""
+
+import os
+import sys
+from collections.abc import Iterator
+
+import numpy as np
+import pytest
+
+from app.cluster.errors import WorkerLostError
+from app.cluster.sharing import Share, cores, sharing
+from app.errors import ConfigError
+from calibration.errors import UnidentifiableError
+from tests.unit.app.cluster.work import (
+    drawn,
+    fails_at_three,
+    fails_untellably,
+    killed_at_three,
+    process_and_threads,
+)
+
+
+@pytest.fixture(params=[1, 3])
+def share(request: pytest.FixtureRequest) -> Iterator[Share]:
+    with sharing(request.param, None) as found:
+        yield found
+
+
+def test_results_come_in_the_order_of_the_items(share: Share) -> None:
+    seen: list[int] = []
+    assert share.map(abs, [-5, 4, -3, 2, -1], seen.append) == [5, 4, 3, 2, 1]
+    assert seen == [1, 2, 3, 4, 5]
+
+
+def test_no_items_no_results(share: Share) -> None:
+    assert share.map(abs, []) == []
+
+
+def test_an_error_arrives_as_it_was_with_its_item(share: Share) -> None:
+    with pytest.raises(UnidentifiableError, match="three") as caught:
+        share.map(fails_at_three, range(8))
+    assert caught.value.null_directions == [["L1"]]
+    assert caught.value.__notes__ == ["in item 4 of 8: 3"]
+    assert share.map(abs, [-1]) == [1], "the pool goes on after an error"
+
+
+def test_an_error_that_cannot_travel_is_told_all_the_same() -> None:
+    with sharing(2, None) as found, pytest.raises(RuntimeError, match="TwoPartError: two parts"):
+        found.map(fails_untellably, [1])
+
+
+def test_the_same_numbers_however_many_workers_there_are() -> None:
+    expected = [
+        float(np.random.default_rng(seed).normal(size=1000).sum())
+        for seed in np.random.SeedSequence(7).spawn(5)
+    ]
+    for workers in (1, 2, 3):
+        with sharing(workers, None) as found:
+            assert found.map(drawn, np.random.SeedSequence(7).spawn(5)) == expected
+
+
+def test_processes_are_others_and_have_one_thread_each(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("OMP_NUM_THREADS", "7")
+    with sharing(2, None) as found:
+        answers = found.map(process_and_threads, range(6))
+    assert {threads for _, threads in answers} == {"1"}
+    assert os.getpid() not in {process for process, _ in answers}
+    assert os.environ["OMP_NUM_THREADS"] == "7"
+
+
+def test_one_worker_is_this_process() -> None:
+    with sharing(1, None) as found:
+        assert found.map(process_and_threads, [0])[0][0] == os.getpid()
+
+
+def test_zero_takes_one_a_core(monkeypatch: pytest.MonkeyPatch) -> None:
+    if not hasattr(os, "sched_getaffinity"):
+        pytest.skip("this system does not tell which cores a process may use")
+    monkeypatch.setattr(os, "sched_getaffinity", lambda _: {0, 1, 2})
+    assert cores() == 3
+
+
+def test_a_worker_that_dies_is_told() -> None:
+    with sharing(2, None) as found, pytest.raises(WorkerLostError, match="memory"):
+        found.map(killed_at_three, range(8))
+
+
+def test_fewer_than_no_workers() -> None:
+    with pytest.raises(ValueError, match="-1 workers"), sharing(-1, None):
+        pass
+
+
+def test_dask_without_its_package_names_the_remedy(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(sys.modules, "distributed", None)
+    monkeypatch.delitem(sys.modules, "app.cluster.machines", raising=False)
+    with (
+        pytest.raises(ConfigError, match=r"pip install 'catseye\[cluster\]'"),
+        sharing(1, "tcp://127.0.0.1:1"),
+    ):
+        pass
