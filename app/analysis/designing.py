@@ -189,6 +189,7 @@ class NodeUncertainty:
         direction: state of approach, 1 or -1.
         white_mdeg: what averages out alone.
         total_mdeg: everything.
+        systematic: the criterion counts everything.
     """
 
     joint: int
@@ -196,12 +197,19 @@ class NodeUncertainty:
     direction: int
     white_mdeg: float
     total_mdeg: float
+    systematic: bool
+
+    @property
+    def u_mdeg(self) -> float:
+        """What the criterion counts."""
+        return self.total_mdeg if self.systematic else self.white_mdeg
 
 
 def node_uncertainties(layout: Layout) -> list[NodeUncertainty]:
     """Return the uncertainties of all values of both maps, J1 first, positive direction first."""
     arm = layout.problem.study.layout
     white, total = (1e3 * np.rad2deg(layout.u(systematic=systematic)) for systematic in (False, True))
+    counted = layout.problem.systematic
     places = [
         (joint, float(node), sign)
         for joint, nodes in ((1, arm.nodes1_rad), (2, arm.nodes2_rad))
@@ -209,7 +217,7 @@ def node_uncertainties(layout: Layout) -> list[NodeUncertainty]:
         for node in np.rad2deg(nodes)
     ]
     return [
-        NodeUncertainty(joint, round(node, 6), sign, float(white[2 + k]), float(total[2 + k]))
+        NodeUncertainty(joint, round(node, 6), sign, float(white[2 + k]), float(total[2 + k]), counted)
         for k, (joint, node, sign) in enumerate(places)
     ]
 
@@ -228,7 +236,7 @@ def weakest(layout: Layout, each: int = 2) -> list[NodeUncertainty]:
     return [
         one
         for joint in (1, 2)
-        for one in sorted((v for v in values if v.joint == joint), key=lambda v: -v.total_mdeg)[:each]
+        for one in sorted((v for v in values if v.joint == joint), key=lambda v: -v.u_mdeg)[:each]
     ]
 
 

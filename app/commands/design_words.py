@@ -117,7 +117,7 @@ def _remarks(found: Design) -> list[str]:
 
 def _weak_text(one: NodeUncertainty) -> str:
     sign = "+" if one.direction > 0 else "−"
-    return f"Δθ{one.joint}({one.node_deg:g}°, {sign}) {one.total_mdeg:.2f} mdeg"
+    return f"Δθ{one.joint}({one.node_deg:g}°, {sign}) {one.u_mdeg:.2f} mdeg"
 
 
 def _plan_remark(layout: Layout) -> str:

@@ -11,7 +11,7 @@ from app.report.figures.design_front import front_figure
 from app.report.figures.design_places import places_figure
 from app.report.figures.design_weakness import node_figure, position_figure
 from app.report.markup import Html, bullets, element, paragraphs, section, table
-from app.report.numbers import counted, duration, fixed
+from app.report.numbers import counted, duration, fixed, plain
 from app.version import SOFTWARE
 from calibration.design.criteria import CriterionName
 
@@ -123,8 +123,8 @@ def _rows(found: Design, layout: Layout) -> list[list[str]]:
 
 def _weakness(found: Design) -> Html:
     worst = [
-        f"Δθ{one.joint} at {one.node_deg:g}°, {'positive' if one.direction > 0 else 'negative'} direction: "
-        f"{fixed(one.total_mdeg, 2)} mdeg"
+        f"Δθ{one.joint} at {plain(one.node_deg)}°, {'positive' if one.direction > 0 else 'negative'} direction: "
+        f"{fixed(one.u_mdeg, 2)} mdeg"
         for one in weakest(found.layout)
     ]
     nodes = figure(
@@ -161,7 +161,7 @@ def _commands(found: Design) -> Html:
     bench = problem.bench
     signs = (("+ +", 1, 1), ("+ −", 1, -1), ("− +", -1, 1), ("− −", -1, -1))
     rows = [
-        [f"{node:g}", *(_kept(found, node, one, two) for _, one, two in signs)] for node in bench.nodes1_deg
+        [plain(node), *(_kept(found, node, one, two) for _, one, two in signs)] for node in bench.nodes1_deg
     ]
     head = ["θ1 / °", *(f"θ2 / °, directions {name}" for name, _, _ in signs)]
     return section("commands", "Which commands", paragraphs(text), table("Commands chosen", head, rows, 5))

@@ -9,8 +9,8 @@ from calibration.types import Floats
 
 CriterionName = Literal["A", "D", "E", "path"]
 
-_TINY = 1e-13
-"""Share of the mean information that is added, so that a singular matrix has a huge covariance instead of none."""
+_TINY = 1e-14
+"""Added to the diagonal of scaled information, so that a singular matrix has a huge covariance instead of none."""
 
 SINGULAR = 1.0
 """Variances above this, rad², are those of a direction that no distance determines."""
@@ -112,8 +112,10 @@ def covariances(matrix: Floats, effects: Floats | None) -> Floats:
         matrix: information.
         effects: of systematic contributors, shape (..., f, m); None leaves them out.
     """
-    level = _TINY * np.trace(matrix, axis1=-2, axis2=-1)[..., None, None] / matrix.shape[-1]
-    white = np.linalg.inv(matrix + np.maximum(level, np.finfo(float).tiny) * np.eye(matrix.shape[-1]))
+    diagonal = np.diagonal(matrix, axis1=-2, axis2=-1)
+    scale = 1.0 / np.sqrt(np.where(diagonal > 0.0, diagonal, 1.0))
+    both = scale[..., :, None] * scale[..., None, :]
+    white = both * np.linalg.inv(matrix * both + _TINY * np.eye(matrix.shape[-1]))
     if effects is None:
         return np.asarray(white, dtype=np.float64)
     shifts = white @ effects

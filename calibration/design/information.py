@@ -133,11 +133,14 @@ class Study:
             reflector_names=tuple(name for name, _ in named),
             dead_paths=tuple((name, part) for name, sight in named for part in range(sight.segments)),
         )
-        rows = [self.rows(sight) for sight in sights]
-        places = linalg.block_diag(*(one.nuisance[:, :2] for one in rows))
-        dead_paths = linalg.block_diag(*(one.nuisance[:, 2:] for one in rows))
-        free = np.vstack([one.arm for one in rows])
-        jacobian = np.hstack([free @ np.linalg.pinv(self.basis), places, dead_paths])
+        nuisances = [self.rows(sight).nuisance for sight in sights]
+        places = linalg.block_diag(*(one[:, :2] for one in nuisances))
+        dead_paths = linalg.block_diag(*(one[:, 2:] for one in nuisances))
+        # All parameters, not the free directions: a value that no command touches is known by its column of zeros.
+        design, _, _ = self._prepared
+        local = design.local_jacobian(self.parameters)
+        arm = [design.spread(np.einsum("ni,nij->nj", one[:, :2], local)) for one in nuisances]
+        jacobian = np.hstack([np.vstack(arm), places, dead_paths])
         require_identifiable(layout, jacobian, layout.gauge_basis())
 
     def covariance(self, information: Information, *, systematic: bool) -> Floats:

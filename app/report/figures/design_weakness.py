@@ -26,7 +26,6 @@ def node_figure(found: Design) -> Figure:
     """Draw the standard uncertainties of both maps at their nodes, designed and first known layout."""
     figure = Figure(figsize=(WIDTH_IN, 3.4))
     row = figure.subplots(1, 2, sharey=True)
-    systematic = found.problem.systematic
     for joint, axes in enumerate(row, 1):
         for layout, width, size in ((found.layout, 1.4, 4.5), (found.known[0], 0.7, 0.0)):
             for direction, colour, marker in ((1, POSITIVE, "^"), (-1, NEGATIVE, "v")):
@@ -37,7 +36,7 @@ def node_figure(found: Design) -> Figure:
                 ]
                 axes.plot(
                     [one.node_deg for one in own],
-                    [one.total_mdeg if systematic else one.white_mdeg for one in own],
+                    [one.u_mdeg for one in own],
                     color=colour,
                     linewidth=width,
                     linestyle="-" if size else "--",
