@@ -21,6 +21,6 @@ def agreement_text(model: ModelOnPath) -> str:
         )
     return (
         f"{model_title(model)}: the uncertainties of {whose} explain {100.0 * judged.share:.0f} % of the variance "
-        f"that is left: {figures} ({probability(judged.probability)}). The rest is what the model does not know, the "
-        f"arm's own repeatability and drift{'' if judged.instrument else ', and the scatter of the instrument'}."
+        f"that is left: {figures} ({probability(judged.probability)}). The rest: what the model does not know, "
+        f"repeatability and drift of the arm{'' if judged.instrument else ', scatter of the instrument'}."
     )

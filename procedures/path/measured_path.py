@@ -153,7 +153,7 @@ def misplaced(commands_mm: Floats, places_mm: Floats) -> Misplaced | None:
         unit = suspected_unit(commands_mm, places_mm)
         like = f"they seem to be in {unit}: convert them to mm" if unit else "they are not those of this path"
         return Misplaced(
-            None, f"the measured positions are spread {ratio:.3g} times as far as the commands: {like}"
+            None, f"the measured positions are spread {ratio:.4g} times as far as the commands: {like}"
         )
     off = _off_mm(commands_mm, places_mm)
     worst = int(np.argmax(off))
