@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 
 from app.aim import search_result
+from app.analysis.identified_uncertainty import by_jacobian
 from app.analysis.identifying import (
     MODELS,
     aimed_bench,
@@ -20,6 +21,7 @@ from app.analysis.identifying import (
     error_budget,
     identified_result,
     identify_rows,
+    problem_of_rows,
     run_rows,
 )
 from app.analysis.material import with_reference_links
@@ -44,6 +46,7 @@ from app.report.page import render_html
 from app.store.reader import RunReader
 from app.store.seal import read_manifest
 from app.version import SOFTWARE
+from calibration.diagnostics.diagnosis import Diagnosis, diagnose
 from calibration.errors import CalibrationError
 from calibration.identification import Identification
 
@@ -77,7 +80,7 @@ def run_report(reader: RunReader, root: Path, path: Path) -> None:
     """Write the report of one run; a measurement is identified with both models, a path compared with both."""
     cell = cell_of_run(reader)
     results, notes = _identified(reader, root) if reader.points() else ([], [])
-    parts = _run_parts([reader], cell)
+    parts = _run_parts([reader], cell) | {"diagnosis": _diagnosed(reader, root)}
     if reader.count("path"):
         compared = compare_path(reader, root)
         results, notes = compared.results, compared.notes
@@ -133,8 +136,20 @@ def _identified(reader: RunReader, root: Path) -> tuple[list[Result], list[str]]
         except CalibrationError as error:
             notes.append(f"the {model} model could not be identified: {error}")
             continue
-        results.append(with_reference_links(identified_result(one, bench, [reader.path.name]), [reader]))
+        result = with_reference_links(identified_result(one, bench, [reader.path.name]), [reader])
+        results.append(result.model_copy(update={"uncertainty": by_jacobian(one).part}))
     return results, notes
+
+
+def _diagnosed(reader: RunReader, root: Path) -> Diagnosis | None:
+    """Return what speaks for and against the error map; None where there is none, which the notes tell."""
+    if not reader.points():
+        return None
+    bench, budget = bench_of_runs([reader], root), error_budget(cell_of_run(reader))
+    try:
+        return diagnose(problem_of_rows(run_rows([reader]), bench, "error-map", budget))
+    except CalibrationError:
+        return None
 
 
 def _run_parts(readers: Sequence[RunReader], cell: Cell) -> dict[str, Any]:

@@ -68,6 +68,12 @@ class ContributorEntry(Section):
         self.contributor()
         return self
 
+    @property
+    def stated(self) -> str:
+        """Value with its unit, as the file states it."""
+        key, _ = _UNITS[self.kind]
+        return f"{getattr(self, key):g} {key.removeprefix('value_').replace('um', 'µm')}"
+
     def contributor(self) -> Contributor:
         """Return the line with its standard uncertainty in mm, rad or as a share."""
         key, factor = _UNITS[self.kind]

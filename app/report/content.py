@@ -10,6 +10,7 @@ from app.analysis.distance_validation import DistanceValidation
 from app.analysis.validation import PathValidation
 from app.cell.model import Cell
 from app.files.result_json import Result
+from calibration.diagnostics.diagnosis import Diagnosis
 from calibration.types import Floats
 from procedures.bench import Bench
 
@@ -140,6 +141,7 @@ class ReportContent:
         truth: what an emulated bench really is.
         validation: models on an independently measured path.
         distances: models on a path that the interferometer measured.
+        diagnosis: what speaks for and against the error map.
         search: what searches found, as the search's last step returns it: `reflectors` (`name`, `x_mm`, `y_mm`,
             `u_x_mm`, `u_y_mm`, `u_aim_mm`), `theta40_deg`, `u_theta40_deg`, `rms_deg`.
         warnings: sentences of the plan: blind commands, planned breaks.
@@ -163,6 +165,7 @@ class ReportContent:
     truth: TruthTables | None = None
     validation: PathValidation | None = None
     distances: DistanceValidation | None = None
+    diagnosis: Diagnosis | None = None
     search: Sequence[Mapping[str, Any]] = ()
     warnings: Sequence[str] = ()
     events: Sequence[str] = ()

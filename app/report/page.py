@@ -3,6 +3,7 @@
 from pathlib import Path
 
 from app.report.content import ReportContent
+from app.report.diagnosis_section import diagnosis_section
 from app.report.distance_section import distance_section
 from app.report.markup import Html, element, join
 from app.report.numbers import unbroken
@@ -18,6 +19,7 @@ from app.report.run_sections import (
 )
 from app.report.standards_section import standards_section
 from app.report.trace_section import trace_section
+from app.report.uncertainty_section import uncertainty_section
 from app.report.verdict import Statement, verdict
 
 _STYLE = Path(__file__).with_name("report.css")
@@ -82,6 +84,8 @@ def _sections(content: ReportContent) -> list[Html]:
         path_section(content),
         distance_section(content),
         fit_section(content),
+        Html() if content.diagnosis is None else diagnosis_section(content.diagnosis),
+        uncertainty_section(content.best, content.cell),
         layout_section(content),
         reflector_section(content),
         search_section(content),
