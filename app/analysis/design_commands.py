@@ -26,12 +26,14 @@ class CommandChoice:
         kept: commands that are measured, shape (n,).
         cost: what the plan of them says.
         information: what they tell about the arm.
+        asked: how many were asked for.
     """
 
     layout: Layout
     kept: Bools
     cost: BenchCost
     information: Information
+    asked: int | None = None
 
     def shown(self, name: CriterionName, *, systematic: bool) -> float:
         """Return the uncertainty that a criterion stands for; infinite where it is not determined."""
@@ -51,7 +53,7 @@ def choose(layout: Layout, count: int) -> CommandChoice:
     for one in parts[1:]:
         total = total + one
     bench = with_reflectors(problem.bench, layout.sights)
-    return CommandChoice(layout, kept, bench_cost(bench, problem.sequence, kept), total)
+    return CommandChoice(layout, kept, bench_cost(bench, problem.sequence, kept), total, count)
 
 
 def choose_for_time(layout: Layout, limit_s: float) -> CommandChoice:

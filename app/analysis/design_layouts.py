@@ -60,7 +60,12 @@ class Layout:
         return criterion.shown(value) if np.isfinite(value) else np.inf
 
     def u(self, *, systematic: bool) -> Floats:
-        """Return the standard uncertainties of the arm's parameters, mm and rad, shape (p,)."""
+        """Return the standard uncertainties of the arm's parameters, mm and rad, shape (p,).
+
+        They are infinite where the layout leaves any of them undetermined.
+        """
+        if np.isinf(self.shown("A", systematic=systematic)):
+            return np.full(self.problem.study.layout.arm_size, np.inf)
         arm = self.problem.study.arm(self.covariance(systematic=systematic))
         return np.sqrt(np.diag(arm.covariance))
 

@@ -194,7 +194,9 @@ def _path(bench: Bench, study: Study, given: Commands | None) -> tuple[Commands,
                 "add nodes that enclose it; a map is never extrapolated"
             )
         left_out = int((~inside).sum())
-        text = "the given path" + (f" without {left_out} rows outside of the nodes" if left_out else "")
+        text = "the given path" + (
+            f" without {left_out} row{'s' if left_out > 1 else ''} outside of the nodes" if left_out else ""
+        )
         return given.select(inside), text
     paper = _paper_path(bench)
     if paper is not None:

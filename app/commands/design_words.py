@@ -4,6 +4,7 @@ import math
 
 import numpy as np
 
+from app.analysis.design_commands import CommandChoice
 from app.analysis.design_layouts import Layout
 from app.analysis.designing import Design, NodeUncertainty, node_uncertainties, weakest
 from app.commands.output import emit, emit_json, say, table
@@ -54,10 +55,10 @@ def _comparison(found: Design) -> str:
             [
                 layout.name,
                 *(_number(layout.shown(name, systematic=systematic)) for name in _CRITERIA),
-                f"{1e3 * u[0]:.1f}",
-                f"{1e3 * u[1]:.1f}",
-                f"{1e3 * np.rad2deg(u[arm.map1].max()):.2f}",
-                f"{1e3 * np.rad2deg(u[arm.map2].max()):.2f}",
+                _number(1e3 * float(u[0]), 1),
+                _number(1e3 * float(u[1]), 1),
+                _number(1e3 * float(np.rad2deg(u[arm.map1].max())), 2),
+                _number(1e3 * float(np.rad2deg(u[arm.map2].max())), 2),
                 layout.cost.points,
                 layout.cost.breaks,
                 _minutes(layout.cost.duration_s),
@@ -108,11 +109,21 @@ def _remarks(found: Design) -> list[str]:
             f"{beaten} further compromises are beaten in time and uncertainty; --json lists them too"
         )
     if found.choice is not None:
+        texts.append(_choice_remark(found.choice))
         texts.append(
             "open-loop measures whole grids of nodes; a choice of commands is for programs of your own, or a hint "
             "which nodes may be left out"
         )
     return [text for text in texts if text]
+
+
+def _choice_remark(choice: CommandChoice) -> str:
+    kept = int(choice.kept.sum())
+    if choice.asked is None or kept <= choice.asked:
+        return ""
+    return (
+        f"warning: {choice.asked} commands leave parameters undetermined; the fewest that do not are {kept}"
+    )
 
 
 def _weak_text(one: NodeUncertainty) -> str:
@@ -211,8 +222,8 @@ def _layout_json(layout: Layout) -> dict[str, Json]:
     }
 
 
-def _number(value: float) -> str:
-    return f"{value:.3f}" if math.isfinite(value) else "undetermined"
+def _number(value: float, decimals: int = 3) -> str:
+    return f"{value:.{decimals}f}" if math.isfinite(value) else "undetermined"
 
 
 def _minutes(seconds: float) -> str:

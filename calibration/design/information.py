@@ -127,7 +127,7 @@ class Study:
         Raises:
             UnidentifiableError: names the parameters of each null direction and what to measure.
         """
-        named = [(str(k), sight) for k, sight in enumerate(sights)]
+        named = [(f"P{k}", sight) for k, sight in enumerate(sights, 1)]
         layout = replace(
             self.layout,
             reflector_names=tuple(name for name, _ in named),
