@@ -1,0 +1,79 @@
+"""[uncertainty]: the list of contributors, Table 2 as its default, and the totals of earlier files."""
+
+import math
+import tomllib
+from pathlib import Path
+
+import pytest
+
+from app.cell.load import load_cell
+from app.cell.model import Cell
+from app.cell.template import TEMPLATE
+from app.cell.uncertainty import Uncertainty
+from app.errors import ConfigError
+
+HEAD = TEMPLATE[: TEMPLATE.index("# The error budget")]
+
+
+def loaded(tmp_path: Path, section: str) -> Cell:
+    file = tmp_path / "cell.toml"
+    file.write_text(HEAD + section, encoding="utf-8")
+    return load_cell(file).cell
+
+
+def test_the_template_states_the_default() -> None:
+    assert Cell.model_validate(tomllib.loads(TEMPLATE)).uncertainty == Uncertainty()
+
+
+def test_the_default_is_table_2() -> None:
+    found = {one.name: one for one in Uncertainty().budget.contributors}
+    assert found["repeatability of the robot"].u == pytest.approx(0.010)
+    assert [found[f"radial error motion of {axis}"].u for axis in ("J1", "J2", "J4")] == pytest.approx(
+        [0.005, 0.005, 0.010]
+    )
+    # 0.04 and 0.19 µm in the example's distance from (100, 100) to (650, -400) mm.
+    distance_mm = math.hypot(550.0, 500.0)
+    assert found["wavelength"].u * distance_mm == pytest.approx(0.04e-3, rel=0.01)
+    assert found["wavelength correction"].u * distance_mm == pytest.approx(0.19e-3, rel=0.01)
+    assert found["beam direction, J1"].u == pytest.approx(7.17e-4)
+
+
+def test_totals_of_earlier_files_are_read_as_the_lines_that_they_meant(tmp_path: Path) -> None:
+    section = (
+        "[uncertainty]\nrepeatability_um = 8.0\nlaser_um = 0.5\nradial_j4_um = 12.0\nradial_orders = 3\n"
+    )
+    found = loaded(tmp_path, section).uncertainty
+    assert found.white_um == pytest.approx(math.hypot(8.0, 0.5, 0.31))
+    assert [found.radial_um(axis) for axis in ("j1", "j2", "j4")] == pytest.approx([5.0, 5.0, 12.0])
+    assert found.radial_orders == 3
+
+
+@pytest.mark.parametrize(
+    ("distribution", "divisor"),
+    [("normal", 1.0), ("uniform", math.sqrt(3)), ("triangular", math.sqrt(6)), ("arcsine", math.sqrt(2))],
+)
+def test_half_widths_become_standard_uncertainties(tmp_path: Path, distribution: str, divisor: float) -> None:
+    line = f'value_um = 6.0\ndistribution = "{distribution}"\n'
+    section = f'[[uncertainty.contributor]]\nname = "c"\nkind = "length"\n{line}'
+    (one,) = loaded(tmp_path, section).uncertainty.budget.contributors
+    assert one.u == pytest.approx(0.006 / divisor)
+
+
+@pytest.mark.parametrize(
+    ("line", "complaint"),
+    [
+        ('kind = "length"\nvalue_ppm = 1.0', "kind length is stated by value_um, not by value_ppm"),
+        ('kind = "length"', "kind length is stated by value_um, not by nothing"),
+        ('kind = "scale"\nvalue_ppm = 1.0\ncorrelation = "pose"', "cannot be correlated per pose"),
+        ('kind = "radial"\nvalue_um = 1.0\ncorrelation = "axis-angle"', "say which axis"),
+        ('kind = "length"\nvalue_um = -1.0', "greater than or equal to 0"),
+        ('kind = "length"\nvalue_um = 1.0\nsigma = 2.0', "unknown key"),
+    ],
+)
+def test_a_wrong_line_is_refused_with_its_place(tmp_path: Path, line: str, complaint: str) -> None:
+    with pytest.raises(ConfigError) as caught:
+        loaded(tmp_path, f'[[uncertainty.contributor]]\nname = "c"\n{line}\n')
+    assert complaint in str(caught.value)
+    first = HEAD.count("\n") + 1
+    lines = [int(part.split(":")[0]) for part in str(caught.value).split("cell.toml:")[1:]]
+    assert all(first <= number <= first + 5 for number in lines)
