@@ -15,7 +15,9 @@ from app.analysis.identified_uncertainty import (
 from app.analysis.identifying import identified_result, problem_of_rows
 from app.analysis.material import with_reference_links
 from app.analysis.robust_identifying import identify_robustly
+from app.analysis.scan_identifying import is_scan
 from app.cluster.sharing import sharing
+from app.commands.identify_scan import identified_scan, say_scan, without_maps
 from app.commands.output import emit, emit_json, say, table
 from app.commands.progress import ProgressBar
 from app.errors import UsageError
@@ -66,6 +68,12 @@ def identify_command(
     if options.uncertainty == "monte-carlo":
         require_draws(options.draws)
     _require_consistent(options)
+    if points is not None and cell is not None and not run and is_scan(points):
+        result, bench = identified_scan(points, cell, options)
+        summary = summary_table(without_maps(result), bench)
+        _hand_over(result, summary, output, verdicts(result), as_json=as_json)
+        say_scan(result)
+        return
     source = load_distances(run, points, cell, runs)
     for text in source.warnings:
         say(text)
@@ -77,6 +85,12 @@ def identify_command(
         identified_result(propagated.identified, bench, source.names), source.readers
     )
     result = result.model_copy(update={"uncertainty": propagated.part})
+    texts = [*verdicts(result), *sentences(propagated.part)]
+    _hand_over(result, summary_table(result, bench), output, texts, as_json=as_json)
+
+
+def _hand_over(result: Result, summary: str, output: Path, texts: list[str], *, as_json: bool) -> None:
+    """Write a result and show it."""
     write_result(result, output)
     if as_json:
         emit_json(
@@ -86,8 +100,8 @@ def identify_command(
             }
         )
     else:
-        emit(summary_table(result, bench))
-    for text in (*verdicts(result), *sentences(propagated.part)):
+        emit(summary)
+    for text in texts:
         say(text)
     say(f"{output} written")
 

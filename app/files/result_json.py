@@ -11,6 +11,7 @@ from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_valida
 
 from app.errors import UsageError
 from app.files.atomic import write_atomically
+from app.files.scan_part import ScanPart
 from app.files.uncertainty_part import UncertaintyPart
 from calibration.extension import Part, Source, Target, Term
 from calibration.fit_statistics import FitStatistics
@@ -168,6 +169,7 @@ class Result(_Part):
     covariance: Covariance | None = None
     residuals: Residuals | None = None
     uncertainty: UncertaintyPart | None = None
+    scan: ScanPart | None = None
     provenance: Provenance
 
 
