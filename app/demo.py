@@ -10,8 +10,10 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from app.analysis.identified_uncertainty import by_jacobian
 from app.analysis.identifying import (
     MODELS,
+    are_simulated,
     bench_of_runs,
     error_budget,
     identified_result,
@@ -38,6 +40,7 @@ from app.running import PlannedRun, carry_out, plan_run
 from app.store.reader import RunReader
 from calibration.identification import Identification
 from calibration.layout import ModelName
+from procedures.bench import Bench
 from simulators.truth import load_truth
 
 _PORTS = ("10001", "10002", "10502", "10099")
@@ -181,9 +184,7 @@ def evaluate(folder: Path, runs: dict[str, Path]) -> DemoResult:
     rows = run_rows([measured])
     write_atomically(folder / "points.csv", points_csv(rows))
     identified = {model: identify_rows(rows, bench, model, error_budget(cell)) for model in MODELS}
-    results = {
-        model: identified_result(one, bench, [measured.path.name]) for model, one in identified.items()
-    }
+    results = {model: _result(one, bench, measured) for model, one in identified.items()}
     for model, result in results.items():
         write_result(result, folder / f"result-{model}.json")
     document: dict[str, Any] = json.loads((folder / "truth.json").read_text(encoding="utf-8"))
@@ -197,6 +198,11 @@ def evaluate(folder: Path, runs: dict[str, Path]) -> DemoResult:
         compare_with_truth(identified["error-map"], document),
         validate_on_path(path, [one.arm for one in identified.values()], nominal),
     )
+
+
+def _result(identified: Identification, bench: Bench, measured: RunReader) -> Result:
+    result = identified_result(identified, bench, [measured.path.name], are_simulated([measured]))
+    return result.model_copy(update={"uncertainty": by_jacobian(identified).part})
 
 
 def prepare_folder(folder: Path, seed: int, truth: Path | None) -> None:

@@ -115,10 +115,17 @@ def identify_rows(
     return problem_of_rows(rows, bench, model, budget).solve()
 
 
-def identified_result(identified: Identification, bench: Bench, sources: list[str]) -> Result:
+def identified_result(
+    identified: Identification, bench: Bench, sources: list[str], simulated: bool | None = None
+) -> Result:
     """Return an identification as a result file's content."""
-    nominal = (bench.arm.link1_mm, bench.arm.link2_mm)
-    return result_of(identified, nominal, sources, SOFTWARE, datetime.now(UTC).isoformat(timespec="seconds"))
+    nominal, now = (bench.arm.link1_mm, bench.arm.link2_mm), datetime.now(UTC)
+    return result_of(identified, nominal, sources, SOFTWARE, now.isoformat(timespec="seconds"), simulated)
+
+
+def are_simulated(readers: Sequence[RunReader]) -> bool | None:
+    """Return whether a run was made on emulated devices, None without runs."""
+    return any(bool(reader.meta.get("simulated")) for reader in readers) if readers else None
 
 
 def bench_of_runs(readers: Sequence[RunReader], root: Path) -> Bench:

@@ -6,6 +6,7 @@ from pathlib import Path
 from app.analysis.distance_validation import DistanceValidation, validate_on_distances
 from app.analysis.identifying import (
     MODELS,
+    are_simulated,
     bench_of_runs,
     cell_of_run,
     error_budget,
@@ -69,7 +70,9 @@ def compare_path(reader: RunReader, root: Path) -> PathComparison:
         return PathComparison(
             [f"the path cannot be compared with the models of {measured.path.name}: {error}"]
         )
-    results = [identified_result(one, bench, [measured.path.name]) for one in identified]
+    results = [
+        identified_result(one, bench, [measured.path.name], are_simulated([measured])) for one in identified
+    ]
     notes = [f"the models on the path were identified from {measured.path.name}", *found.notes]
     return PathComparison(
         notes, [with_reference_links(one, [measured]) for one in results], found.validation, found.distances

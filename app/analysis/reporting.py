@@ -16,6 +16,7 @@ from app.analysis.identified_uncertainty import by_jacobian
 from app.analysis.identifying import (
     MODELS,
     aimed_bench,
+    are_simulated,
     bench_of_runs,
     cell_of_run,
     error_budget,
@@ -98,7 +99,7 @@ def result_report(source: Path, path: Path) -> None:
         title=f"Result {source.name}",
         created_utc=_now(),
         software=SOFTWARE,
-        simulated=False,
+        simulated=bool(result.provenance.simulated),
         results=[result],
         versions=_versions(),
         digests={source.name: hashlib.sha256(source.read_bytes()).hexdigest()},
@@ -136,7 +137,9 @@ def _identified(reader: RunReader, root: Path) -> tuple[list[Result], list[str]]
         except CalibrationError as error:
             notes.append(f"the {model} model could not be identified: {error}")
             continue
-        result = with_reference_links(identified_result(one, bench, [reader.path.name]), [reader])
+        result = with_reference_links(
+            identified_result(one, bench, [reader.path.name], are_simulated([reader])), [reader]
+        )
         results.append(result.model_copy(update={"uncertainty": by_jacobian(one).part}))
     return results, notes
 
@@ -159,7 +162,7 @@ def _run_parts(readers: Sequence[RunReader], cell: Cell) -> dict[str, Any]:
     return {
         "created_utc": _now(),
         "software": SOFTWARE,
-        "simulated": any(bool(reader.meta.get("simulated")) for reader in readers),
+        "simulated": bool(are_simulated(readers)),
         "cell": cell,
         "origins": readers[-1].meta.get("configuration_origins") or {},
         "search": searches,

@@ -12,7 +12,7 @@ from app.analysis.identified_uncertainty import (
     require_draws,
     sentences,
 )
-from app.analysis.identifying import identified_result, problem_of_rows
+from app.analysis.identifying import are_simulated, identified_result, problem_of_rows
 from app.analysis.material import with_reference_links
 from app.analysis.robust_identifying import identify_robustly
 from app.analysis.scan_identifying import is_scan
@@ -82,7 +82,8 @@ def identify_command(
     identified = identify_robustly(problem, options.loss, options.reject)
     propagated = _propagated(identified, options)
     result = with_reference_links(
-        identified_result(propagated.identified, bench, source.names), source.readers
+        identified_result(propagated.identified, bench, source.names, are_simulated(source.readers)),
+        source.readers,
     )
     result = result.model_copy(update={"uncertainty": propagated.part})
     texts = [*verdicts(result), *sentences(propagated.part)]

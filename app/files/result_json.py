@@ -140,11 +140,12 @@ class Residuals(_Columns):
 
 
 class Provenance(_Part):
-    """Where it comes from."""
+    """Where it comes from; whether of emulated devices is not known of a points file."""
 
     runs: list[str]
     software: str
     created: str
+    simulated: bool | None = None
 
 
 class Result(_Part):
@@ -174,7 +175,12 @@ class Result(_Part):
 
 
 def result_of(
-    identified: Identification, nominal: tuple[float, float], runs: Sequence[str], software: str, created: str
+    identified: Identification,
+    nominal: tuple[float, float],
+    runs: Sequence[str],
+    software: str,
+    created: str,
+    simulated: bool | None = None,
 ) -> Result:
     """Return an identification as a result.
 
@@ -184,6 +190,7 @@ def result_of(
         runs: names of the runs or of the points file.
         software: name and version of the program.
         created: ISO 8601 UTC time.
+        simulated: the distances are those of emulated devices; None when it is not known.
     """
     layout, u = identified.layout, identified.standard_uncertainty
     values = identified.parameters
@@ -206,7 +213,7 @@ def result_of(
             matrix=identified.covariance[: layout.arm_size, : layout.arm_size].tolist(),
         ),
         residuals=_residuals(identified),
-        provenance=Provenance(runs=list(runs), software=software, created=created),
+        provenance=Provenance(runs=list(runs), software=software, created=created, simulated=simulated),
     )
 
 

@@ -22,7 +22,7 @@ def write_validation_page(found: FileValidation, measured: Path, output: Path) -
         title=f"Validation on {measured.name}",
         created_utc=datetime.now(UTC).isoformat(timespec="seconds"),
         software=SOFTWARE,
-        simulated=False,
+        simulated=any(bool(one.provenance.simulated) for one in found.results),
         results=found.results,
         validation=found.validation,
         warnings=[*found.left_out, *found.remarks],
