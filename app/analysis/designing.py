@@ -75,6 +75,10 @@ class Compromise:
     u_total: float
     front: bool = False
 
+    def u(self, *, systematic: bool) -> float:
+        """Return the criterion as an uncertainty, with or without what does not average out."""
+        return self.u_total if systematic else self.u_white
+
 
 @dataclass(frozen=True)
 class Design:
@@ -143,7 +147,8 @@ def _compromises(layouts: list[Layout], share: Share, done: Done) -> tuple[Compr
     tasks = [(layout, part) for layout in layouts for part in _FRONT_SHARES]
     found = share.map(_compromise, tasks, lambda n: done(n, len(tasks), "commands and bench times"))
     rows = [row for group in found for row in group]
-    costs = np.array([[row.time_s, row.u_total] for row in rows])
+    systematic = layouts[0].problem.systematic
+    costs = np.array([[row.time_s, row.u(systematic=systematic)] for row in rows])
     flags = pareto_front(np.where(np.isfinite(costs), costs, np.inf))
     marked = [
         Compromise(

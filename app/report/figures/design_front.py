@@ -17,7 +17,7 @@ def front_figure(found: Design) -> Figure:
     front = [row for row in rows if row.front]
     axes.step(
         [row.time_s / 60.0 for row in front],
-        [row.u_total for row in front],
+        [row.u(systematic=found.problem.systematic) for row in front],
         where="post",
         color="#5f6670",
         linewidth=1.0,
