@@ -83,7 +83,9 @@ def test_from_search_to_report(bench: Emulated) -> None:
 def check_files(folder: Path) -> None:
     result = json.loads((folder / "result.json").read_text())
     again = json.loads((folder / "again.json").read_text())
-    assert result["link1_mm"]["value"] == pytest.approx(again["link1_mm"]["value"], abs=1e-6)
+    # The budget weights distances by the cosine error of their length; a points file has one sigma for all. Weights
+    # that differ by 0.1 % move a link of u = 10 µm by some nanometres.
+    assert result["link1_mm"]["value"] == pytest.approx(again["link1_mm"]["value"], abs=2e-5)
     for name in ("run.html", "result.html"):
         page = (folder / name).read_text()
         assert "<svg" in page

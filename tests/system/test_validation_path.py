@@ -142,7 +142,8 @@ def test_a_trackers_file_gives_the_positions_and_a_wrong_one_can_be_mended(bench
     written("good.csv", 1.0)
     options = ("--param", "instrument=file", "--param", "hold_time_s=1.0", "--answers")
     failed, told = driven(bench, *options, "metres.csv.toml", code=4)
-    assert "metres.csv: the measured positions are spread 0.001 times as far as the commands" in told
+    assert "metres.csv: the measured positions are spread 0.001" in told
+    assert "they seem to be in m: convert them to mm" in told
     assert failed.path_rows() == []
     done = catseye("resume", failed.path.name, "--answers", "good.csv.toml", cwd=folder)
     assert done.returncode == 0, done.stderr
