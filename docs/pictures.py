@@ -8,6 +8,7 @@ from app.demo import evaluate
 from app.report.figures.canvas import svg
 from app.report.figures.error_maps import error_map_figure
 from app.report.figures.path_deviation import path_figure
+from app.report.figures.trajectories import trajectory_figure
 from app.report.path_view import gaps
 from app.store.catalog import list_runs
 
@@ -19,6 +20,7 @@ def main(folder: Path) -> None:
     pictures = {
         "error-maps": error_map_figure(error_map, demo_truth(result)),
         "validation-path": path_figure(result.validation, gaps(result.validation, error_map)),
+        "trajectories": trajectory_figure(result.validation),
     }
     images = Path(__file__).parent / "images"
     for name, figure in pictures.items():
