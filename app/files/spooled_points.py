@@ -19,7 +19,7 @@ from calibration.types import Ints
 
 _BLOCK_ROWS = 50_000
 
-_RECORD = np.dtype(
+RECORD = np.dtype(
     [
         ("theta1_rad", "<f8"),
         ("theta2_rad", "<f8"),
@@ -31,6 +31,7 @@ _RECORD = np.dtype(
         ("direction2", "i1"),
     ]
 )
+"""One distance in the temporary file."""
 
 
 @dataclass(frozen=True)
@@ -58,8 +59,8 @@ class SpooledPoints:
     def blocks(self) -> Iterator[Points]:
         """Return all distances in measuring order, anew at each call."""
         with self.file.open("rb") as stream:
-            while (records := np.fromfile(stream, _RECORD, _BLOCK_ROWS)).size:
-                numbers = {name: records[name].astype(np.float64) for name in _RECORD.names or ()}
+            while (records := np.fromfile(stream, RECORD, _BLOCK_ROWS)).size:
+                numbers = {name: records[name].astype(np.float64) for name in RECORD.names or ()}
                 yield Points(
                     commands=Commands(
                         numbers["theta1_rad"],
@@ -131,7 +132,7 @@ class _DeadPaths:
 
 
 def _records(columns: PointColumns, dead_path: Ints) -> np.ndarray[tuple[int, ...], np.dtype[np.void]]:
-    records = np.zeros(len(columns), dtype=_RECORD)
+    records = np.zeros(len(columns), dtype=RECORD)
     records["theta1_rad"] = np.deg2rad(columns.theta1_deg)
     records["theta2_rad"] = np.deg2rad(columns.theta2_deg)
     records["displacement_mm"] = columns.displacement_mm

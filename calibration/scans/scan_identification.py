@@ -111,6 +111,7 @@ def identify_scan(
         first.parameters,
         basis,
     )
+    counter.finish()
     return _judged(passes, minimum, basis, few)
 
 
@@ -128,8 +129,16 @@ class _Counter:
         for block in blocks:
             yield block
             self.done += len(block)
-            if self.progress is not None:
-                self.progress(self.done, expected)
+            self._tell(expected)
+
+    def finish(self) -> None:
+        """Tell that no further pass is needed, where fewer than expected were."""
+        if self.done < _EXPECTED_PASSES * self.rows:
+            self._tell(self.done)
+
+    def _tell(self, expected: int) -> None:
+        if self.progress is not None:
+            self.progress(self.done, expected)
 
 
 def _judged(passes: Passes, minimum: Minimum, basis: Floats, few: Points) -> ScanIdentification:
