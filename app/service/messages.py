@@ -138,7 +138,104 @@ class Resume(Request):
     answers: Text | None = None
 
 
-AnyRequest = Hello | Control | HandOver | Plain | Reply | Override | Start | Resume
+class Watch(Request):
+    """Be told about the bench: devices, arm, beam, air; `traffic` instead: the raw bytes of every link.
+
+    Attributes:
+        on: False ends it.
+    """
+
+    op: Literal["watch", "traffic"]
+    on: bool = True
+
+
+class JogMode(Request):
+    """Begin or end moving joints by hand; between runs only.
+
+    Attributes:
+        on: False ends it and stops the arm.
+        percent: speed override meanwhile, at most what the cell allows.
+        arm: the cell's name, typed to let real hardware move.
+    """
+
+    op: Literal["jog"]
+    on: bool
+    percent: float = Field(default=5.0, ge=1.0, le=100.0, allow_inf_nan=False)
+    arm: Text | None = None
+
+
+class JogStep(Request):
+    """Move one joint by a step; the answer comes when the arm stands.
+
+    Attributes:
+        joint: what moves; "beam" turns J4 so that the beam moves sideways at a reflector.
+        by: deg; mm at the reflector for the beam.
+        aim: reflector that J4 keeps the beam on while J1 or J2 moves, and that the beam's mm are measured at.
+    """
+
+    op: Literal["jog-step"]
+    joint: Literal["j1", "j2", "j4", "beam"]
+    by: float = Field(ge=-90.0, le=90.0, allow_inf_nan=False)
+    aim: Name | None = None
+
+
+class JogHold(Request):
+    """Keep one joint moving; repeated at least every 0.2 s, or the arm stops.
+
+    Attributes:
+        joint: what moves.
+        direction: which way; 0 stops now.
+    """
+
+    op: Literal["jog-hold"]
+    joint: Literal["j1", "j2", "j4"]
+    direction: Literal[-1, 0, 1]
+
+
+class Raw(Request):
+    """Take one device's link from its driver to send bytes by hand, or give it back; between runs only.
+
+    Attributes:
+        device: its name in the cell file.
+        on: False gives it back.
+        arm: the cell's name, typed to let bytes pass to a real robot.
+    """
+
+    op: Literal["raw"]
+    device: Name
+    on: bool = True
+    arm: Text | None = None
+
+
+class Send(Request):
+    """Send bytes on a link that was taken by `raw`.
+
+    Attributes:
+        device: its name in the cell file.
+        hex: the bytes.
+    """
+
+    op: Literal["send"]
+    device: Name
+    hex: Annotated[str, Field(min_length=2, max_length=4096, pattern=r"^([0-9a-f]{2})+$")]
+
+
+AnyRequest = (
+    Hello
+    | Control
+    | HandOver
+    | Plain
+    | Reply
+    | Override
+    | Start
+    | Resume
+    | Watch
+    | JogMode
+    | JogStep
+    | JogHold
+    | Raw
+    | Send
+)
 _REQUESTS: TypeAdapter[AnyRequest] = TypeAdapter(Annotated[AnyRequest, Field(discriminator="op")])
 
 

@@ -91,6 +91,8 @@ class Orders:
             case Resume():
                 self._hub.require_control(member)
                 return self._engine_or_refuse().resume(request)
+            case _:
+                raise RefusedError(f"this engine does not do {request.op!r}")
         return {}
 
     def _plain(self, member: Member | None, request: Plain) -> Message:
