@@ -59,6 +59,23 @@ class LackOfFit:
 
 
 @dataclass(frozen=True)
+class RobustLoss:
+    """What a robust loss made of the distances.
+
+    Attributes:
+        name: "huber" or "soft-l1".
+        sigma_um: robust standard deviation of a distance, µm.
+        half: residual that counts half, in robust standard deviations.
+        counted_little: distances that count less than half.
+    """
+
+    name: str
+    sigma_um: float
+    half: float
+    counted_little: int
+
+
+@dataclass(frozen=True)
 class FitStatistics:
     """Quality of a fit.
 
@@ -74,6 +91,7 @@ class FitStatistics:
         lack_of_fit: test against repeats; None when too few poses are repeated.
         variance_factor: what the covariance of the stated uncertainties was multiplied with.
         iterations: steps of the solver.
+        loss: of a robust fit; None for least squares.
     """
 
     n_points: int
@@ -87,6 +105,7 @@ class FitStatistics:
     lack_of_fit: LackOfFit | None
     variance_factor: float
     iterations: int
+    loss: RobustLoss | None = None
 
 
 @dataclass(frozen=True)

@@ -44,9 +44,14 @@ class Propagated:
     part: UncertaintyPart
 
 
-def by_jacobian(identified: Identification) -> Propagated:
-    """Return the uncertainties that the law of propagation gives; intervals from the t-distribution."""
-    found = contributions(identified)
+def by_jacobian(identified: Identification, found: Contributions | None = None) -> Propagated:
+    """Return the uncertainties that the law of propagation gives; intervals from the t-distribution.
+
+    Args:
+        identified: what the solver returned.
+        found: contributions to its covariance; None for those of least squares.
+    """
+    found = contributions(identified) if found is None else found
     return Propagated(identified, _part("jacobian", identified, found, _calculated(identified, found)))
 
 

@@ -1,5 +1,6 @@
 """identify: from distances to an arm."""
 
+import math
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -14,7 +15,7 @@ from app.analysis.identified_uncertainty import (
 )
 from app.analysis.identifying import are_simulated, identified_result, problem_of_rows
 from app.analysis.material import with_reference_links
-from app.analysis.robust_identifying import identify_robustly
+from app.analysis.robust_identifying import identify_robustly, robust_text
 from app.analysis.scan_identifying import is_scan
 from app.cluster.sharing import sharing
 from app.commands.identify_scan import identified_scan, say_scan, without_maps
@@ -23,8 +24,10 @@ from app.commands.progress import ProgressBar
 from app.errors import UsageError
 from app.files.result_json import Fit, LackOfFitPart, Result, write_result
 from calibration.extension import Term
+from calibration.fit_statistics import SIGNIFICANCE
 from calibration.identification import Identification
 from calibration.layout import ModelName
+from calibration.uncertainty.contributions import Contributions
 from procedures.bench import Bench
 
 
@@ -79,8 +82,7 @@ def identify_command(
         say(text)
     bench, terms = source.bench, parse_extensions(options.extend)
     problem = problem_of_rows(source.rows, bench, options.model, source.budget, terms)
-    identified = identify_robustly(problem, options.loss, options.reject)
-    propagated = _propagated(identified, options)
+    propagated = _propagated(*identify_robustly(problem, options.loss, options.reject), options)
     result = with_reference_links(
         identified_result(propagated.identified, bench, source.names, are_simulated(source.readers)),
         source.readers,
@@ -115,9 +117,11 @@ def _require_consistent(options: IdentifyOptions) -> None:
         )
 
 
-def _propagated(identified: Identification, options: IdentifyOptions) -> Propagated:
+def _propagated(
+    identified: Identification, found: Contributions | None, options: IdentifyOptions
+) -> Propagated:
     if options.uncertainty == "jacobian":
-        return by_jacobian(identified)
+        return by_jacobian(identified, found)
     bar = ProgressBar("Monte Carlo")
     with sharing(options.workers, options.dask) as share:
         try:
@@ -161,13 +165,6 @@ def summary_table(result: Result, bench: Bench) -> str:
     return table(["parameter", "unit", "nominal", "identified", "u (k=1)"], rows)
 
 
-def _cause(fit: Fit, lack: LackOfFitPart) -> str:
-    if lack.explained:
-        expected = f"F = {lack.expected_ratio:.2f}"
-        return f"the stated radial error motions let expect {expected}; they are in the uncertainties"
-    return f"nothing stated explains it; uncertainties were widened {fit.variance_factor**0.5:.2f} times"
-
-
 def verdicts(result: Result) -> list[str]:
     """Return plain sentences about the fit."""
     fit = result.fit
@@ -176,15 +173,32 @@ def verdicts(result: Result) -> list[str]:
         f"gauge: {result.gauge}"
     ]
     if fit.chi2_reduced is not None and fit.chi2_probability is not None:
-        agrees = "agrees with" if fit.chi2_probability >= 0.01 else "exceeds"
+        agrees = "agrees with" if fit.chi2_probability >= SIGNIFICANCE else "exceeds"
         texts.append(
             f"scatter {agrees} what the stated uncertainties let expect: χ²/dof = {fit.chi2_reduced:.3f}, "
             f"expected {fit.chi2_expected:.3f}"
         )
     if fit.lack_of_fit is not None and fit.lack_of_fit.significant:
-        lack = fit.lack_of_fit
-        texts.append(
-            f"LACK OF FIT: repeats of a pose scatter by {lack.pure_um:.1f} µm, but the model misses poses by "
-            f"{lack.systematic_um:.1f} µm systematically (F = {lack.ratio:.2f}); " + _cause(fit, lack)
-        )
+        texts.append(_lack_of_fit(fit, fit.lack_of_fit))
+    if fit.robust is not None:
+        texts.append(robust_text(fit.robust, fit.n_points))
     return texts + [f"rejected: {text}" for text in fit.rejected]
+
+
+def _lack_of_fit(fit: Fit, lack: LackOfFitPart) -> str:
+    """Return what the repeats say; only what nothing stated explains speaks against the fit."""
+    seen = (
+        f"repeats of a pose scatter by {lack.pure_um:.1f} µm, the model misses poses by {lack.systematic_um:.1f} µm "
+        f"systematically (F = {lack.ratio:.2f})"
+    )
+    if lack.explained:
+        return (
+            f"no lack of fit beyond what is stated: {seen}; the stated systematic contributors, which the "
+            f"uncertainties contain, let expect F = {lack.expected_ratio:.2f}"
+        )
+    widened = (
+        "the uncertainties follow from the fit and include it"
+        if fit.chi2_reduced is None
+        else f"the uncertainties were widened {math.sqrt(fit.variance_factor):.2f} times"
+    )
+    return f"LACK OF FIT: {seen}; nothing stated explains it; {widened}"

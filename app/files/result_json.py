@@ -14,7 +14,7 @@ from app.files.atomic import write_atomically
 from app.files.scan_part import ScanPart
 from app.files.uncertainty_part import UncertaintyPart
 from calibration.extension import Part, Source, Target, Term
-from calibration.fit_statistics import FitStatistics
+from calibration.fit_statistics import FitStatistics, RobustLoss
 from calibration.identification import Identification
 from calibration.layout import GAUGE
 
@@ -83,6 +83,15 @@ class LackOfFitPart(_Part):
     explained: bool
 
 
+class RobustPart(_Part):
+    """What a robust loss made of the distances."""
+
+    loss: Literal["huber", "soft-l1"]
+    sigma_um: Finite
+    half: Finite
+    counted_little: int
+
+
 class Fit(_Part):
     """Quality of the fit."""
 
@@ -99,6 +108,7 @@ class Fit(_Part):
     chi2_probability: float | None = None
     variance_factor: float = 1.0
     lack_of_fit: LackOfFitPart | None = None
+    robust: RobustPart | None = None
 
 
 class Nominal(_Part):
@@ -340,6 +350,18 @@ def _fit(fit: FitStatistics, rejected: list[str]) -> Fit:
             significant=lack.significant,
             explained=lack.explained,
         ),
+        robust=None if fit.loss is None else _robust(fit.loss),
+    )
+
+
+def _robust(loss: RobustLoss) -> RobustPart:
+    return RobustPart.model_validate(
+        {
+            "loss": loss.name,
+            "sigma_um": loss.sigma_um,
+            "half": loss.half,
+            "counted_little": loss.counted_little,
+        }
     )
 
 

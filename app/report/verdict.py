@@ -7,6 +7,7 @@ from typing import Literal
 import numpy as np
 
 from app.analysis.distance_validation import DistanceValidation
+from app.analysis.robust_identifying import robust_text
 from app.analysis.validation import PathValidation
 from app.files.result_json import Fit, LackOfFitPart, MapTable, Result
 from app.report.agreement import LIMIT, normalised_errors
@@ -45,7 +46,8 @@ def verdict(content: ReportContent) -> list[Statement]:
     )
     if content.truth is not None and best.model == "error-map":
         statements.append(truth_verdict(best, content.truth))
-    left_out = [f"{counted(len(best.fit.rejected), 'segment')} rejected" if best.fit.rejected else ""]
+    # Segments that are too short, and single distances.
+    left_out = [f"{len(best.fit.rejected)} left out" if best.fit.rejected else ""]
     left_out.append(f"{counted(len(content.events), 'incident')} on the way" if content.events else "")
     if any(left_out):
         statements.append(Statement("note", f"{_joined(left_out)}: see below."))
@@ -94,6 +96,8 @@ def fit_verdict(result: Result) -> Statement:
 
 
 def _against_stated(fit: Fit, name: str) -> Statement:
+    if fit.robust is not None:
+        return Statement("note", f"The {name} was identified with {robust_text(fit.robust, fit.n_points)}.")
     if fit.chi2_reduced is None or fit.chi2_probability is None:
         return Statement(
             "note",

@@ -8,15 +8,15 @@ from dataclasses import dataclass, replace
 from typing import Literal
 
 import numpy as np
-from scipy import linalg
 
-from calibration.diagnostics.projection import projection_of
+from calibration.diagnostics.sandwich import sandwich
 from calibration.distance_model import DistanceModel, distance_model
 from calibration.errors import ConvergenceError
-from calibration.fit_statistics import FitStatistics, point_weights
+from calibration.fit_statistics import FitStatistics, RobustLoss, point_weights
 from calibration.identification import Identification
 from calibration.least_squares import minimise
 from calibration.types import Floats
+from calibration.uncertainty.contributions import Contributions
 
 Loss = Literal["huber", "soft-l1"]
 
@@ -44,6 +44,7 @@ class RobustFit:
         scale: robust standard deviation of a distance in units of its stated white uncertainty (mm when none).
         weights: what each distance counts, 0…1, shape (n,).
         rounds: reweightings.
+        contributions: its covariance, taken apart.
     """
 
     identified: Identification
@@ -51,6 +52,7 @@ class RobustFit:
     scale: float
     weights: Floats
     rounds: int
+    contributions: Contributions
 
 
 def robust_fit(identified: Identification, loss: Loss) -> RobustFit:
@@ -110,23 +112,16 @@ def _scale(residuals_mm: Floats, weights: Floats, dof: int) -> float:
 
 
 def _judged(model: DistanceModel, found: Identification, loss: Loss, scale: float, rounds: int) -> RobustFit:
-    """Attach covariance, statistics and a sentence."""
+    """Attach covariance and statistics."""
     weights = point_weights(found.points)
     standardised = found.residuals_mm * weights / scale
     share = loss_weight(standardised, loss)
-    covariance = _sandwich(model, found, standardised, (scale, loss))
-    little = int(np.sum(share < 0.5))
-    sentence = (
-        f"{loss} loss: {little} of {share.size} distances count less than half (beyond "
-        f"{_half(loss):.1f} robust standard deviations of {1e3 * scale / float(np.sqrt(np.mean(weights**2))):.1f} µm)"
-    )
-    identified = replace(
-        found,
-        covariance=covariance,
-        fit=_statistics(found.fit, found.residuals_mm, scale, weights, rounds),
-        rejected=[*found.rejected, sentence] if little else found.rejected,
-    )
-    return RobustFit(identified, loss, scale, share, rounds)
+    parts = sandwich(model, found, scale, standardised * share, _influence_slope(standardised, loss))
+    sigma_um = 1e3 * scale / float(np.sqrt(np.mean(weights**2)))
+    counted = RobustLoss(loss, sigma_um, _half(loss), int(np.sum(share < 0.5)))
+    fit = replace(_statistics(found.fit, found.residuals_mm, scale, rounds), sigma0_um=sigma_um, loss=counted)
+    identified = replace(found, covariance=parts.covariance, fit=fit)
+    return RobustFit(identified, loss, scale, share, rounds, parts)
 
 
 def _half(loss: Loss) -> float:
@@ -134,36 +129,11 @@ def _half(loss: Loss) -> float:
     return TUNING[loss] * (2.0 if loss == "huber" else float(np.sqrt(3.0)))
 
 
-def _sandwich(
-    model: DistanceModel, found: Identification, standardised: Floats, robust: tuple[float, Loss]
-) -> Floats:
-    """Return A⁻¹ B A⁻¹ with A from the influence's slope and B from its square, systematic shifts added."""
-    scale, loss = robust
-    basis, weights = found.layout.gauge_basis(), point_weights(found.points)
-    jacobian = (model.jacobian(found.parameters) * weights[:, None]) @ basis
-    size = np.linalg.norm(jacobian, axis=0)
-    jacobian = jacobian / size
-    slope = _influence_slope(standardised, loss)
-    influence = standardised * loss_weight(standardised, loss)
-    bread = linalg.inv(jacobian.T @ (jacobian * slope[:, None]))
-    correction = standardised.size / (standardised.size - basis.shape[1])
-    meat = correction * scale**2 * jacobian.T @ (jacobian * (influence**2)[:, None])
-    projection = projection_of(found)
-    shifts = bread @ (jacobian.T @ (projection.raw_effects * slope[:, None]))
-    directions = basis / size
-    return np.asarray(
-        directions @ (bread @ meat @ bread + shifts @ shifts.T) @ directions.T, dtype=np.float64
-    )
-
-
-def _statistics(
-    fit: FitStatistics, residuals_mm: Floats, scale: float, weights: Floats, rounds: int
-) -> FitStatistics:
+def _statistics(fit: FitStatistics, residuals_mm: Floats, scale: float, rounds: int) -> FitStatistics:
     """Return the statistics that a robust fit has: no χ², which judges squares."""
     return replace(
         fit,
         rms_um=1e3 * float(np.sqrt(np.mean(residuals_mm**2))),
-        sigma0_um=1e3 * scale / float(np.sqrt(np.mean(weights**2))),
         chi2_reduced=None,
         chi2_probability=None,
         lack_of_fit=None,

@@ -5,7 +5,7 @@ from dataclasses import replace
 import pytest
 
 from app.analysis.validation import validate_on_path
-from app.files.result_json import Fit
+from app.files.result_json import Fit, RobustPart
 from app.report.agreement import normalised_errors
 from app.report.content import TruthMap
 from app.report.verdict import fit_verdict, truth_verdict, verdict
@@ -61,6 +61,17 @@ def test_a_fit_that_scatters_less_than_stated() -> None:
     kind, text = sentence(sample.fit(chi2=(0.25, 1.0)))
     assert kind == "note"
     assert "less than the stated 31.5 µm" in text
+
+
+def test_a_robust_fit_says_what_stands_for_the_stated_uncertainties() -> None:
+    robust = RobustPart(loss="huber", sigma_um=10.3, half=2.69, counted_little=4)
+    kind, text = sentence(sample.fit(chi2=None).model_copy(update={"robust": robust}))
+    assert kind == "note"
+    assert text == (
+        "The error map was identified with huber loss: 4 of 1056 distances count less than half (beyond 2.7 robust "
+        "standard deviations of 10.3 µm); the scatter that the distances show stands for the stated white "
+        "contributors."
+    )
 
 
 def test_a_fit_without_stated_uncertainties() -> None:

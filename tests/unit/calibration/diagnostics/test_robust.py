@@ -11,6 +11,7 @@ from calibration.diagnostics.robust import TUNING, Loss, loss_weight, robust_fit
 from calibration.distance_model import distance_model
 from calibration.points import Points
 from calibration.types import Floats
+from calibration.uncertainty.budget import Budget, Contributor
 from tests.unit.calibration.diagnostics.bench import commands_on_nodes, measured, problem
 from tests.unit.calibration.paper import MDEG, random_truth
 
@@ -106,10 +107,52 @@ def test_scale_of_clean_normal_errors_is_their_standard_deviation() -> None:
     assert fits[0].chi2_reduced is None
 
 
-def test_what_counts_little_is_told() -> None:
+def test_what_counts_little_is_told_and_is_not_rejected() -> None:
     found = robust_fit(problem(noisy(9, 0.05)).solve(), "huber").identified
-    assert len(found.rejected) == 1
-    assert "count less than half" in found.rejected[0]
+    loss = found.fit.loss
+    assert found.rejected == []
+    assert loss is not None
+    far = np.abs(found.residuals_mm) > 2.0 * TUNING["huber"] * 1e-3 * loss.sigma_um
+    assert loss.counted_little == int(far.sum()) > 0
+    assert loss.half == pytest.approx(2.69)
+
+
+def stated() -> Budget:
+    return Budget(
+        (
+            Contributor("readings", "length", 0.01),
+            Contributor("J1", "radial", 0.005, "axis-angle", "j1", orders=1),
+            Contributor("poses", "position", 0.004, "pose"),
+        )
+    )
+
+
+@pytest.mark.parametrize("loss", LOSSES)
+def test_contributions_add_up_to_the_covariance(loss: Loss) -> None:
+    points = replace(noisy(5, 0.05, 2.0), sigma_mm=None)
+    found = robust_fit(replace(problem(points), budget=stated()).solve(), loss)
+    parts = found.contributions
+    assert parts.names == ("scatter of the distances", "J1", "poses")
+    assert parts.covariance == pytest.approx(found.identified.covariance, rel=1e-12, abs=1e-24)
+
+
+def test_what_a_systematic_contributor_makes_is_what_robust_fits_shift_by() -> None:
+    points = replace(noisy(5, 0.1, 0.2), sigma_mm=None)
+    asked = replace(problem(points), budget=stated())
+    parts = robust_fit(asked.solve(), "soft-l1").contributions
+    square = np.zeros(parts.variances.shape[1])
+    for effect in parts.errors.shared[0].effects_mm.T:
+        one, other = (
+            robust_fit(
+                replace(
+                    asked, points=replace(points, displacement_mm=points.displacement_mm + sign * effect)
+                ).solve(),
+                "soft-l1",
+            ).identified.parameters
+            for sign in (0.1, -0.1)
+        )
+        square += ((one - other) / 0.2) ** 2
+    assert np.sqrt(parts.variances[1][:40]) == pytest.approx(np.sqrt(square[:40]), rel=0.05)
 
 
 def test_noise_free_distances_stay_exact() -> None:
