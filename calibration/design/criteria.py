@@ -13,7 +13,12 @@ _TINY = 1e-14
 """Added to the diagonal of scaled information, so that a singular matrix has a huge covariance instead of none."""
 
 SINGULAR = 1.0
-"""Variances above this, rad², are those of a direction that no distance determines."""
+"""Variances from this on, rad², stand for a direction that no distance determines."""
+
+_LARGEST_INFLATION = 1e11
+"""A variance that is more times what it would be if everything else were known stands for such a direction too: with
+_TINY an exactly singular matrix comes to 1e14, shared among the parameters of the direction. However small the stated
+uncertainties are, this tells it."""
 
 _MDEG = 1e3 * 180.0 / np.pi
 
@@ -111,11 +116,18 @@ def covariances(matrix: Floats, effects: Floats | None) -> Floats:
     Args:
         matrix: information.
         effects: of systematic contributors, shape (..., f, m); None leaves them out.
+
+    Returns:
+        Covariances, shape (..., f, f); where the information is singular, variances of at least SINGULAR.
     """
     diagonal = np.diagonal(matrix, axis1=-2, axis2=-1)
     scale = 1.0 / np.sqrt(np.where(diagonal > 0.0, diagonal, 1.0))
     both = scale[..., :, None] * scale[..., None, :]
-    white = both * np.linalg.inv(matrix * both + _TINY * np.eye(matrix.shape[-1]))
+    identity = np.eye(matrix.shape[-1])
+    scaled = np.linalg.inv(matrix * both + _TINY * identity)
+    inflation = np.abs(np.diagonal(scaled, axis1=-2, axis2=-1)).max(axis=-1)
+    undetermined = (inflation > _LARGEST_INFLATION)[..., None, None]
+    white = np.where(undetermined, SINGULAR * identity, both * scaled)
     if effects is None:
         return np.asarray(white, dtype=np.float64)
     shifts = white @ effects

@@ -102,7 +102,8 @@ class Study:
         design, positions, gradient = self._prepared
         beam = positions - sight.xy_mm
         length = np.hypot(beam[:, 0], beam[:, 1])
-        unit = beam / length[:, None]
+        # A place that the J4 axis passes over has no beam there; it is not seen from there either.
+        unit = beam / np.where(length > 0.0, length, 1.0)[:, None]
         geometry = self._geometry(design, unit, length)
         sigma = combined_white_mm(self.budget, geometry)
         if not sigma.all():

@@ -1,11 +1,15 @@
 """Information of places against the dense problem with all its nuisances."""
 
+from typing import get_args
+
 import numpy as np
 import pytest
 
+from calibration.design.criteria import Criterion, CriterionName, covariances
 from calibration.design.information import Information
 from calibration.design.sight import Sight
 from calibration.errors import UnidentifiableError
+from calibration.kinematics import forward
 from calibration.types import Floats
 from calibration.uncertainty.budget import Budget, Contributor
 from tests.unit.calibration.design.cases import RING, SIGMA_MM, SMALL, WHITE, seen_by_all, study
@@ -125,6 +129,35 @@ def test_one_node_of_j2_leaves_the_links_undetermined() -> None:
     problem = study(single)
     with pytest.raises(UnidentifiableError, match="L1"):
         problem.require_determined([seen_by_all(place, len(problem.commands)) for place in RING[[2, 9]]])
+
+
+@pytest.mark.parametrize("sigma_mm", [SIGMA_MM, 1e-4, 1e-6])
+def test_what_is_undetermined_stays_so_however_good_the_distances(sigma_mm: float) -> None:
+    single = DenseArm((-100.0, -60.0, -20.0, 20.0), (60.0,))
+    problem = study(single, Budget((Contributor("white", "length", sigma_mm),)))
+    brought = [
+        problem.rows(seen_by_all(place, len(problem.commands))).information() for place in RING[[2, 9]]
+    ]
+    covariance = covariances((brought[0] + brought[1]).matrix, None)
+    for name in get_args(CriterionName):
+        criterion = Criterion(name, single.arm_size, np.eye(single.arm_size - 1))
+        assert np.isinf(criterion.value(covariance))
+
+
+def test_a_place_that_the_j4_axis_passes_over_brings_what_the_other_commands_see() -> None:
+    problem = study(SMALL)
+    theta1, theta2 = problem.commands.theta1_rad, problem.commands.theta2_rad
+    positions = forward(theta1, theta2, problem.link1_mm, problem.link2_mm)
+    on_the_way = positions[7]
+    seen = np.hypot(*(positions - on_the_way).T) > 1.0
+    assert 0 < seen.sum() < len(seen)
+    sight = Sight(on_the_way, 0.0, seen, np.where(seen, 0, -1), 0, "")
+    found = problem.rows(sight).information().matrix
+    block = SMALL.block(on_the_way, [row for row, keep in zip(SMALL.rows(), seen, strict=True) if keep])
+    arm, nuisance = block[:, : SMALL.arm_size] @ problem.basis, block[:, SMALL.arm_size :]
+    residual = arm - nuisance @ np.linalg.lstsq(nuisance, arm, rcond=None)[0]
+    expected = residual.T @ residual / SIGMA_MM**2
+    assert np.abs(found - expected).max() < 1e-5 * np.abs(expected).max()
 
 
 def test_exact_distances_are_refused() -> None:
