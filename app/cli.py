@@ -277,6 +277,23 @@ def attach(
 
 
 @cli.command()
+def tui(
+    cell: Annotated[
+        Path | None, typer.Option(help="cell file [the only one in this folder, else set-up]")
+    ] = None,
+    speed: Speed = 1.0,
+    runs: Runs = None,
+) -> None:
+    """Show the terminal user interface. It joins the engine that is running, or starts one.
+
+    Example: catseye tui --cell cell.toml
+    """
+    from app.commands.tui import tui_command
+
+    tui_command(cell, runs, speed)
+
+
+@cli.command()
 def resume(
     run: Annotated[str, typer.Argument(metavar="RUN", help="path, name, beginning of a name, or id")],
     cell: Annotated[

@@ -1,0 +1,44 @@
+"""tui: the terminal user interface."""
+
+import sys
+import tomllib
+from pathlib import Path
+
+from app.errors import UsageError
+from app.runs_folder import runs_folder
+
+
+def tui_command(cell: Path | None, runs: Path | None, speed: float) -> None:
+    """Show the interface until the user quits."""
+    if not (sys.stdin.isatty() and sys.stdout.isatty()):
+        raise UsageError("the terminal interface needs a terminal: use catseye run in scripts")
+    from app.tui.app import CatseyeApp
+    from app.tui.keys import keys_file, read_keymap
+    from app.tui.link import EngineLink
+    from app.tui.session import Session
+    from app.tui.work import Commands
+    from drivers.clock import SystemClock
+
+    keymap = read_keymap(keys_file())
+    clock, root = SystemClock(), runs_folder(runs)
+    found = cell if cell is not None else _only_cell(Path())
+    if cell is not None and not cell.is_file():
+        raise UsageError(f"{cell}: there is no such file; write one with catseye init {cell}")
+    link = EngineLink(root, found, clock)
+    session = Session(link, Commands(), root, found, clock.monotonic_s, speed)
+    code = CatseyeApp(session, keymap, "bench" if found is not None else "setup").run()
+    sys.exit(code or 0)
+
+
+def _only_cell(folder: Path) -> Path | None:
+    """Return the only cell file of a folder; None when there is none, or several."""
+    found = [path for path in sorted(folder.glob("*.toml")) if _is_cell(path)]
+    return found[0] if len(found) == 1 else None
+
+
+def _is_cell(path: Path) -> bool:
+    try:
+        table = tomllib.loads(path.read_text(encoding="utf-8"))
+    except (OSError, ValueError):
+        return False
+    return str(table.get("format", "")).startswith("catseye-cell/")

@@ -1,0 +1,267 @@
+"""The program: screens, keys that work everywhere, and the way out."""
+
+import asyncio
+import signal
+from collections.abc import Callable, Iterable
+from functools import partial
+from typing import Any, ClassVar, Final
+
+from textual.app import App, SystemCommand
+from textual.binding import Binding, BindingType
+from textual.screen import Screen
+
+from app.tui.dialogs.error_dialog import ErrorDialog
+from app.tui.dialogs.quit_dialog import Choice, QuitDialog
+from app.tui.places import PLACES, make_screen
+from app.tui.screens.base import MainScreen
+from app.tui.session import Session
+from app.tui.themes import THEMES
+
+_REFRESH_S: Final = 0.2
+"""Screens are painted anew at most so often."""
+
+_STANDSTILL_S: Final = 15.0
+
+
+class CatseyeApp(App[int]):
+    """The terminal user interface.
+
+    Args:
+        session: link, work and places.
+        keymap: a user's keys by the name of what they do.
+        place: screen that is shown first.
+    """
+
+    TITLE = "catseye"
+    CSS_PATH = "styles/app.tcss"
+    ENABLE_COMMAND_PALETTE = True
+
+    BINDINGS: ClassVar[list[BindingType]] = [
+        Binding("f12", "stop", "STOP", priority=True, id="run.stop", tooltip="stop the arm now"),
+        Binding("ctrl+c", "ladder", "hold, stop, abort", show=False, priority=True, id="run.ladder"),
+        Binding("h", "hold", "hold", show=False, id="run.hold", tooltip="hold at the next checkpoint"),
+        Binding("g", "go_on", "go on", show=False, id="run.go-on", tooltip="let a held run go on"),
+        Binding("ctrl+q", "quit", "quit", priority=True, id="app.quit"),
+        Binding("f1", "help", "help", id="app.help"),
+        *(
+            Binding(
+                place.key, f"go('{name}')", place.title, show=False, id=f"go.{name}", tooltip=place.tooltip
+            )
+            for name, place in PLACES.items()
+        ),
+    ]
+
+    def __init__(self, session: Session, keymap: dict[str, str] | None = None, place: str = "bench") -> None:
+        super().__init__()
+        self.session = session
+        self._first = place
+        self._ended = asyncio.Event()
+        self._link_task: asyncio.Task[None] | None = None
+        self._orders: set[asyncio.Task[None]] = set()
+        for theme in THEMES:
+            self.register_theme(theme)
+        self.theme = "catseye-dark"
+        for name in PLACES:
+            self.add_mode(name, partial(make_screen, name, session))
+        if keymap:
+            self.set_keymap(keymap)
+
+    async def on_mount(self) -> None:
+        """Show the first screen, then look for the engine."""
+        await self.switch_mode(self._first)
+        loop = asyncio.get_running_loop()
+        for number in (signal.SIGTERM, signal.SIGHUP):
+            loop.add_signal_handler(number, self._signalled, number)
+        self._link_task = asyncio.create_task(self.session.link.serve(self._note_change))
+        self.set_interval(_REFRESH_S, self._show_changes)
+
+    async def on_unmount(self) -> None:
+        """Let the engine go; without a word of release it does what `on_client_lost` says."""
+        loop = asyncio.get_running_loop()
+        for number in (signal.SIGTERM, signal.SIGHUP):
+            loop.remove_signal_handler(number)
+        tasks = [task for task in (self._link_task, *self._orders) if task is not None]
+        for task in tasks:
+            task.cancel()
+        await asyncio.gather(*tasks, return_exceptions=True)
+
+    def get_system_commands(self, screen: Screen[Any]) -> Iterable[SystemCommand]:
+        """Add every action of the program and of the screen to the palette."""
+        yield from super().get_system_commands(screen)
+        yield SystemCommand("Hold the run", "at the next checkpoint", self.action_hold)
+        yield SystemCommand("Let the run go on", "after a hold", self.action_go_on)
+        yield SystemCommand("STOP", "the arm stops now; the run can be resumed", self.action_stop)
+        yield SystemCommand("Abort the run", "stop, and leave only by clearing", self.action_abort)
+        yield SystemCommand("Clear an abort", "after a look at the bench", self.action_clear)
+        yield SystemCommand("Take control", "from whoever has it", self.action_take_control)
+        yield SystemCommand("Give control back", "the run goes on as it is", self.action_release)
+        for name, place in PLACES.items():
+            yield SystemCommand(f"Go to {place.title}", place.tooltip, partial(self.action_go, name))
+        if isinstance(screen, MainScreen):
+            yield from screen.commands()
+
+    def action_go(self, name: str) -> None:
+        """Show a screen."""
+        self.switch_mode(name)
+
+    def action_help(self) -> None:
+        """Show the keys of what is on the screen, or hide them."""
+        if self.screen.query("HelpPanel"):
+            self.action_hide_help_panel()
+        else:
+            self.action_show_help_panel()
+
+    def action_hold(self) -> None:
+        """Hold the run, or let it go on when it is held and HOLD is pressed with the mouse."""
+        self.order("hold", "The run cannot be held")
+
+    def action_go_on(self) -> None:
+        """Let a held run go on."""
+        self.order("unhold", "The run does not go on", control=True)
+
+    def action_stop(self) -> None:
+        """Stop the arm now."""
+        self.order("stop", "STOP could not be given: USE THE EMERGENCY STOP if the arm moves")
+
+    def action_abort(self) -> None:
+        """Abort the run."""
+        self.order("abort", "The run could not be aborted: USE THE EMERGENCY STOP if the arm moves")
+
+    def action_clear(self) -> None:
+        """Clear an abort."""
+        self.order("clear", "The abort is not cleared", control=True, done="cleared")
+
+    def action_take_control(self) -> None:
+        """Take control by force: whoever has it is told."""
+        self.order("control", "Control was not taken", done="control taken", take=True, force=True)
+
+    def action_release(self) -> None:
+        """Give control back."""
+        self.order("release", "Control was not given back", done="control given back")
+
+    def action_ladder(self) -> None:
+        """Hold, then stop, then abort, as Ctrl-C does under `catseye run`."""
+        picture = self.session.link.picture
+        if picture.jogging:
+            self.action_stop()
+        elif not picture.running:
+            self.notify("Ctrl-Q quits; F12 stops", title="nothing runs")
+        elif picture.state in {"HOLDING", "HELD", "SUSPENDED", "STARTING"}:
+            self.action_stop()
+        elif picture.state in {"STOPPING", "ABORTING"}:
+            self.action_abort()
+        else:
+            self.action_hold()
+
+    async def action_quit(self) -> None:
+        """Quit; while a run is under way ask what becomes of it."""
+        picture = self.session.link.picture
+        if picture.running and picture.run is not None:
+            self.push_screen(QuitDialog(picture.run.name), self._quit_as_chosen)
+            return
+        if picture.jogging:
+            self.order("stop", "The arm could not be stopped")
+        self._spawn(self._leave(end_engine=True))
+
+    def order(
+        self,
+        op: str,
+        failure: str,
+        *,
+        control: bool = False,
+        done: str = "",
+        then: Callable[[dict[str, Any]], None] | None = None,
+        **fields: Any,
+    ) -> None:
+        """Have the engine do something; a refusal is shown with its remedy. Returns at once.
+
+        Args:
+            op: request.
+            failure: title of the error when it is not done.
+            control: take control first when nobody has it.
+            done: said when it is done.
+            then: is given the answer.
+            fields: of the request.
+        """
+        self._spawn(self._order(op, failure, control=control, done=done, then=then, **fields))
+
+    def tell_error(self, title: str, text: str) -> None:
+        """Show an error that can be copied."""
+        self.push_screen(ErrorDialog(title, text))
+
+    def _spawn(self, action: Any) -> None:
+        task: asyncio.Task[None] = asyncio.get_running_loop().create_task(action)
+        self._orders.add(task)
+        task.add_done_callback(self._orders.discard)
+
+    async def _order(
+        self,
+        op: str,
+        failure: str,
+        *,
+        control: bool,
+        done: str,
+        then: Callable[[dict[str, Any]], None] | None,
+        **fields: Any,
+    ) -> None:
+        from app.service.errors import RefusedError, ServiceError
+
+        link = self.session.link
+        try:
+            if control and link.picture.control is None:
+                await link.request("control", take=True)
+            answer = await link.request(op, **fields)
+        except (RefusedError, ServiceError) as error:
+            self.tell_error(failure, str(error))
+            return
+        if done:
+            self.notify(done)
+        if then is not None:
+            then(answer)
+        self._note_change()
+
+    def _quit_as_chosen(self, choice: Choice | None) -> None:
+        if choice is not None:
+            self._spawn(self._end_run_and_leave(choice))
+
+    async def _end_run_and_leave(self, choice: Choice) -> None:
+        from app.service.errors import RefusedError, ServiceError
+
+        link = self.session.link
+        try:
+            if choice != "leave":
+                await link.request(choice)
+            if choice == "stop":
+                async with asyncio.timeout(_STANDSTILL_S):
+                    await self._ended.wait()
+        except (RefusedError, ServiceError) as error:
+            self.tell_error(f"The run could not be told to {choice}", str(error))
+            return
+        except TimeoutError:
+            self.tell_error(
+                "The run has not ended",
+                "STOP was given and the end of the run was not told: look at the arm, and use the emergency stop "
+                "if it moves",
+            )
+            return
+        await self._leave(end_engine=choice == "stop")
+
+    async def _leave(self, *, end_engine: bool) -> None:
+        await self.session.link.leave(end_engine=end_engine)
+        self.exit(0)
+
+    def _signalled(self, number: int) -> None:
+        # No release: a run whose screen was killed is held, as the cell file says.
+        self.exit(128 + number)
+
+    def _note_change(self) -> None:
+        if self.session.link.picture.running:
+            self._ended.clear()
+        else:
+            self._ended.set()
+
+    def _show_changes(self) -> None:
+        """Paint the screen; ages grow also when nothing comes."""
+        screen = self.screen_stack[0] if self.screen_stack else None
+        if isinstance(screen, MainScreen):
+            screen.show_now()

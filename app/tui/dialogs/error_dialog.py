@@ -1,0 +1,68 @@
+"""What went wrong: title, cause, remedy; the text can be copied."""
+
+from typing import ClassVar
+
+from textual.app import ComposeResult
+from textual.binding import Binding, BindingType
+from textual.containers import Vertical, VerticalScroll
+from textual.screen import ModalScreen
+from textual.widgets import Footer, Label, Static
+
+
+class ErrorDialog(ModalScreen[None]):
+    """An error that the user has to know of.
+
+    Args:
+        title: what could not be done.
+        text: cause and remedy, as the engine or a command told them.
+    """
+
+    DEFAULT_CSS = """
+    ErrorDialog { align: center middle; }
+    ErrorDialog > Vertical {
+        width: 76; max-width: 95%; height: auto; max-height: 85%;
+        border: heavy $error; background: $surface; padding: 0 1;
+    }
+    ErrorDialog Label { text-style: bold; color: $error; width: 100%; }
+    ErrorDialog VerticalScroll { height: auto; max-height: 14; }
+    ErrorDialog .remedy { color: $success; margin-top: 1; }
+    """
+
+    BINDINGS: ClassVar[list[BindingType]] = [
+        Binding("escape,enter", "dismiss_it", "close", id="dialog.close"),
+        Binding("c", "copy", "copy the text", id="dialog.copy"),
+    ]
+
+    def __init__(self, title: str, text: str) -> None:
+        super().__init__()
+        self._title = title
+        self._text = text
+
+    def compose(self) -> ComposeResult:
+        """Cause and remedy stand apart where the text has both."""
+        cause, remedy = split_remedy(self._text)
+        with Vertical():
+            yield Label(self._title, markup=False)
+            with VerticalScroll(can_focus=False):
+                yield Static(cause, markup=False, classes="cause")
+                if remedy:
+                    yield Static(f"→ {remedy}", markup=False, classes="remedy")
+            yield Footer(compact=True)
+
+    def action_dismiss_it(self) -> None:
+        """Close."""
+        self.dismiss()
+
+    def action_copy(self) -> None:
+        """Put title and text on the clipboard."""
+        self.app.copy_to_clipboard(f"{self._title}\n{self._text}")
+        self.notify("copied")
+
+
+def split_remedy(text: str) -> tuple[str, str]:
+    """Return cause and remedy: the texts of this program put what to do behind the last colon or semicolon."""
+    for mark in (": ", "; "):
+        cause, found, remedy = text.rpartition(mark)
+        if found and remedy and remedy[0].islower() and "\n" not in remedy:
+            return cause, remedy
+    return text, ""

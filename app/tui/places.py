@@ -1,0 +1,47 @@
+"""The main screens: name, key, title; each is imported when it is shown for the first time."""
+
+from dataclasses import dataclass
+from importlib import import_module
+from typing import TYPE_CHECKING, Final, cast
+
+if TYPE_CHECKING:
+    from app.tui.screens.base import MainScreen
+    from app.tui.session import Session
+
+
+@dataclass(frozen=True)
+class Place:
+    """A main screen.
+
+    Attributes:
+        key: that shows it.
+        title: in the footer.
+        tooltip: in help and palette.
+        where: module and class.
+    """
+
+    key: str
+    title: str
+    tooltip: str
+    where: str
+
+
+PLACES: Final = {
+    "bench": Place("f2", "Bench", "devices, arm, beam and air now", "bench:BenchScreen"),
+    "procedures": Place(
+        "f3", "Procedures", "what can be done, and what comes next", "procedures:ProceduresScreen"
+    ),
+    "run": Place("f4", "Run", "the run under way: steps, questions, live values", "run:RunScreen"),
+    "jog": Place("f5", "Jog", "move joints and beam by hand", "jog:JogScreen"),
+    "results": Place("f6", "Results", "error maps, validation, residuals", "results:ResultsScreen"),
+    "runs": Place("f7", "Runs", "history: resume, verify, report", "runs:RunsScreen"),
+    "terminal": Place("f9", "Terminal", "raw traffic of each link", "terminal:TerminalScreen"),
+    "setup": Place("f10", "Set-up", "make or change the cell file by questions", "setup:SetupScreen"),
+}
+
+
+def make_screen(name: str, session: "Session") -> "MainScreen":
+    """Return a new screen."""
+    module, _, screen = PLACES[name].where.partition(":")
+    made = getattr(import_module(f"app.tui.screens.{module}"), screen)
+    return cast("MainScreen", made(session))

@@ -1,0 +1,213 @@
+"""A run as the engine's events tell it."""
+
+from collections import deque
+from dataclasses import dataclass, field
+from typing import Any, Final, Literal
+
+Event = dict[str, Any]
+
+LOG_LINES: Final = 2000
+VALUES_KEPT: Final = 600
+
+_ENDED: Final = frozenset({"COMPLETE", "STOPPED", "ABORTED"})
+
+
+@dataclass(frozen=True)
+class LogLine:
+    """A line of the log.
+
+    Attributes:
+        t: ISO 8601 UTC time.
+        level: info, warning or error.
+        text: what happened.
+    """
+
+    t: str
+    level: str
+    text: str
+
+
+@dataclass
+class Step:
+    """A step of the procedure.
+
+    Attributes:
+        id: of the step.
+        title: one line.
+        status: whether it is under way.
+        stored: its result was there from before an interruption.
+    """
+
+    id: str
+    title: str
+    status: Literal["current", "done"]
+    stored: bool = False
+
+
+@dataclass
+class LiveValue:
+    """A value that is watched while it changes.
+
+    Attributes:
+        name: of the quantity.
+        value: now.
+        unit: of value and band.
+        low: smallest accepted; None for no limit.
+        high: largest accepted; None for no limit.
+        text: what to do about it.
+        at_s: when it came, monotonic s.
+        history: time and value, oldest first.
+    """
+
+    name: str
+    value: float
+    unit: str
+    low: float | None
+    high: float | None
+    text: str
+    at_s: float
+    history: deque[tuple[float, float]] = field(default_factory=lambda: deque(maxlen=VALUES_KEPT))
+
+    @property
+    def accepted(self) -> bool:
+        """The value lies inside its band."""
+        return (self.low is None or self.value >= self.low) and (self.high is None or self.value <= self.high)
+
+
+@dataclass
+class RunPicture:
+    """One run.
+
+    Attributes:
+        name: of the run.
+        procedure: its name.
+        title: one line for people.
+        since_s: when this client first heard of it, monotonic s.
+        path: of its directory; empty until it is known.
+        simulated: None until the devices are known.
+        active: it has not ended.
+        state: in PackML words.
+        reason: why it is in that state.
+        steps: that were begun, oldest first.
+        progress: last event about progress.
+        progress_at_s: when it came.
+        live: values by name.
+        newest_live: name of the value that came last.
+        prompt: the open question.
+        points: last rows, oldest first.
+        points_seen: how many points were told.
+        map_known: how well the maps were known, oldest first.
+        log: lines, oldest first.
+        ended: the event of its end.
+    """
+
+    name: str
+    procedure: str
+    title: str
+    since_s: float
+    path: str = ""
+    simulated: bool | None = None
+    active: bool = True
+    state: str = "IDLE"
+    reason: str = ""
+    steps: dict[str, Step] = field(default_factory=dict)
+    progress: Event | None = None
+    progress_at_s: float = 0.0
+    live: dict[str, LiveValue] = field(default_factory=dict)
+    newest_live: str = ""
+    prompt: Event | None = None
+    points: deque[Event] = field(default_factory=lambda: deque(maxlen=5000))
+    points_seen: int = 0
+    map_known: deque[Event] = field(default_factory=lambda: deque(maxlen=2000))
+    log: deque[LogLine] = field(default_factory=lambda: deque(maxlen=LOG_LINES))
+    ended: Event | None = None
+
+    @classmethod
+    def of_snapshot(cls, snapshot: Event, now_s: float) -> "RunPicture":
+        """Return a run that was under way when this client came."""
+        run = cls(str(snapshot["run"]), str(snapshot["procedure"]), str(snapshot["title"]), now_s)
+        run.path = str(snapshot.get("path") or "")
+        run.simulated = snapshot.get("simulated")
+        run.state, run.reason = str(snapshot["state"]), str(snapshot.get("reason") or "")
+        run.active = run.state not in _ENDED
+        run.prompt = snapshot.get("prompt")
+        for part in ("progress", "live"):
+            if isinstance(seen := snapshot.get(part), dict):
+                run.take(seen, now_s)
+        return run
+
+    @property
+    def current(self) -> Step | None:
+        """The step under way."""
+        return next((step for step in reversed(self.steps.values()) if step.status == "current"), None)
+
+    def lost_sight(self) -> None:
+        """It ended unseen."""
+        self.active, self.prompt = False, None
+
+    def take(self, event: Event, now_s: float) -> None:
+        """Take an event of this run."""
+        match event["event"]:
+            case "state" if event.get("kind") == "live":
+                self._live(event["data"], now_s)
+            case "state" if "kind" in event:
+                self._happened(event)
+            case "state":
+                self.state, self.reason = str(event["state"]), str(event.get("reason") or "")
+                self._say(event, "info", f"{self.state}: {self.reason}" if self.reason else self.state)
+            case "step-started":
+                # Begun anew it stands at the end again.
+                self.steps.pop(str(event["step"]), None)
+                self.steps[str(event["step"])] = Step(str(event["step"]), str(event["title"]), "current")
+            case "step-done":
+                step = self.steps.setdefault(
+                    str(event["step"]), Step(str(event["step"]), str(event["title"]), "current")
+                )
+                step.status, step.stored = "done", bool(event.get("stored"))
+            case "point":
+                self.points.append({"step": event["step"], **event["point"]})
+                self.points_seen += 1
+            case "progress":
+                self.progress, self.progress_at_s = event, now_s
+            case "prompt":
+                self.prompt = event
+            case "answer":
+                self.prompt = None
+                self._say(event, "info", f"{event['id']}: {event['answer']} ({event['who']})")
+            case "warning" | "error":
+                self._warning(event)
+            case "run-ended":
+                self._ended(event)
+
+    def _live(self, data: Event, now_s: float) -> None:
+        name = str(data["name"])
+        known = self.live.get(name)
+        value = LiveValue(
+            name, float(data["value"]), str(data["unit"]), data["low"], data["high"], str(data["text"]), now_s
+        )
+        if known is not None:
+            value.history = known.history
+        value.history.append((now_s, value.value))
+        self.live[name], self.newest_live = value, name
+
+    def _happened(self, event: Event) -> None:
+        data = event.get("data") or {}
+        if event["kind"] == "map-known":
+            self.map_known.append(data)
+        text = str(data.get("text") or "")
+        self._say(event, "info", f"{event['kind']}: {text}" if text else str(event["kind"]))
+
+    def _warning(self, event: Event) -> None:
+        if isinstance(data := event.get("data"), dict) and data.get("simulated"):
+            self.simulated = True
+        self._say(event, str(event["event"]), str(event["text"]))
+
+    def _ended(self, event: Event) -> None:
+        self.ended, self.active, self.prompt = event, False, None
+        self.path = str(event.get("path") or self.path)
+        level = "info" if event.get("status") == "complete" else "error"
+        text = str(event.get("text") or "")
+        self._say(event, level, f"run {event['status']}" + (f": {text}" if text else ""))
+
+    def _say(self, event: Event, level: str, text: str) -> None:
+        self.log.append(LogLine(str(event.get("t") or ""), level, text))

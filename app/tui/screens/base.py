@@ -1,0 +1,68 @@
+"""What all main screens share: status above, stop bar and keys below, a body that shows the picture."""
+
+from collections.abc import Iterable
+from typing import ClassVar
+
+from textual.app import ComposeResult, SystemCommand
+from textual.containers import Vertical
+from textual.screen import Screen
+from textual.widgets import Footer
+
+from app.tui.picture import Picture
+from app.tui.session import Session
+from app.tui.widgets.place_bar import PlaceBar
+from app.tui.widgets.status_bar import StatusBar
+from app.tui.widgets.stop_bar import StopBar
+
+
+class MainScreen(Screen[None]):
+    """A main screen. A subclass gives `PLACE`, `body` and `show_picture`.
+
+    Args:
+        session: link, work and places; the same for all screens.
+    """
+
+    PLACE: ClassVar[str]
+    """Name of this screen in `app.tui.places`."""
+
+    def __init__(self, session: Session) -> None:
+        super().__init__()
+        self.session = session
+
+    def compose(self) -> ComposeResult:
+        """Put status, body, stop bar and keys together."""
+        yield StatusBar()
+        yield PlaceBar(self.PLACE)
+        yield from self.body()
+        with Vertical(id="foot"):
+            yield StopBar()
+            yield Footer(compact=True)
+
+    def body(self) -> ComposeResult:
+        """Return what stands between status and stop bar."""
+        yield from ()
+
+    def commands(self) -> Iterable[SystemCommand]:
+        """Return what this screen can do, for the palette; every action of its keys."""
+        return ()
+
+    def on_screen_resume(self) -> None:
+        """Show at once what has happened while another screen was shown."""
+        self.show_now()
+
+    def show_now(self) -> None:
+        """Show the picture as it is now; called at most five times a second, and after orders."""
+        if not self.is_mounted:
+            return
+        picture, now_s = self.session.link.picture, self.session.now_s()
+        self.query_one(StatusBar).show(picture, now_s)
+        self.query_one(StopBar).show(picture)
+        self.show_picture(picture, now_s)
+
+    def show_picture(self, picture: Picture, now_s: float) -> None:
+        """Show what concerns this screen.
+
+        Args:
+            picture: what the engine has told.
+            now_s: monotonic time, s.
+        """

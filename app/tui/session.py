@@ -1,0 +1,29 @@
+"""What every screen needs: the engine, commands, and where things are."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+
+from app.tui.link import Link
+from app.tui.work import Work
+
+
+@dataclass
+class Session:
+    """The surroundings of the screens.
+
+    Attributes:
+        link: to the engine.
+        work: runs commands of `catseye`.
+        root: folder of all runs.
+        cell: cell file; None until there is one.
+        now_s: monotonic time, s.
+        speed: bench seconds in one real second; above 1 for emulators only.
+    """
+
+    link: Link
+    work: Work
+    root: Path
+    cell: Path | None
+    now_s: Callable[[], float]
+    speed: float = 1.0

@@ -1,0 +1,43 @@
+"""One line with the main screens and their keys; the one that is shown stands out."""
+
+from rich.text import Text
+from textual.app import RenderResult
+from textual.events import Click
+from textual.widget import Widget
+
+from app.tui.places import PLACES
+
+
+class PlaceBar(Widget):
+    """Names of the main screens.
+
+    Args:
+        current: name of the one that is shown.
+    """
+
+    DEFAULT_CSS = """
+    PlaceBar { dock: top; height: 1; background: $surface; }
+    """
+
+    def __init__(self, current: str) -> None:
+        super().__init__()
+        self._current = current
+
+    def render(self) -> RenderResult:
+        """Return the line."""
+        text = Text(no_wrap=True, overflow="ellipsis")
+        for name, place in PLACES.items():
+            style = "reverse bold" if name == self._current else ""
+            text.append(f"{place.key.upper()} {place.title}", style)
+            text.append("  ")
+        return text
+
+    async def on_click(self, event: Click) -> None:
+        """Show the screen that was clicked."""
+        start = 0
+        for name, place in PLACES.items():
+            end = start + len(place.key) + 1 + len(place.title)
+            if start <= event.x < end:
+                await self.run_action(f"app.go('{name}')")
+                return
+            start = end + 2

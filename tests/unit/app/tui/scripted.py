@@ -1,0 +1,159 @@
+"""An engine that tells what a test says, and notes what it is asked."""
+
+import asyncio
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+from textual.app import App
+from textual.pilot import Pilot
+
+from app.service.errors import RefusedError
+from app.tui.app import CatseyeApp
+from app.tui.picture import Picture
+from app.tui.session import Session
+from app.tui.work import Done
+
+GOLDEN = Path(__file__).parent / "golden"
+
+SNAPSHOT: dict[str, Any] = {
+    "engine": "catseye",
+    "protocol": 1,
+    "pid": 0,
+    "you": "tui-1",
+    "clients": [{"client": "tui-1", "who": "Ada"}],
+    "control": None,
+    "on_client_lost": "hold",
+    "run": None,
+    "path": None,
+    "procedure": None,
+    "title": None,
+    "simulated": None,
+    "state": "IDLE",
+    "reason": None,
+    "prompt": None,
+    "progress": None,
+    "live": None,
+    "cell": "/bench/cell.toml",
+    "runs": "/bench/catseye-runs",
+    "aborted": None,
+}
+
+
+class ScriptedLink:
+    """Implements `app.tui.link.Link`: nothing comes but what a test tells.
+
+    Attributes:
+        picture: what was told.
+        asked: requests, in order.
+        refusals: text by request; such a request is refused.
+        answers: what a request is answered with.
+        now_s: the time of everything; a test moves it.
+    """
+
+    def __init__(self, snapshot: dict[str, Any] | None = None) -> None:
+        self.picture = Picture()
+        self.asked: list[dict[str, Any]] = []
+        self.refusals: dict[str, str] = {}
+        self.answers: dict[str, dict[str, Any]] = {}
+        self.now_s = 100.0
+        self.left: list[bool] = []
+        self._changed: Callable[[], None] = lambda: None
+        self.picture.met({**SNAPSHOT, **(snapshot or {})}, self.now_s)
+
+    async def serve(self, changed: Callable[[], None]) -> None:
+        """Wait for ever."""
+        self._changed = changed
+        changed()
+        await asyncio.Event().wait()
+
+    async def request(self, op: str, **fields: Any) -> dict[str, Any]:
+        """Note it; refuse it or answer it as the test says."""
+        self.asked.append({"op": op, **fields})
+        if op in self.refusals:
+            raise RefusedError(self.refusals[op])
+        if op == "control":
+            self.picture.control = {"client": self.picture.you, "who": "Ada"}
+        return self.answers.get(op, {})
+
+    async def leave(self, *, end_engine: bool) -> None:
+        """Note it."""
+        self.left.append(end_engine)
+
+    def tell(self, event: str, **fields: Any) -> None:
+        """Have the engine tell something."""
+        self.picture.take(
+            {"t": "2026-11-21T09:00:00+00:00", "event": event, "run": None, **fields}, self.now_s
+        )
+        self._changed()
+
+
+class ScriptedWork:
+    """Implements `app.tui.work.Work`: notes the commands, and answers as a test says.
+
+    Attributes:
+        done: commands, in order.
+        outcomes: how a command ends, by its first word.
+    """
+
+    def __init__(self) -> None:
+        self.done: list[tuple[str, ...]] = []
+        self.outcomes: dict[str, Done] = {}
+
+    async def do(self, *arguments: str | Path, talk: Callable[[str], None] | None = None) -> Done:
+        """Note the command."""
+        words = tuple(str(argument) for argument in arguments)
+        self.done.append(words)
+        found = self.outcomes.get(words[0], Done(words, 0, "", ""))
+        if talk is not None:
+            talk(found.talk)
+        return Done(words, found.code, found.out, found.talk)
+
+
+def make_app(
+    link: ScriptedLink,
+    place: str = "bench",
+    *,
+    root: Path = Path("/bench/catseye-runs"),
+    cell: Path | None = None,
+) -> CatseyeApp:
+    """Return the program on a scripted engine."""
+    session = Session(link, ScriptedWork(), root, cell or Path("/bench/cell.toml"), lambda: link.now_s)
+    return CatseyeApp(session, place=place)
+
+
+def work_of(app: CatseyeApp) -> ScriptedWork:
+    """Return the notes about commands."""
+    work = app.session.work
+    assert isinstance(work, ScriptedWork)
+    return work
+
+
+async def shown(app: CatseyeApp, pilot: Pilot[Any]) -> str:
+    """Return the screen as text after everything that was told is painted."""
+    await pilot.pause()
+    base = app.screen_stack[0]
+    if hasattr(base, "show_now"):
+        base.show_now()
+    await pilot.pause()
+    return screen_text(app)
+
+
+def screen_text(app: App[Any]) -> str:
+    """Return the screen as lines of text."""
+    lines = app.screen._compositor.render_strips()  # noqa: SLF001  # Textual has no public way to read the screen
+    return "\n".join(line.text.rstrip() for line in lines) + "\n"
+
+
+def compare(name: str, text: str, *, renew: bool = False) -> None:
+    """Compare a screen with its golden file; `CATSEYE_RENEW_SCREENS=1` writes it anew, to be looked at in review."""
+    import os
+
+    path = GOLDEN / f"{name}.txt"
+    if renew or os.environ.get("CATSEYE_RENEW_SCREENS"):
+        path.parent.mkdir(exist_ok=True)
+        path.write_text(text, encoding="utf-8")
+    assert path.is_file(), (
+        f"{path.name} is missing: run with CATSEYE_RENEW_SCREENS=1 and look at what it writes"
+    )
+    assert text == path.read_text(encoding="utf-8")
