@@ -11,6 +11,7 @@ from typing import Literal
 import numpy as np
 
 from calibration.distance_model import DistanceModel
+from calibration.extension import Term, term_values
 from calibration.points import Points
 from calibration.types import Floats, Ints
 from calibration.uncertainty.radial import RadialBudget, axis_frame, harmonics
@@ -101,19 +102,21 @@ class Geometry:
         unit: unit vectors from the reflector to the arm, shape (n, 2).
         length_mm: lengths of the beam, shape (n,).
         turn_mm: derivatives of the distance by θ1 and θ2, mm/rad, shape (n, 2).
+        terms: functions beyond the model that are identified with the arm.
     """
 
     points: Points
     unit: Floats
     length_mm: Floats
     turn_mm: Floats
+    terms: tuple[Term, ...] = ()
 
 
 def geometry_of(model: DistanceModel, parameters: Floats) -> Geometry:
     """Return the geometry of distances at parameters of shape (p,)."""
     length, unit = model.beam(parameters)
     local = np.einsum("ni,nij->nj", unit, model.design.local_jacobian(parameters))
-    return Geometry(model.points, unit, length, local[:, 2:])
+    return Geometry(model.points, unit, length, local[:, 2:], model.layout.terms)
 
 
 def white_mm(contributor: Contributor, geometry: Geometry) -> Floats:
@@ -134,6 +137,9 @@ def combined_white_mm(budget: Budget, geometry: Geometry) -> Floats:
 def effects(contributor: Contributor, geometry: Geometry) -> Floats:
     """Return what independent unit-variance sources of a systematic contributor do to the distances.
 
+    What J4 does at its angle is a Fourier series of that angle. Orders that are identified as terms (a J4 map) are
+    left out: there the map says what J4 did, and is no longer uncertain by how much J4 might do.
+
     Returns:
         Effects, mm, shape (n, m); the covariance that they give the distances is E Eᵀ.
     """
@@ -145,9 +151,34 @@ def effects(contributor: Contributor, geometry: Geometry) -> Floats:
             return _per_group(columns, _poses(geometry.points))
         case _:
             angle = _angle(contributor.axis, geometry)
-            wave = harmonics(angle, contributor.orders)
-            spread = columns[:, :, None] * wave[:, None, :] / math.sqrt(contributor.orders)
-            return np.asarray(spread.reshape(angle.size, -1), dtype=np.float64)
+            repeated = _repeated(columns, angle, contributor.orders)
+            known = tuple(
+                term for term in geometry.terms if (term.target, term.source) == ("length", "theta4")
+            )
+            if contributor.axis != "j4" or not known:
+                return repeated
+            return repeated - term_values(known, {"theta4": angle}, angle.size) @ _described(
+                contributor, known
+            )
+
+
+def _repeated(columns: Floats, angle: Floats, orders: int) -> Floats:
+    """Return columns of shape (n, 1) or (n, 2) as they vary with an angle, shape (n, columns · 2 · orders)."""
+    spread = columns[:, :, None] * harmonics(angle, orders)[:, None, :] / math.sqrt(orders)
+    return np.asarray(spread.reshape(angle.size, -1), dtype=np.float64)
+
+
+def _described(contributor: Contributor, known: tuple[Term, ...]) -> Floats:
+    """Return how much of each source of a J4 contributor terms describe, shape (terms, sources).
+
+    They are Fourier coefficients, exact from values around the whole circle.
+    """
+    values = 4 * (contributor.orders + max(term.order for term in known))
+    angle = 2.0 * np.pi * np.arange(values) / values
+    # The beam's angle against link 2 is θ4 itself, and the unit vectors point the other way.
+    beam = np.ones((values, 1)) if contributor.kind == "length" else -harmonics(angle, 1)
+    sources = _repeated(contributor.u * beam, angle, contributor.orders)
+    return np.asarray(2.0 / values * term_values(known, {"theta4": angle}, values).T @ sources)
 
 
 def systematic_effects(budget: Budget | None, geometry: Geometry) -> Floats:
