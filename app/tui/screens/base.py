@@ -31,8 +31,9 @@ class MainScreen(Screen[None]):
 
     def compose(self) -> ComposeResult:
         """Put status, body, stop bar and keys together."""
-        yield StatusBar()
-        yield PlaceBar(self.PLACE)
+        with Vertical(id="head"):
+            yield StatusBar()
+            yield PlaceBar(self.PLACE)
         yield from self.body()
         with Vertical(id="foot"):
             yield StopBar()

@@ -16,7 +16,7 @@ class PlaceBar(Widget):
     """
 
     DEFAULT_CSS = """
-    PlaceBar { dock: top; height: 1; background: $surface; }
+    PlaceBar { height: 1; background: $surface; }
     """
 
     def __init__(self, current: str) -> None:
@@ -27,9 +27,10 @@ class PlaceBar(Widget):
         """Return the line."""
         text = Text(no_wrap=True, overflow="ellipsis")
         for name, place in PLACES.items():
-            style = "reverse bold" if name == self._current else ""
-            text.append(f"{place.key.upper()} {place.title}", style)
-            text.append("  ")
+            shown = name == self._current
+            text.append(place.key.upper(), "bold reverse" if shown else "bold")
+            text.append(f" {place.title}", "reverse" if shown else "")
+            text.append(" ")
         return text
 
     async def on_click(self, event: Click) -> None:
@@ -40,4 +41,4 @@ class PlaceBar(Widget):
             if start <= event.x < end:
                 await self.run_action(f"app.go('{name}')")
                 return
-            start = end + 2
+            start = end + 1

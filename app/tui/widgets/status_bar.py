@@ -27,7 +27,7 @@ class StatusBar(Widget):
     """State of engine and bench in two lines."""
 
     DEFAULT_CSS = """
-    StatusBar { dock: top; height: 2; background: $panel; color: $foreground; }
+    StatusBar { height: 2; background: $panel; color: $foreground; }
     """
 
     revision: reactive[int] = reactive(0)
