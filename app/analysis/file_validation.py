@@ -63,11 +63,13 @@ def validate_files(
     files = [result] if reference is None else [reference, result]
     results = tuple(read_result(file) for file in files)
     arms, nominal = [arm_of(one) for one in results], _nominal(files, results)
-    path, lines = measured_path(measured, nominal, hand, start_states(start_direction))
+    path, lines, start = measured_path(measured, nominal, hand, start_states(start_direction))
     validation = validate_on_path(path, arms, nominal, _titles(files, results))
     if mirrored := mirrored_text(validation):
         raise UsageError(f"{measured}: {mirrored}")
     remarks = list(dict.fromkeys(text for one in results for text in arm_remarks(one)))
+    if start:
+        remarks.append(f"{start}. It is left out of the comparison")
     if not validation.models[-1].agreement.instrument:
         remarks.append(
             "the instrument's uncertainty is not stated at every row (column u_mm) and counts as nothing there"
@@ -107,7 +109,7 @@ def _left_out(arms: Sequence[IdentifiedArm], validation: PathValidation, lines: 
     if loose.any():
         texts.append(
             f"{int(loose.sum())} of {loose.size} rows are left out because a joint has moved less than "
-            f"{TAKE_UP_DEG:g}° since it reversed, so that no direction of approach holds "
+            f"{TAKE_UP_DEG:g}° since it reversed or set off, so that no direction of approach holds "
             f"({lines_text(lines, loose)}). A result file does not tell the arm's take-up angle; {TAKE_UP_DEG:g}° is "
             "what a cell file has by default"
         )

@@ -5,6 +5,7 @@ from pathlib import Path
 
 import numpy as np
 
+from app.analysis.path_start import against_start, start_text
 from app.analysis.validation import FEWEST_ROWS, TAKE_UP_DEG, PathMeasurement, established_rows
 from app.errors import UsageError
 from app.files.measured_csv import read_measured_csv
@@ -27,8 +28,11 @@ _TURNS_BACK = -0.9
 
 def measured_path(
     file: Path, nominal: tuple[float, float], hand: Hand, start: tuple[int, int]
-) -> tuple[PathMeasurement, list[int]]:
-    """Return what a measured CSV holds, and the line of each row.
+) -> tuple[PathMeasurement, list[int], str]:
+    """Return what a measured CSV holds, the line of each row, and what to know about its first row.
+
+    Where a Cartesian path leaves its first row against the state that is said of it, nobody knows that state: the
+    row is not compared.
 
     Args:
         file: the file.
@@ -48,15 +52,19 @@ def measured_path(
     commands, command_mm = _commands(file, measured, nominal, hand, start)
     places = np.array([[row.x_meas_mm, row.y_meas_mm] for row in measured])
     _require_places(file, measured, command_mm, places, nominal)
+    established, text = established_rows(commands, float(np.deg2rad(TAKE_UP_DEG))), ""
+    if measured[0].command_mm is not None:
+        established &= ~against_start(commands).any(axis=1)
+        text = start_text(commands)
     path = PathMeasurement(
         commands=commands,
         command_mm=command_mm,
         travel=travel_of(command_mm),
         measured_mm=places,
         u_mm=np.array([np.nan if row.u_mm is None else row.u_mm for row in measured]),
-        established=established_rows(commands, float(np.deg2rad(TAKE_UP_DEG))),
+        established=established,
     )
-    return path, [row.line for row in measured]
+    return path, [row.line for row in measured], text
 
 
 def travel_of(command_mm: Floats) -> Ints:

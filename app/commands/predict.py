@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 
 from app.analysis.path_range import lines_text, outside_text
+from app.analysis.path_start import start_text
 from app.analysis.validation import TAKE_UP_DEG, established_rows
 from app.commands.output import emit, emit_json, say, table
 from app.errors import MeasurementRejectedError
@@ -37,7 +38,7 @@ def predict_command(
         raise MeasurementRejectedError(
             f"{path}: {outside}. Nothing is left to predict, and nothing was written"
         )
-    warnings = [*arm_remarks(identified), outside, _just_reversed(arm, commanded)]
+    warnings = [*arm_remarks(identified), outside, _just_reversed(arm, commanded), _start(arm, commanded)]
     warnings = [text for text in warnings if text]
     write_predicted_csv(commanded, prediction, output)
     for text in warnings:
@@ -66,6 +67,11 @@ def _just_reversed(arm: IdentifiedArm, path: CommandPath) -> str:
         f"in {counted(int(loose.sum()), 'row')} a joint has moved less than {TAKE_UP_DEG:g}° since it reversed "
         f"({lines_text(_lines(path), loose)}): their errors hold once the backlash is taken up"
     )
+
+
+def _start(arm: IdentifiedArm, path: CommandPath) -> str:
+    """Return a sentence about a first row that the path leaves against its state; joint commands tell theirs."""
+    return "" if arm.layout.model == "conventional" or not path.cartesian else start_text(path.commands)
 
 
 def _facts(prediction: Prediction) -> dict[str, Any]:

@@ -1,6 +1,7 @@
 """Path CSV: commands of a path, in joints or in Cartesian positions (version 1)."""
 
 from collections.abc import Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
@@ -110,13 +111,13 @@ def directions_of(theta_rad: Floats, start: int) -> Ints:
         start: state at the first row.
     """
     change = np.diff(theta_rad, prepend=theta_rad[:1])
-    moved = np.where(np.abs(change) > _STANDS_STILL_RAD, np.sign(change), 0.0)
+    moved = np.where(np.abs(change) > STANDS_STILL_RAD, np.sign(change), 0.0)
     moved[0] = start
     last = np.maximum.accumulate(np.where(moved != 0.0, np.arange(moved.size), 0))
     return moved[last].astype(np.int64)
 
 
-_STANDS_STILL_RAD = 1e-8
+STANDS_STILL_RAD = 1e-8
 """Changes below this (2 nm at the end of a link) are rounding of the positions, no motion."""
 
 
@@ -142,17 +143,36 @@ def require_reach(
         hand: of the positions.
 
     Raises:
-        UsageError: names file and line of the first one.
+        UsageError: names file and line of the first one, or the unit that the positions seem to be in.
     """
     try:
         inverse(place_mm, *nominal, hand)
     except OutOfReachError:
+        _require_unit(file, place_mm, nominal, hand)
         for line, xy in zip(lines, place_mm, strict=True):
             try:
                 inverse(xy, *nominal, hand)
             except OutOfReachError as error:
                 text = str(error).removeprefix("position 1 of 1 ")
                 raise UsageError(f"{file}:{line}: the position {text}") from None
+
+
+def _require_unit(file: Path, place_mm: Floats, nominal: tuple[float, float], hand: Hand) -> None:
+    """Refuse positions that the arm would all reach in another unit and reaches nowhere as they stand."""
+    radius = np.hypot(*place_mm.T)
+    if np.any((radius >= abs(nominal[0] - nominal[1])) & (radius <= sum(nominal))):
+        return
+    for unit, factor in _UNITS_MM.items():
+        with suppress(OutOfReachError):
+            inverse(factor * place_mm, *nominal, hand)
+            raise UsageError(
+                f"{file}: the positions in {', '.join(PLACE)} seem to be in {unit}: the arm reaches none of them in "
+                f"mm and all of them in {unit}; convert them to mm"
+            )
+
+
+_UNITS_MM = {"m": 1e3, "inches": 25.4, "cm": 10.0, "µm": 1e-3}
+"""What makes mm of other units."""
 
 
 def _check(path: Path, line: int, header: list[str]) -> None:

@@ -156,6 +156,31 @@ def test_positions_out_of_reach_name_their_line(tmp_path: Path) -> None:
         read_path_csv(text_file(tmp_path, "x_mm,y_mm\n400,0\n600,0\n"), NOMINAL)
 
 
+@pytest.mark.parametrize(("factor", "unit"), [(1e-3, "m"), (1.0 / 25.4, "inches"), (0.1, "cm"), (1e3, "µm")])
+def test_positions_in_another_unit_are_named(tmp_path: Path, factor: float, unit: str) -> None:
+    rows = "".join(f"{factor * 200.0},{factor * y}\n" for y in range(-400, 401, 100))
+    with pytest.raises(
+        UsageError, match=rf"path\.csv: .*x_mm, y_mm seem to be in {unit}: .*convert them to mm"
+    ):
+        read_path_csv(text_file(tmp_path, "x_mm,y_mm\n" + rows), NOMINAL)
+
+
+def test_a_path_that_leaves_its_first_row_the_other_way_is_told(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    # J2 turns back later, which is no matter of the start.
+    path = cartesian((40.0, 50.0), (40.0, 52.0), (37.0, 54.0), (34.0, 52.0))
+    predicted(tmp_path, path)
+    told = capsys.readouterr().err
+    assert (
+        "approached with the states 1,1 (--start-direction), and the path goes on with J1 the other way"
+        in told
+    )
+    assert "give --start-direction=-1,1" in told
+    predicted(tmp_path, path, "right", "-1,1")
+    assert "--start-direction" not in capsys.readouterr().err
+
+
 @pytest.mark.parametrize("text", ["", "1", "1,0", "1,1,1", "up,down", "1;-1"])
 def test_start_states_that_are_none_are_refused(text: str) -> None:
     with pytest.raises(UsageError, match="--start-direction 1,-1"):

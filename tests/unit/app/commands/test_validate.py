@@ -251,6 +251,24 @@ def test_rows_outside_and_rows_just_reversed_are_left_out_and_told(tmp_path: Pat
     assert Measurement.model_fields["take_up_deg"].default == TAKE_UP_DEG
 
 
+def test_a_first_row_whose_state_the_path_contradicts_is_left_out(tmp_path: Path) -> None:
+    """J1 goes up and J2 down from the first position on, and the option says that both came from below."""
+    commands, lines = way()[:12], ["x_mm,y_mm,x_meas_mm,y_meas_mm"]
+    for one, two, s1, s2 in commands:
+        cells = (*place(one, two, *NOMINAL), *in_frame(true_place((one, two, s1, s2))))
+        lines.append(",".join(f"{cell:.9f}" for cell in cells))
+    measured, result = text_file(tmp_path, "\n".join(lines), "measured.csv"), stored(tmp_path, bare())
+    guessed = validate_files(result, measured, None, "right", "1,1")
+    # The bare map has a play of 20 mdeg in J1 and of 10 in J2: counted in, one row would leave 40 µm and more.
+    assert np.flatnonzero(~guessed.validation.compared).tolist() == [0]
+    assert guessed.validation.models[0].comparison.max_um < 1e-3
+    assert any("give --start-direction=1,-1. It is left out" in text for text in guessed.remarks)
+    told = validate_files(result, measured, None, "right", "1,-1")
+    assert told.validation.compared.all()
+    assert told.validation.models[0].comparison.max_um < 1e-3
+    assert not any("--start-direction" in text for text in told.remarks)
+
+
 def test_other_nominal_links_are_refused(tmp_path: Path) -> None:
     other = {**bare(), "nominal": {"link1_mm": 350.0, "link2_mm": 200.0}}
     with pytest.raises(UsageError, match="identified with other nominal links"):
