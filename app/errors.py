@@ -7,7 +7,7 @@ import asyncio
 from typing import ClassVar
 
 from app.exitcode import ExitCode
-from calibration.errors import CalibrationError, MapRangeError, OutOfReachError
+from calibration.errors import BudgetError, CalibrationError, MapRangeError, OutOfReachError
 from drivers.errors import AlarmError, DeviceError, NotArrivedError, NotReadyError, ProfileError
 from procedures.errors import PlanError, PlanLimitError, ProcedureError
 from simulators.errors import EmulatorError
@@ -89,6 +89,7 @@ class TerminatedRunError(CatseyeError):
 _FOREIGN: tuple[tuple[type[BaseException], ExitCode], ...] = (
     (OutOfReachError, ExitCode.USAGE),
     (MapRangeError, ExitCode.USAGE),
+    (BudgetError, ExitCode.USAGE),
     (CalibrationError, ExitCode.REJECTED),
     (PlanLimitError, ExitCode.SAFETY),
     (PlanError, ExitCode.USAGE),

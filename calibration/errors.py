@@ -40,3 +40,7 @@ class ConvergenceError(CalibrationError):
 
 class RejectionError(CalibrationError):
     """More distances than a stated share would have to be left out: the model is in doubt, not the points."""
+
+
+class BudgetError(CalibrationError):
+    """The error budget leaves open what is needed."""

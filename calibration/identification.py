@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from calibration.distance_model import DistanceModel, distance_model
-from calibration.errors import InsufficientPointsError
+from calibration.errors import BudgetError, InsufficientPointsError
 from calibration.extension import Term
 from calibration.fit_statistics import FitStatistics, WeightedFit, fit_statistics, point_weights
 from calibration.kinematics import forward, wrap_rad
@@ -98,6 +98,7 @@ def identify(
         MapRangeError: a point lies outside the nodes.
         InsufficientPointsError: fewer points than parameters.
         UnidentifiableError: null directions beyond the gauge; the parameters are named.
+        BudgetError: it states shared errors only.
         ConvergenceError: the iteration does not settle.
     """
     used, rejected = without_short_segments(points)
@@ -137,8 +138,19 @@ def _weighted(distances: DistanceModel, start: Floats, budget: Budget) -> Distan
     """Give the points the standard uncertainty that the white contributors let expect."""
     sigma = combined_white_mm(budget, geometry_of(distances, start))
     if not sigma.all():
+        _require_nothing_shared(budget)
         return distances
     return replace(distances, points=replace(distances.points, sigma_mm=sigma))
+
+
+def _require_nothing_shared(budget: Budget) -> None:
+    shared = [one.name for one in budget.systematic if one.u > 0.0]
+    if shared:
+        raise BudgetError(
+            f"the budget states {', '.join(shared)}, which several distances share, but nothing that differs from "
+            'reading to reading: add a contributor with correlation = "reading", as the repeatability of the robot, or '
+            "state sigma_mm with the points"
+        )
 
 
 def _solved(distances: DistanceModel, start: Floats) -> Solution:

@@ -10,11 +10,13 @@ from functools import cache
 import numpy as np
 import pytest
 
+from calibration.errors import BudgetError
 from calibration.identification import Identification, identify
 from calibration.points import Points
 from calibration.types import Floats
-from calibration.uncertainty.budget import radial_motions
+from calibration.uncertainty.budget import Budget, Contributor, radial_motions
 from calibration.uncertainty.radial import RadialBudget, radial_effects
+from tests.unit.calibration.diagnostics.bench import commands_on_nodes, measured, problem
 from tests.unit.calibration.paper import (
     NODES1_DEG,
     NODES2_DEG,
@@ -193,3 +195,16 @@ def test_a_budget_of_nothing_changes_nothing() -> None:
     none = solve(points, RadialBudget(0.0, 0.0, 0.0))
     assert none.covariance == pytest.approx(solve(points, None).covariance, rel=1e-12, abs=1e-18)
     assert none.fit.chi2_expected == 1.0
+
+
+def test_shared_contributors_alone_are_refused() -> None:
+    """Without the scatter of a reading they have no scale: they would count as millimetres times the fit's variance."""
+    points = measured(random_truth(8), commands_on_nodes(), noise_mm=0.01)
+    shared = Contributor("J4 axis", "radial", 0.01, "axis-angle", "j4")
+    zero = Contributor("readings", "length", 0.0)
+    asked = replace(problem(points), budget=Budget((shared, zero)))
+    with pytest.raises(BudgetError, match="J4 axis, which several distances share"):
+        asked.solve()
+    nothing = replace(asked, budget=Budget((replace(shared, u=0.0), zero))).solve()
+    stated = replace(asked, points=replace(points, sigma_mm=np.full(len(points), 0.01))).solve()
+    assert nothing.standard_uncertainty[0] < 0.5 * stated.standard_uncertainty[0]
