@@ -148,8 +148,8 @@ def _require_nothing_shared(budget: Budget) -> None:
     if shared:
         raise BudgetError(
             f"the budget states {', '.join(shared)}, which several distances share, but nothing that differs from "
-            'reading to reading: add a contributor with correlation = "reading", as the repeatability of the robot, or '
-            "state sigma_mm with the points"
+            'reading to reading: add a contributor with correlation = "reading", as the repeatability of the robot, '
+            "or state sigma_mm with the points"
         )
 
 

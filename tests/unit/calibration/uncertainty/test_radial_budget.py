@@ -198,7 +198,7 @@ def test_a_budget_of_nothing_changes_nothing() -> None:
 
 
 def test_shared_contributors_alone_are_refused() -> None:
-    """Without the scatter of a reading they have no scale: they would count as millimetres times the fit's variance."""
+    """Without the scatter of a reading they have no scale: mm² would be multiplied by the fit's own mm²."""
     points = measured(random_truth(8), commands_on_nodes(), noise_mm=0.01)
     shared = Contributor("J4 axis", "radial", 0.01, "axis-angle", "j4")
     zero = Contributor("readings", "length", 0.0)
