@@ -265,3 +265,6 @@ class CatseyeApp(App[int]):
         screen = self.screen_stack[0] if self.screen_stack else None
         if isinstance(screen, MainScreen):
             screen.show_now()
+        if isinstance(self.screen, QuitDialog) and not self.session.link.picture.running:
+            self.screen.dismiss(None)
+            self.notify("the run has ended meanwhile")

@@ -28,7 +28,7 @@ from tests.system.command import Emulated, catseye, emulated, environment, start
 
 SPEED = "40"
 ONE_REFLECTOR = ("--param", 'reflectors=["P1"]')
-_SMALL = {
+SMALL = {
     "theta1_deg = [-140.0, -120.0, -100.0, -80.0, -60.0, -40.0, -20.0, 0.0, 20.0, 40.0, 60.0]": (
         "theta1_deg = [-60.0, -40.0, -20.0]"
     ),
@@ -43,7 +43,7 @@ def bench(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Emulated]:
     with (
         tempfile.TemporaryDirectory(dir="/tmp") as runtime,
         pytest.MonkeyPatch.context() as patch,
-        emulated(tmp_path_factory.mktemp("service"), "--speed", SPEED, edit=_SMALL) as running,
+        emulated(tmp_path_factory.mktemp("service"), "--speed", SPEED, edit=SMALL) as running,
     ):
         patch.setenv("XDG_RUNTIME_DIR", runtime)
         yield running

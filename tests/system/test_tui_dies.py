@@ -1,0 +1,125 @@
+"""The user interface dies in every way a terminal can: the controller emulator tells what the arm does then."""
+
+import contextlib
+import signal
+import tempfile
+import time
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+from app.service.address import find_socket
+from app.store.reader import RunReader
+from tests.system.command import Emulated, emulated
+from tests.system.screen import Screen, on_screen
+from tests.system.test_engine_service import (
+    SMALL,
+    SPEED,
+    Lines,
+    held,
+    motions,
+    nothing_moves,
+    while_the_arm_moves,
+)
+
+
+@pytest.fixture(scope="module")
+def bench(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Emulated]:
+    with (
+        tempfile.TemporaryDirectory(dir="/tmp") as runtime,
+        pytest.MonkeyPatch.context() as patch,
+        emulated(tmp_path_factory.mktemp("tui"), "--speed", SPEED, edit=SMALL) as running,
+    ):
+        patch.setenv("XDG_RUNTIME_DIR", runtime)
+        yield running
+
+
+@pytest.fixture
+def run(bench: Emulated) -> Iterator[Path]:
+    """Return a run that is held; whatever becomes of it, nothing moves after the test."""
+    found = held(bench)
+    yield found
+    if (path := find_socket(found)) is not None and RunReader(found).status == "running":
+        with contextlib.closing(Lines(str(path))) as client:
+            client.ask("hello", client="test", who="test")
+            client.ask("abort")
+            client.until(event="run-ended")
+
+
+def _terminate(screen: Screen) -> None:
+    screen.process.send_signal(signal.SIGTERM)
+
+
+def _hang_up(screen: Screen) -> None:
+    screen.process.send_signal(signal.SIGHUP)
+
+
+def _kill(screen: Screen) -> None:
+    screen.process.send_signal(signal.SIGKILL)
+
+
+def _close(screen: Screen) -> None:
+    screen.close()
+
+
+@pytest.mark.parametrize(
+    ("die", "code"),
+    [(_terminate, 143), (_hang_up, 129), (_close, None), (_kill, -signal.SIGKILL)],
+    ids=["SIGTERM", "SIGHUP", "closed terminal", "SIGKILL"],
+)
+def test_arm_is_held_when_the_interface_dies(
+    bench: Emulated, run: Path, die: object, code: int | None
+) -> None:
+    assert callable(die)
+    with on_screen("tui", "--cell", bench.cell, "--speed", SPEED, cwd=bench.cell.parent) as screen:
+        screen.shows("HELD", run.name)
+        screen.press("g")
+        screen.shows("EXECUTE")
+        while_the_arm_moves(bench)
+        before = motions(bench)
+        die(screen)
+        if screen.process.poll() is None:
+            assert screen.process.wait(10) is not None
+        if code is not None:
+            assert screen.process.returncode == code
+    assert motions(bench) >= before
+    end_s = time.monotonic() + 30
+    while (state := state_of(run)) != "HELD":
+        assert time.monotonic() < end_s, state
+    nothing_moves(bench)
+
+
+def test_quitting_with_stop_ends_the_run_at_standstill(bench: Emulated, run: Path) -> None:
+    with on_screen("tui", "--cell", bench.cell, "--speed", SPEED, cwd=bench.cell.parent) as screen:
+        screen.shows("HELD", run.name)
+        screen.press("g")
+        screen.shows("EXECUTE")
+        while_the_arm_moves(bench)
+        screen.press("ctrl+q")
+        screen.shows("leave it running")
+        screen.press("s")
+        assert screen.ended() == 0
+    assert RunReader(run).status == "stopped"
+    nothing_moves(bench)
+
+
+def test_stop_works_above_a_dialog(bench: Emulated, run: Path) -> None:
+    with on_screen("tui", "--cell", bench.cell, "--speed", SPEED, cwd=bench.cell.parent) as screen:
+        screen.shows("HELD", run.name)
+        screen.press("g")
+        screen.shows("EXECUTE")
+        while_the_arm_moves(bench)
+        screen.press("ctrl+q")
+        screen.shows("leave it running")
+        screen.press("f12")
+        screen.shows("STOPPED")
+    nothing_moves(bench)
+
+
+def state_of(run: Path) -> str:
+    """Return the state that the engine of a run tells."""
+    path = find_socket(run)
+    assert path is not None
+    with contextlib.closing(Lines(str(path))) as client:
+        return str(client.ask("hello", client="test", who="test")["snapshot"]["state"])
