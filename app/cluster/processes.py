@@ -38,8 +38,9 @@ class Processes:
         """Carry out a function on each item; see Share."""
         futures: dict[Future[B], int] = {}
         try:
-            for number, item in enumerate(items, 1):
-                futures[self._pool.submit(_carry_out, function, item)] = number
+            with _uninterrupted():
+                for number, item in enumerate(items, 1):
+                    futures[self._pool.submit(_carry_out, function, item)] = number
             for count, future in enumerate(as_completed(futures), 1):
                 _raise_with_item(future, futures[future], items)
                 if done is not None:
@@ -92,9 +93,18 @@ def processes(workers: int) -> Iterator[Processes]:
             pool.shutdown(cancel_futures=True)
 
 
+@contextmanager
+def _uninterrupted() -> Iterator[None]:
+    """Hold Ctrl-C back meanwhile; a process that is started here never hears it, from its first instruction on."""
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+    try:
+        yield
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)
+
+
 def _end_with(lifeline: Connection) -> None:
-    """Tie a worker's life to the other end of a pipe; Ctrl-C is left to the process that shares the work."""
-    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    """Tie a worker's life to the other end of a pipe."""
 
     def watch() -> None:
         lifeline.poll(None)

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from app.files.points_csv import PointRow
+from app.files.points_csv import LARGEST_SEGMENT, LARGEST_SIGMA_MM, PointRow
 from calibration.types import Floats, Ints
 
 
@@ -41,6 +41,7 @@ class PointColumns:
         """Return the first row with a value that cannot be, and which column it stands in; None if all are sound."""
         sound = {
             "reflector": self.reflector >= 0,
+            "segment": np.abs(self.segment) <= LARGEST_SEGMENT,
             "theta1_deg": np.isfinite(self.theta1_deg),
             "theta2_deg": np.isfinite(self.theta2_deg),
             "direction1": np.abs(self.direction1) == 1.0,
@@ -48,7 +49,7 @@ class PointColumns:
             "displacement_mm": np.isfinite(self.displacement_mm),
         }
         if self.sigma_mm is not None:
-            sound["sigma_mm"] = np.isfinite(self.sigma_mm) & (self.sigma_mm > 0.0)
+            sound["sigma_mm"] = (self.sigma_mm > 0.0) & (self.sigma_mm <= LARGEST_SIGMA_MM)
         faults = [(int(np.argmin(good)), name) for name, good in sound.items() if not good.all()]
         return min(faults) if faults else None
 

@@ -11,7 +11,8 @@ import numpy as np
 from app.errors import ConfigError, UsageError
 from app.files.csv_table import cells_of, csv_row, is_talk
 from app.files.point_columns import PointColumns, columns_of
-from app.files.points_csv import COLUMNS, point_row, require_columns
+from app.files.points_csv import COLUMNS, LARGEST_SEGMENT, point_row, require_columns
+from calibration.types import Floats, Ints
 
 _CHUNK_BYTES = 4_000_000
 """Some 50 000 lines."""
@@ -146,7 +147,8 @@ def _parquet_blocks(path: Path, known: Sequence[str]) -> Iterator[tuple[float, P
                     row, name = fault
                     raise UsageError(
                         f"{path}: row {read + row + 1}: {name} = {batch.column(name)[row].as_py()!r} cannot be; "
-                        f"reflectors are {', '.join(known)}, directions 1 or -1, numbers finite, sigma_mm above 0"
+                        f"reflectors are {', '.join(known)}, segments integers, directions 1 or -1, numbers finite, "
+                        "sigma_mm above 0"
                     )
                 read += len(columns)
                 yield read / total, columns
@@ -171,7 +173,7 @@ def _batch_columns(batch: Any, known: Sequence[str]) -> PointColumns:
     reflector = np.where(places < 0.0, -1, index[places.astype(np.int64)])
     return PointColumns(
         reflector,
-        numbers["segment"].astype(np.int64),
+        _segments(numbers["segment"]),
         numbers["theta1_deg"],
         numbers["theta2_deg"],
         numbers["direction1"],
@@ -179,3 +181,10 @@ def _batch_columns(batch: Any, known: Sequence[str]) -> PointColumns:
         numbers["displacement_mm"],
         numbers.get("sigma_mm"),
     )
+
+
+def _segments(numbers: Floats) -> Ints:
+    """Return numbers as integers; what is none becomes one that no check lets pass."""
+    whole = np.abs(numbers) <= LARGEST_SEGMENT
+    whole[whole] = np.floor(numbers[whole]) == numbers[whole]
+    return np.where(whole, numbers, 2.0 * LARGEST_SEGMENT).astype(np.int64)

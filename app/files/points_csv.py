@@ -24,6 +24,12 @@ COLUMNS = (
 )
 OPTIONAL = ("sigma_mm",)
 
+LARGEST_SEGMENT = 2**53
+"""Every format keeps integers up to this one exactly."""
+
+LARGEST_SIGMA_MM = 1.0
+"""A distance with a larger uncertainty would tell nothing about an error map: such numbers are µm."""
+
 
 @dataclass(frozen=True)
 class PointRow:
@@ -131,11 +137,27 @@ def point_row(row: CsvRow, known: list[str]) -> PointRow:
         raise row.fault(f"unknown reflector {reflector!r}; the cell file knows {', '.join(known)}")
     return PointRow(
         reflector=reflector,
-        segment=row.value("segment", int, "an integer"),
+        segment=row.value("segment", _segment, "an integer up to 2^53"),
         theta1_deg=row.finite("theta1_deg"),
         theta2_deg=row.finite("theta2_deg"),
         direction1=row.direction("direction1"),
         direction2=row.direction("direction2"),
         displacement_mm=row.finite("displacement_mm"),
-        sigma_mm=row.positive("sigma_mm") if "sigma_mm" in row.cells else None,
+        sigma_mm=_sigma_mm(row) if "sigma_mm" in row.cells else None,
     )
+
+
+def _sigma_mm(row: CsvRow) -> float:
+    sigma_mm = row.positive("sigma_mm")
+    if sigma_mm > LARGEST_SIGMA_MM:
+        raise row.fault(
+            f"sigma_mm = {sigma_mm:g} is more than {LARGEST_SIGMA_MM:g} mm: it seems to be in µm; convert it to mm"
+        )
+    return sigma_mm
+
+
+def _segment(text: str) -> int:
+    number = int(text)
+    if abs(number) > LARGEST_SEGMENT:
+        raise ValueError(text)
+    return number

@@ -3,11 +3,13 @@
 A pass then costs a fraction of what reading text does, and memory holds one block.
 """
 
+import os
 import tempfile
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
+from typing import IO
 
 import numpy as np
 
@@ -39,14 +41,14 @@ class SpooledPoints:
     """Distances in a temporary file: a source of blocks for the solver.
 
     Attributes:
-        file: of records, without a header.
+        file: of records, without a header; it has no name, so that it is gone however the program ends.
         reflector_names: names of the reflectors.
         dead_paths: (reflector name, segment) of each dead path.
         with_sigma: the points state their uncertainties.
         rows: number of distances.
     """
 
-    file: Path
+    file: IO[bytes]
     reflector_names: tuple[str, ...]
     dead_paths: tuple[tuple[str, int], ...]
     with_sigma: bool
@@ -58,23 +60,24 @@ class SpooledPoints:
 
     def blocks(self) -> Iterator[Points]:
         """Return all distances in measuring order, anew at each call."""
-        with self.file.open("rb") as stream:
-            while (records := np.fromfile(stream, RECORD, _BLOCK_ROWS)).size:
-                numbers = {name: records[name].astype(np.float64) for name in RECORD.names or ()}
-                yield Points(
-                    commands=Commands(
-                        numbers["theta1_rad"],
-                        numbers["theta2_rad"],
-                        records["direction1"].astype(np.int64),
-                        records["direction2"].astype(np.int64),
-                    ),
-                    reflector=records["reflector"].astype(np.int64),
-                    dead_path=records["dead_path"].astype(np.int64),
-                    displacement_mm=numbers["displacement_mm"],
-                    sigma_mm=numbers["sigma_mm"] if self.with_sigma else None,
-                    reflector_names=self.reflector_names,
-                    dead_paths=self.dead_paths,
-                )
+        block_bytes = _BLOCK_ROWS * RECORD.itemsize
+        for start in range(0, self.rows * RECORD.itemsize, block_bytes):
+            records = np.frombuffer(os.pread(self.file.fileno(), block_bytes, start), RECORD)
+            numbers = {name: records[name].astype(np.float64) for name in RECORD.names or ()}
+            yield Points(
+                commands=Commands(
+                    numbers["theta1_rad"],
+                    numbers["theta2_rad"],
+                    records["direction1"].astype(np.int64),
+                    records["direction2"].astype(np.int64),
+                ),
+                reflector=records["reflector"].astype(np.int64),
+                dead_path=records["dead_path"].astype(np.int64),
+                displacement_mm=numbers["displacement_mm"],
+                sigma_mm=numbers["sigma_mm"] if self.with_sigma else None,
+                reflector_names=self.reflector_names,
+                dead_paths=self.dead_paths,
+            )
 
 
 @contextmanager
@@ -93,14 +96,12 @@ def spooled_points(
     """
     # Reflectors that the file does not name keep their place: without a dead path they are left out later.
     paths, with_sigma, rows = _DeadPaths(tuple(known)), False, 0
-    with tempfile.TemporaryDirectory(prefix="catseye-scan-") as folder:
-        file = Path(folder) / "points"
-        with file.open("wb") as stream:
-            for share, columns in points_blocks(path, known):
-                _records(columns, paths.index(columns)).tofile(stream)
-                with_sigma, rows = columns.sigma_mm is not None, rows + len(columns)
-                if progress is not None:
-                    progress(share)
+    with tempfile.TemporaryFile() as file:
+        for share, columns in points_blocks(path, known):
+            _records(columns, paths.index(columns)).tofile(file)
+            with_sigma, rows = columns.sigma_mm is not None, rows + len(columns)
+            if progress is not None:
+                progress(share)
         if not rows:
             raise UsageError(f"{path}: holds no points; each row below the header line is one distance")
         yield SpooledPoints(file, tuple(known), paths.names, with_sigma, rows)

@@ -34,9 +34,8 @@ from app.files.spooled_points import SpooledPoints
 from calibration.scans.scan_identification import identify_scan
 
 file, rows, names, paths = sys.argv[1], int(sys.argv[2]), *map(json.loads, sys.argv[3:5])
-from pathlib import Path
 truth = arm(1, 1.0)
-source = SpooledPoints(Path(file), tuple(names), tuple(map(tuple, paths)), True, rows)
+source = SpooledPoints(open(file, "rb"), tuple(names), tuple(map(tuple, paths)), True, rows)
 start_s, cpu_s = time.perf_counter(), time.process_time()
 found = identify_scan(
     source, "error-map", truth.nodes1_rad, truth.nodes2_rad, 325.0, 225.0, NOMINAL_REFLECTORS

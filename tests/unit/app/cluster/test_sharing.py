@@ -15,6 +15,7 @@ from tests.unit.app.cluster.work import (
     drawn,
     fails_at_three,
     fails_untellably,
+    hears_ctrl_c,
     killed_at_three,
     process_and_threads,
 )
@@ -66,6 +67,12 @@ def test_processes_are_others_and_have_one_thread_each(monkeypatch: pytest.Monke
     assert {threads for _, threads in answers} == {"1"}
     assert os.getpid() not in {process for process, _ in answers}
     assert os.environ["OMP_NUM_THREADS"] == "7"
+
+
+def test_ctrl_c_is_left_to_the_process_that_shares_the_work() -> None:
+    with sharing(2, None) as found:
+        assert found.map(hears_ctrl_c, range(4)) == [False] * 4
+    assert hears_ctrl_c(0)
 
 
 def test_one_worker_is_this_process() -> None:

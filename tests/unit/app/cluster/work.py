@@ -1,6 +1,7 @@
 """Functions that other processes look up by name."""
 
 import os
+import signal
 import time
 from pathlib import Path
 
@@ -44,6 +45,11 @@ def killed_at_three(item: int) -> int:
 def process_and_threads(_: int) -> tuple[int, str | None]:
     """Return which process this is and how many threads it gives the linear algebra."""
     return os.getpid(), os.environ.get("OMP_NUM_THREADS")
+
+
+def hears_ctrl_c(_: int) -> bool:
+    """Tell whether Ctrl-C could interrupt this process."""
+    return signal.SIGINT not in signal.pthread_sigmask(signal.SIG_BLOCK, [])
 
 
 def lingering(folder: Path) -> None:

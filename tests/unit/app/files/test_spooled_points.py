@@ -51,7 +51,7 @@ def read(path: Path, progress: Callable[[float], None] | None = None) -> Points:
         again = concatenated(list(spooled.blocks()))
     whole = concatenated(blocks)
     assert np.array_equal(whole.displacement_mm, again.displacement_mm)
-    assert not spooled.file.exists()
+    assert spooled.file.closed
     return whole
 
 
@@ -102,6 +102,8 @@ def test_comments_blanks_quotes_and_line_ends_are_read_as_elsewhere(tmp_path: Pa
     [
         ("reflector", "P9"),
         ("segment", "1.5"),
+        ("segment", "1152921504606846976"),
+        ("segment", "99999999999999999999"),
         ("theta1_deg", "nan"),
         ("theta2_deg", "12,5"),
         ("direction1", "0"),
@@ -161,10 +163,20 @@ def test_parquet_holds_the_same_distances(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize(
     ("column", "value"),
-    [("reflector", "P9"), ("reflector", None), ("direction1", 0), ("theta1_deg", None), ("sigma_mm", -1.0)],
+    [
+        ("reflector", "P9"),
+        ("reflector", None),
+        ("segment", 1.5),
+        ("segment", None),
+        ("direction1", 0),
+        ("theta1_deg", None),
+        ("sigma_mm", -1.0),
+    ],
 )
 def test_a_wrong_value_of_parquet_is_told_with_its_row(tmp_path: Path, column: str, value: object) -> None:
     columns = table()
+    if isinstance(value, float):
+        columns[column] = [float(str(one)) for one in columns[column]]
     columns[column][99] = value
     with pytest.raises(UsageError, match=rf"points.parquet: row 100: {column} = {value!r}"):
         read(parquet_file(tmp_path / "points.parquet", columns))
