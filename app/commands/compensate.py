@@ -57,7 +57,7 @@ def compensate_command(
         return
     if path is None:
         raise UsageError(f"--format {form} needs --path FILE, a path CSV with what shall be corrected")
-    loaded = None if cell is None else load_cell(cell).cell
+    loaded = None if cell is None else _cell_of(cell, origin)
     settings = _settings(loaded, j4_deg) if form == "melfa" else None
     commanded = read_path_csv(path, origin.nominal_mm, hand, start_states(start_direction))
     take_up_deg = TAKE_UP_DEG if loaded is None else loaded.measurement.take_up_deg
@@ -107,6 +107,19 @@ def _write_tables(arm: IdentifiedArm, origin: Origin, output: Path, path: Path |
     if as_json:
         emit_json({"output": [str(file) for file in files], "form": "kw-ssfk", "links_mm": origin.links_mm})
     say(f"{files[0]} and {files[1]} written")
+
+
+def _cell_of(file: Path, origin: Origin) -> Cell:
+    """Return the cell of the arm that was identified."""
+    cell = load_cell(file).cell
+    links = (cell.robot.link1_mm, cell.robot.link2_mm)
+    if links != origin.nominal_mm:
+        raise UsageError(
+            f"{file}: its arm has the nominal links {links[0]:g} and {links[1]:g} mm, that of {origin.result} "
+            f"{origin.nominal_mm[0]:g} and {origin.nominal_mm[1]:g} mm: take the cell file of the arm that was "
+            "identified"
+        )
+    return cell
 
 
 def _settings(cell: Cell | None, j4_deg: float) -> MelfaSettings:

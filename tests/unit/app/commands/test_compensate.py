@@ -135,6 +135,16 @@ def test_limits_of_the_joints_are_kept(tmp_path: Path) -> None:
         run(tmp_path, JOINTS + "45,60,1,1\n", cell=cell(tmp_path, "[-170.0, 44.0]"))
 
 
+@pytest.mark.parametrize("form", ["csv", "melfa"])
+def test_the_cell_file_of_another_arm_is_refused(tmp_path: Path, form: str) -> None:
+    other = text_file(tmp_path, TEMPLATE.replace("link1_mm = 325.0", "link1_mm = 400.0"), "other.toml")
+    with pytest.raises(
+        UsageError, match=r"nominal links 400 and 225 mm, that of result\.json 325 and 225 mm"
+    ):
+        run(tmp_path, "x_mm,y_mm\n300,300\n", form, cell=other)
+    assert not (tmp_path / f"out.{form}").exists()
+
+
 def test_tables_need_no_path_and_are_one_a_joint(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     run(tmp_path, None, "kw-ssfk", as_json=True)
     told = json.loads(capsys.readouterr().out)
