@@ -3,11 +3,12 @@
 from dataclasses import dataclass
 from pathlib import Path
 
+from app.analysis.distance_unit import require_millimetres
 from app.analysis.identifying import bench_of_runs, cell_of_run, error_budget, run_rows
 from app.cell.bench import bench_of
 from app.cell.load import load_cell
 from app.errors import UsageError
-from app.files.points_csv import PointRow, read_points_csv
+from app.files.points_csv import PointRow, read_points_csv, to_points
 from app.runs_folder import runs_folder
 from app.store.catalog import resolve_run
 from app.store.reader import RunReader
@@ -70,6 +71,8 @@ def _of_file(points: Path, cell: Path | None) -> DistanceSource:
     if cell is None:
         raise UsageError("--points needs --cell FILE: nodes, nominal links and rough reflectors stand there")
     loaded = load_cell(cell)
-    rows = read_points_csv(points, [reflector.name for reflector in loaded.cell.reflector])
+    names = [reflector.name for reflector in loaded.cell.reflector]
+    rows, bench = read_points_csv(points, names), bench_of(loaded.cell)
+    require_millimetres(points, to_points(rows, names), bench)
     # A points file states its uncertainties itself, in the column sigma_mm.
-    return DistanceSource(rows, bench_of(loaded.cell), None, [points.name], [], [])
+    return DistanceSource(rows, bench, None, [points.name], [], [])

@@ -5,6 +5,7 @@ from pathlib import Path
 
 import numpy as np
 
+from app.analysis.distance_unit import require_millimetres
 from app.analysis.identifying import identified_result
 from app.files.result_json import Result
 from app.files.scan_part import scan_part
@@ -66,6 +67,7 @@ def identify_scan_file(
     nodes = np.deg2rad(bench.nodes1_deg), np.deg2rad(bench.nodes2_deg)
     links = bench.arm.link1_mm, bench.arm.link2_mm
     with spooled_points(points, list(places), reading) as source:
+        require_millimetres(points, next(source.blocks()), bench)
         found = identify_scan(
             source, model, *nodes, *links, np.array(list(places.values())), terms=terms, progress=solving
         )
