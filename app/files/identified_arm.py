@@ -5,7 +5,7 @@ import math
 import numpy as np
 
 from app.errors import UsageError
-from app.files.result_json import Result, term_unit
+from app.files.result_json import Covariance, Result, term_unit
 from calibration.extension import Term
 from calibration.identification import IdentifiedArm
 from calibration.layout import Layout
@@ -16,6 +16,12 @@ CATALOGUE_MM = (325.0, 225.0)
 
 _SAME_ROBOT_MM = 2.0
 """Identified links are nearer to those of their catalogue than this."""
+
+_SAME_ROBOT_SHARE = 0.1
+"""Links of one robot in one unit differ by far less than this: by tenths of a millimetre."""
+
+_ROUNDING = 1e-9
+"""Share of the largest covariance by which rounding may spoil symmetry and variances that are zero."""
 
 _MDEG = 1e-3 * math.pi / 180.0
 
@@ -30,15 +36,45 @@ def arm_of(result: Result) -> IdentifiedArm:
     values, u = _estimates(result)
     if values.size != layout.arm_size:
         raise UsageError(f"the result holds {values.size} parameters of an arm that has {layout.arm_size}")
+    _require_one_robot(result)
     if result.covariance is None:
         return IdentifiedArm(layout, values, np.diag(u**2))
-    covariance = np.array(result.covariance.matrix, dtype=np.float64)
-    if covariance.shape != (layout.arm_size, layout.arm_size):
+    return IdentifiedArm(layout, values, _covariance(result.covariance, layout))
+
+
+def _require_one_robot(result: Result) -> None:
+    if result.nominal is None:
+        return
+    for name, found, nominal in (
+        ("link1_mm", result.link1_mm.value, result.nominal.link1_mm),
+        ("link2_mm", result.link2_mm.value, result.nominal.link2_mm),
+    ):
+        if abs(found / nominal - 1.0) > _SAME_ROBOT_SHARE:
+            raise UsageError(
+                f"{name} of the result is {found:g} and nominal.{name} {nominal:g}: they are not of one arm in mm; "
+                "identify again with the arm's own links in the cell file"
+            )
+
+
+def _covariance(part: Covariance, layout: Layout) -> Floats:
+    """Return the covariance of the arm's parameters.
+
+    Raises:
+        UsageError: it is another arm's, or no covariance.
+    """
+    names = layout.names()[: layout.arm_size]
+    if part.names != names or [len(row) for row in part.matrix] != [len(names)] * len(names):
         raise UsageError(
-            f"the result's covariance has the shape {covariance.shape}, its arm {layout.arm_size} parameters; "
+            f"the result's covariance is not that of its {len(names)} parameters of the arm, in their order; "
             "identify again"
         )
-    return IdentifiedArm(layout, values, covariance)
+    matrix = np.array(part.matrix, dtype=np.float64)
+    rounding = _ROUNDING * float(np.abs(matrix).max())
+    if np.abs(matrix - matrix.T).max() > rounding or np.linalg.eigvalsh(matrix)[0] < -rounding:
+        raise UsageError(
+            "the result's covariance is none: it is not symmetric, or some variances are negative; identify again"
+        )
+    return matrix
 
 
 def arm_remarks(result: Result) -> list[str]:

@@ -19,6 +19,8 @@ from calibration.identification import Identification
 from calibration.layout import GAUGE
 
 Finite = Annotated[float, Field(allow_inf_nan=False)]
+Uncertainty = Annotated[float, Field(ge=0.0, allow_inf_nan=False)]
+Length = Annotated[float, Field(gt=0.0, allow_inf_nan=False)]
 
 
 class _Part(BaseModel):
@@ -41,7 +43,7 @@ class Estimate(_Part):
     """A value with its standard uncertainty (k = 1)."""
 
     value: Finite
-    u: Finite
+    u: Uncertainty
 
 
 class MapTable(_Columns):
@@ -50,8 +52,8 @@ class MapTable(_Columns):
     node_deg: list[Finite]
     positive_mdeg: list[Finite]
     negative_mdeg: list[Finite]
-    u_positive_mdeg: list[Finite]
-    u_negative_mdeg: list[Finite]
+    u_positive_mdeg: list[Uncertainty]
+    u_negative_mdeg: list[Uncertainty]
 
 
 class Place(_Part):
@@ -114,8 +116,8 @@ class Fit(_Part):
 class Nominal(_Part):
     """Links that command positions are calculated with."""
 
-    link1_mm: float
-    link2_mm: float
+    link1_mm: Length
+    link2_mm: Length
 
 
 class TermEstimate(_Part):
@@ -134,7 +136,7 @@ class Covariance(_Part):
     """Covariance of the arm's parameters, mm and rad."""
 
     names: list[str]
-    matrix: list[list[float]]
+    matrix: list[list[Finite]]
 
 
 class Residuals(_Columns):
@@ -244,17 +246,23 @@ def read_result(path: Path) -> Result:
         UsageError: the file is missing or no result; names what is wrong.
     """
     try:
-        result = Result.model_validate_json(path.read_text(encoding="utf-8"))
+        result = Result.model_validate_json(path.read_text(encoding="utf-8-sig"))
     except FileNotFoundError as error:
         raise UsageError(f"{path}: there is no such file") from error
-    except (OSError, UnicodeDecodeError) as error:
-        raise UsageError(f"{path}: cannot be read: {error}") from error
+    except OSError as error:
+        raise UsageError(f"{path}: cannot be read: {error.strerror}") from error
+    except UnicodeDecodeError as error:
+        raise UsageError(
+            f"{path}: cannot be read: it is not UTF-8 text, so no result of catseye identify"
+        ) from error
     except ValidationError as error:
         faults = "; ".join(
             f"{'.'.join(str(part) for part in fault['loc']) or 'file'}: {fault['msg']}"
             for fault in error.errors()[:5]
         )
-        raise UsageError(f"{path}: is no catseye-result/1 file: {faults}") from error
+        raise UsageError(
+            f"{path}: is no catseye-result/1 file as catseye identify writes it: {faults}"
+        ) from error
     if "format" not in result.model_fields_set:
         raise UsageError(f'{path}: is no catseye-result/1 file: the key "format" is missing')
     return result

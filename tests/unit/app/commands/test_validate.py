@@ -270,7 +270,7 @@ def test_a_first_row_whose_state_the_path_contradicts_is_left_out(tmp_path: Path
 
 
 def test_other_nominal_links_are_refused(tmp_path: Path) -> None:
-    other = {**bare(), "nominal": {"link1_mm": 350.0, "link2_mm": 200.0}}
+    other = {**bare(), "nominal": {"link1_mm": 330.0, "link2_mm": 220.0}}
     with pytest.raises(UsageError, match="identified with other nominal links"):
         validate_files(
             stored(tmp_path, bare()),

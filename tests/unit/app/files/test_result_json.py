@@ -12,8 +12,9 @@ import pytest
 
 from app.errors import StorageError, UsageError
 from app.files.atomic import write_atomically
+from app.files.identified_arm import arm_of
 from app.files.result_json import Result, read_result, result_of, result_text, write_result
-from calibration.identification import identify
+from calibration.identification import IdentifiedArm, identify
 from tests.unit.calibration.paper import (
     MDEG,
     NODES1_DEG,
@@ -99,6 +100,9 @@ def replaced(value: object, *path: str) -> Callable[[Any], None]:
         (replaced([0.0], "theta1_map", "positive_mdeg"), "theta1_map"),
         (without("theta2_map", "node_deg"), "theta2_map.node_deg"),
         (replaced([1.0, 2.0], "residuals", "residual_um"), "residuals"),
+        (replaced(-0.001, "link1_mm", "u"), "link1_mm.u"),
+        (replaced(-325.0, "nominal", "link1_mm"), "nominal.link1_mm"),
+        (replaced([[math.nan]], "covariance", "matrix"), "covariance.matrix.0.0"),
     ],
 )
 def test_a_file_that_is_no_result_is_refused_with_the_key(
@@ -118,6 +122,55 @@ def test_keys_of_later_versions_are_left_aside(tmp_path: Path) -> None:
     document = {**json.loads(result_text(result())), "colour": "blue"}
     (tmp_path / "r.json").write_text(json.dumps(document), encoding="utf-8")
     assert read_result(tmp_path / "r.json") == result()
+
+
+def changed_arm(change: Callable[[Any], None]) -> IdentifiedArm:
+    document = json.loads(result_text(result()))
+    change(document)
+    return arm_of(Result.model_validate(document))
+
+
+def shortened(document: Any) -> None:
+    document["covariance"]["matrix"][3].pop()
+
+
+def negative(document: Any) -> None:
+    document["covariance"]["matrix"][0][0] = -1.0
+
+
+def lopsided(document: Any) -> None:
+    document["covariance"]["matrix"][0][1] = 5.0
+
+
+def exchanged(document: Any) -> None:
+    document["covariance"]["names"].reverse()
+
+
+@pytest.mark.parametrize(
+    ("change", "text"),
+    [
+        (shortened, "is not that of its 40 parameters"),
+        (exchanged, "is not that of its 40 parameters"),
+        (negative, "some variances are negative"),
+        (lopsided, "not symmetric"),
+        (replaced(0.325, "link1_mm", "value"), "link1_mm of the result is 0.325 and nominal.link1_mm 325"),
+        (replaced(425.0, "nominal", "link2_mm"), "they are not of one arm in mm"),
+    ],
+)
+def test_an_arm_that_cannot_be_is_refused(change: Callable[[Any], None], text: str) -> None:
+    with pytest.raises(UsageError, match=text):
+        changed_arm(change)
+
+
+def test_a_byte_order_mark_is_passed_over_and_other_encodings_are_told(tmp_path: Path) -> None:
+    text, path = result_text(result()), tmp_path / "r.json"
+    path.write_bytes(text.encode("utf-8-sig"))
+    assert read_result(path) == result()
+    path.write_bytes(text.encode("utf-16"))
+    with pytest.raises(
+        UsageError, match="cannot be read: it is not UTF-8 text, so no result of catseye identify"
+    ):
+        read_result(path)
 
 
 def test_files_that_cannot_be_read_are_told(tmp_path: Path) -> None:
