@@ -33,6 +33,9 @@ _SAMPLE_DEG = 2.5
 _MOST_OF_IT = 0.8
 """Share of the paper's path that has to lie inside the nodes for it to stand for a cell's work."""
 
+_MOST_COMMANDS = 20_000
+"""More take hours, and tell nothing about places that fewer do not."""
+
 _RING = 2.0
 """Radius of the floor where none is given, in reaches of the arm."""
 
@@ -100,12 +103,20 @@ def problem_of(bench: Bench, budget: Budget, wish: Wish) -> Problem:
     """Return the problem that a cell and a wish make.
 
     Raises:
-        UsageError: the floor is empty, no command of the path lies inside the nodes, or distances would be exact.
+        UsageError: the floor is empty, no command of the path lies inside the nodes, distances would be exact, or
+            the nodes make too many commands.
     """
     if not any(one.u > 0.0 for one in budget.white):
         raise UsageError(
             "no contributor of [uncertainty] differs from reading to reading, so that one distance would be exact: "
             'state the repeatability of the robot (correlation = "reading")'
+        )
+    commands = 4 * len(bench.nodes1_deg) * len(bench.nodes2_deg)
+    if commands > _MOST_COMMANDS:
+        raise UsageError(
+            f"{len(bench.nodes1_deg)} and {len(bench.nodes2_deg)} nodes make {commands} commands, and a design is "
+            f"worked out for {_MOST_COMMANDS} at most: give a cell file with fewer nodes over the same range, every "
+            "5° say; places that are good for them are good for a scan with finer ones"
         )
     sequence = bidirectional_sequence(bench.nodes1_deg, bench.nodes2_deg)
     layout = Layout("error-map", np.deg2rad(bench.nodes1_deg), np.deg2rad(bench.nodes2_deg), (), ())

@@ -149,7 +149,9 @@ def _compromises(layouts: list[Layout], share: Share, done: Done) -> tuple[Compr
     rows = [row for group in found for row in group]
     systematic = layouts[0].problem.systematic
     costs = np.array([[row.time_s, row.u(systematic=systematic)] for row in rows])
-    flags = pareto_front(np.where(np.isfinite(costs), costs, np.inf))
+    # What the plan refuses, or what is undetermined, is no compromise.
+    sound = np.isfinite(costs).all(axis=1)
+    flags = pareto_front(np.where(sound[:, None], costs, np.inf)) & sound
     marked = [
         Compromise(
             row.reflectors, row.commands, row.repeats, row.time_s, row.u_white, row.u_total, bool(flag)

@@ -7,7 +7,7 @@ import numpy as np
 from scipy import linalg
 
 from calibration.error_map import interpolate
-from calibration.errors import InsufficientPointsError, MapRangeError
+from calibration.errors import CalibrationError, InsufficientPointsError, MapRangeError
 from calibration.extension import Term
 from calibration.fit_statistics import FitSums, summed_statistics
 from calibration.identification import Identification
@@ -29,6 +29,9 @@ SQUARED_RANK_TOLERANCE = 3e-6
 The normal matrix holds their squares, 1e-11 of its largest eigenvalue: a hundred times what rounding of its sums
 leaves. A Jacobian itself tells directions apart down to 1e-10; what lies between is refused here although identify
 could solve it, for the squares of such values carry too few digits for an uncertainty."""
+
+_MOST_PARAMETERS = 4_000
+"""The normal matrix holds the square of their number: more need gigabytes and minutes."""
 
 _EXPECTED_PASSES = 2
 """Starting values from few rows are so good that the second pass confirms the first as a rule."""
@@ -92,13 +95,14 @@ def identify_scan(
         InsufficientPointsError: fewer points than parameters.
         UnidentifiableError: null directions beyond the gauge, or directions too weak to be told from them.
         ConvergenceError: the iteration does not settle.
-        CalibrationError: a contributor is common to a pose.
+        CalibrationError: a contributor is common to a pose, or there are too many parameters for a normal matrix.
     """
     empty = np.zeros(0)
     nodes = (nodes1_rad, nodes2_rad) if model == "error-map" else (empty, empty)
     used = used_rows(source, lambda block, first: _require_range(nodes, block, first))
     rough = reflectors_mm[used.kept_reflectors]
     layout = Layout(model, *nodes, used.reflector_names, used.dead_paths, terms)
+    _require_size(layout)
     basis = layout.gauge_basis()
     _require_rows(used.rows, basis.shape[1], model)
     passes = Passes(used, layout, (link1_mm, link2_mm), rough, budget)
@@ -209,6 +213,15 @@ def _require_range(nodes_rad: tuple[Floats, Floats], block: Points, first: int) 
                 f"{np.rad2deg(nodes[0]):g}°…{np.rad2deg(nodes[-1]):g}°; a map is never extrapolated: add nodes that "
                 "enclose it or leave the point out"
             ) from None
+
+
+def _require_size(layout: Layout) -> None:
+    if layout.size > _MOST_PARAMETERS:
+        raise CalibrationError(
+            f"{layout.size} parameters, {len(layout.dead_paths)} of them dead paths, are more than the "
+            f"{_MOST_PARAMETERS} that a scan is solved for: a segment lasts as long as the beam is unbroken, so give "
+            "all its rows one number; otherwise use fewer nodes, or solve parts of the scan"
+        )
 
 
 def _require_rows(rows: int, free: int, model: ModelName) -> None:

@@ -7,6 +7,8 @@ from typing import Any
 import numpy as np
 import pytest
 
+from app.analysis import design_commands
+from app.analysis.design_time import BenchCost, bench_cost
 from app.cell.load import load_cell
 from app.cell.reflectors import with_reflector_tables
 from app.cell.template import TEMPLATE
@@ -14,6 +16,9 @@ from app.commands.design import DesignOptions, design_command
 from app.errors import ConfigError, UsageError, exit_code_of
 from app.exitcode import ExitCode
 from calibration.errors import UnidentifiableError
+from calibration.types import Bools
+from procedures.bench import Bench
+from procedures.motion.approach import Command
 
 NODES1 = "theta1_deg = [-140.0, -120.0, -100.0, -80.0, -60.0, -40.0, -20.0, 0.0, 20.0, 40.0, 60.0]"
 NODES2 = "theta2_deg = [0.0, 20.0, 40.0, 60.0, 80.0, 100.0, 120.0, 140.0]"
@@ -93,6 +98,45 @@ def test_more_of_everything_costs_time_and_lowers_what_averages_out(
             and other["u_random"] <= row["u_random"]
         ]
         assert row["front"] == (not beaten)
+
+
+def test_a_layout_that_the_plan_refuses_is_no_compromise(
+    cell: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def refusing(bench: Bench, sequence: tuple[Command, ...], kept: Bools | None = None) -> BenchCost:
+        if len(bench.reflectors) == 4:
+            return BenchCost(float("nan"), 0, 0, 0, "the plan says no")
+        return bench_cost(bench, sequence, kept)
+
+    monkeypatch.setattr(design_commands, "bench_cost", refusing)
+    rows = designed(cell, capsys, reflectors=1, pareto=True, random_only=True)["pareto"]
+    refused = [row for row in rows if row["reflectors"] == 4]
+    # Four reflectors tell most, and still none of these is worth having.
+    assert min(row["u_random"] for row in refused) == min(row["u_random"] for row in rows)
+    assert {row["bench_s"] for row in refused} == {None}
+    assert not any(row["front"] for row in refused)
+    assert any(row["front"] for row in rows)
+
+
+def test_nodes_of_a_scan_are_too_many_for_a_design(cell: Path) -> None:
+    nodes = [float(angle) for angle in range(-120, 41)]
+    edited(cell, "theta1_deg = [-120.0, -60.0, 0.0, 40.0]", f"theta1_deg = {nodes}")
+    finer = [float(angle) for angle in range(20, 141)]
+    edited(cell, "theta2_deg = [20.0, 60.0, 100.0, 140.0]", f"theta2_deg = {finer}")
+    with pytest.raises(UsageError, match=r"161 and 121 nodes make 77924 commands.*fewer nodes"):
+        design_command(cell, DesignOptions(), None, None, True)
+
+
+def test_a_reflector_under_the_arm_is_compared_all_the_same(
+    cell: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    # The straight arm stands right above P2 (680, 0) at a command of the grid.
+    edited(cell, "link1_mm = 325.0", "link1_mm = 400.0")
+    edited(cell, "link2_mm = 225.0", "link2_mm = 280.0")
+    edited(cell, "theta2_deg = [20.0, 60.0, 100.0, 140.0]", "theta2_deg = [0.0, 60.0, 100.0, 140.0]")
+    layouts = designed(cell, capsys)["layouts"]
+    assert all(np.isfinite(layout["A_mdeg"]) for layout in layouts)
+    assert layouts[1]["refused"]
 
 
 def test_chosen_commands_keep_every_node_in_both_directions(

@@ -213,6 +213,17 @@ def test_a_direction_too_weak_for_squares_is_refused_where_qr_still_tells_it() -
     assert {"L1", "L2", "θ20"} <= set(caught.value.null_directions[0])
 
 
+def test_numbers_of_rows_instead_of_segments_are_refused() -> None:
+    rows = np.arange(len(POINTS)) // 3
+    paths = tuple((POINTS.reflector_names[POINTS.reflector[3 * k]], k) for k in range(int(rows[-1]) + 1))
+    many = replace(POINTS, dead_path=rows, dead_paths=paths)
+    assert len(paths) == ROWS // 3
+    with pytest.raises(
+        CalibrationError, match=rf"{len(paths)} of them dead paths.*as long as the beam is unbroken"
+    ):
+        solved(many)
+
+
 def test_too_few_rows() -> None:
     with pytest.raises(InsufficientPointsError, match="cannot determine"):
         solved(POINTS.rows(np.arange(60)))
