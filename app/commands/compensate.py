@@ -13,7 +13,7 @@ from app.cell.load import load_cell
 from app.cell.model import Cell
 from app.commands.output import emit, emit_json, say, table
 from app.errors import LimitError, MeasurementRejectedError, UsageError
-from app.files.atomic import write_atomically
+from app.files.atomic import require_other_file, write_atomically
 from app.files.compensated_path import Origin, write_compensated_csv, write_compensated_json
 from app.files.identified_arm import arm_of, arm_remarks, nominal_of
 from app.files.melfa_program import MelfaSettings, melfa_program
@@ -47,6 +47,7 @@ def compensate_command(
         LimitError: a corrected command leaves the limits of the cell's joints.
         MeasurementRejectedError: no row has a correction, or a program would have to leave rows out.
     """
+    require_other_file(output, result, path, cell)
     identified = read_result(result)
     arm = arm_of(identified)
     origin = _origin(result, identified)

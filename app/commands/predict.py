@@ -10,6 +10,7 @@ from app.analysis.path_start import start_text
 from app.analysis.validation import TAKE_UP_DEG, established_rows
 from app.commands.output import emit, emit_json, say, table
 from app.errors import MeasurementRejectedError
+from app.files.atomic import require_other_file
 from app.files.identified_arm import arm_of, arm_remarks, nominal_of
 from app.files.path_csv import CommandPath, read_path_csv, start_states
 from app.files.predicted_csv import write_predicted_csv
@@ -29,6 +30,7 @@ def predict_command(
         UsageError: a file or an option is wrong.
         MeasurementRejectedError: no row lies inside the identified range; nothing is written.
     """
+    require_other_file(output, result, path)
     identified = read_result(result)
     arm, (nominal, _) = arm_of(identified), nominal_of(identified)
     commanded = read_path_csv(path, nominal, hand, start_states(start_direction))

@@ -5,7 +5,18 @@ import os
 import tempfile
 from pathlib import Path
 
-from app.errors import StorageError
+from app.errors import StorageError, UsageError
+
+
+def require_other_file(output: Path, *inputs: Path | None) -> None:
+    """Refuse to write over a file that is read.
+
+    Raises:
+        UsageError: the output is one of the inputs.
+    """
+    for one in inputs:
+        if one is not None and one.exists() and output.exists() and output.samefile(one):
+            raise UsageError(f"-o {output} is a file that is read, and would be lost: choose another -o FILE")
 
 
 def write_atomically(path: Path, data: str | bytes) -> None:

@@ -145,6 +145,15 @@ def test_the_cell_file_of_another_arm_is_refused(tmp_path: Path, form: str) -> N
     assert not (tmp_path / f"out.{form}").exists()
 
 
+def test_the_result_is_not_written_over(tmp_path: Path) -> None:
+    result = stored(tmp_path, bare())
+    before = result.read_bytes()
+    path = text_file(tmp_path, "x_mm,y_mm\n300,300\n")
+    with pytest.raises(UsageError, match="would be lost"):
+        compensate_command(result, result, path, "json", "right", "1,1", None, 0.0, as_json=False)
+    assert result.read_bytes() == before
+
+
 def test_tables_need_no_path_and_are_one_a_joint(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     run(tmp_path, None, "kw-ssfk", as_json=True)
     told = json.loads(capsys.readouterr().out)

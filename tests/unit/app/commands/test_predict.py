@@ -211,6 +211,15 @@ def test_rows_just_reversed_are_told(tmp_path: Path, capsys: pytest.CaptureFixtu
     assert "in 1 row a joint has moved less than 1° since it reversed (line 4)" in capsys.readouterr().err
 
 
+def test_a_file_that_is_read_is_not_written_over(tmp_path: Path) -> None:
+    result, path = stored(tmp_path, bare()), text_file(tmp_path, cartesian((40.0, 50.0)))
+    for kept in (result, path):
+        before = kept.read_bytes()
+        with pytest.raises(UsageError, match="would be lost: choose another -o FILE"):
+            predict_command(result, path, kept, "right", "1,1", as_json=False)
+        assert kept.read_bytes() == before
+
+
 @pytest.mark.parametrize(
     ("change", "text"),
     [
