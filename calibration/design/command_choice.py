@@ -85,7 +85,7 @@ def choose_commands(pool: CommandPool, count: int, criterion: Criterion) -> Bool
 
 def usefulness(pool: CommandPool, kept: Bools, criterion: Criterion) -> Floats:
     """Return by how much the criterion would grow without each command, shape (n,); infinite where it has to stay."""
-    return _changes(pool, np.arange(len(pool.rows)), pool.covariance(kept), criterion, -1.0)
+    return changes_with(pool, np.arange(len(pool.rows)), pool.covariance(kept), criterion, -1.0)
 
 
 def _exchanged(pool: CommandPool, kept: Bools, criterion: Criterion) -> Bools:
@@ -98,7 +98,7 @@ def _exchanged(pool: CommandPool, kept: Bools, criterion: Criterion) -> Bools:
         without[out] = False
         covariance = pool.covariance(without)
         possible = np.flatnonzero(~without)
-        changes = _changes(pool, possible, covariance, criterion, 1.0)
+        changes = changes_with(pool, possible, covariance, criterion, 1.0)
         best = int(np.argmin(changes))
         own = changes[possible == out][0]
         if changes[best] >= own - _LEAST_GAIN * abs(own):
@@ -110,12 +110,14 @@ def _exchanged(pool: CommandPool, kept: Bools, criterion: Criterion) -> Bools:
 def _least_useful(pool: CommandPool, kept: Bools, criterion: Criterion) -> int:
     """Return the command that is missed least, -1 where none can be left out."""
     possible = np.flatnonzero(kept)
-    changes = _changes(pool, possible, pool.covariance(kept), criterion, -1.0)
+    changes = changes_with(pool, possible, pool.covariance(kept), criterion, -1.0)
     best = int(np.argmin(changes))
     return int(possible[best]) if np.isfinite(changes[best]) else -1
 
 
-def _changes(pool: CommandPool, rows: Ints, covariance: Floats, criterion: Criterion, sign: float) -> Floats:
+def changes_with(
+    pool: CommandPool, rows: Ints, covariance: Floats, criterion: Criterion, sign: float
+) -> Floats:
     """Return by how much the criterion changes with each command added (sign 1) or removed (sign -1), shape (m,)."""
     own = pool.rows[rows]
     sides = own @ covariance

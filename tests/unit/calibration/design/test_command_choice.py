@@ -6,7 +6,7 @@ from typing import get_args
 import numpy as np
 import pytest
 
-from calibration.design.command_choice import CommandPool, choose_commands, usefulness
+from calibration.design.command_choice import CommandPool, changes_with, choose_commands, usefulness
 from calibration.design.criteria import CriterionName
 from calibration.types import Bools
 from tests.unit.calibration.design.cases import RING, SIGMA_MM, SMALL, scaled, seen_by_all, study
@@ -42,6 +42,28 @@ def test_rank_updates_tell_what_leaving_a_command_out_does(name: CriterionName) 
         without = kept.copy()
         without[row] = False
         assert told[row] == pytest.approx(pool.value(without, criterion) - whole, rel=1e-5, abs=1e-14)
+
+
+@pytest.mark.parametrize("name", ["A", "D", "path"])
+def test_rank_updates_agree_with_recomputation_over_random_exchanges(name: CriterionName) -> None:
+    pool, criterion, rng = small_pool(), criterion_of(study(SMALL), name), np.random.default_rng(8)
+    n = len(pool.rows)
+    kept = rng.permutation(n) < 38
+    compared = 0
+    for _ in range(300):
+        # Out with one command, in with another: each step is told before, and computed anew after.
+        for sign in (-1.0, 1.0):
+            rows = np.flatnonzero(kept if sign < 0.0 else ~kept)
+            row = int(rng.choice(rows))
+            told = changes_with(pool, rows, pool.covariance(kept), criterion, sign)[rows == row][0]
+            changed = kept.copy()
+            changed[row] = sign > 0.0
+            if np.isinf(told):
+                break
+            real = pool.value(changed, criterion) - pool.value(kept, criterion)
+            assert told == pytest.approx(real, rel=1e-4, abs=1e-9 * abs(pool.value(kept, criterion)))
+            kept, compared = changed, compared + 1
+    assert compared > 500
 
 
 @pytest.mark.parametrize("name", ["A", "D", "path"])
