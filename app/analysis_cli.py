@@ -64,6 +64,9 @@ def identify(
     Example: catseye identify --points points.csv --cell cell.toml -o result.json
     """
     from app.commands.identify import IdentifyOptions, identify_command
+    from app.files.atomic import require_output
+
+    require_output(output, points, cell)
 
     options = IdentifyOptions(
         model, uncertainty, draws, seed, loss, reject, tuple(extend or ()), workers, dask
@@ -100,6 +103,9 @@ def predict(
     Example: catseye predict result.json --path path.csv -o predicted.csv
     """
     from app.commands.predict import predict_command
+    from app.files.atomic import require_output
+
+    require_output(output)
 
     predict_command(result, path, output, hand, start_direction, as_json)
 
@@ -127,6 +133,9 @@ def validate(
     Example: catseye validate error-map.json --measured tracker.csv --reference conventional.json -o validation.html
     """
     from app.commands.validate import validate_command
+    from app.files.atomic import require_output
+
+    require_output(output, result, measured, reference)
 
     validate_command(result, measured, reference, output, limit, hand, start_direction, as_json)
 
@@ -155,6 +164,9 @@ def compensate(
     Example: catseye compensate result.json --path path.csv --format melfa --cell cell.toml -o path.prg
     """
     from app.commands.compensate import compensate_command
+    from app.files.atomic import require_output
+
+    require_output(output)
 
     compensate_command(result, output, path, format_, hand, start_direction, cell, j4, as_json)
 
@@ -212,6 +224,10 @@ def design(
     Example: catseye design --cell cell.toml --reflectors 3 -o design.html
     """
     from app.commands.design import DesignOptions, design_command
+    from app.files.atomic import require_output
+
+    for file in (output, write_cell, write_commands):
+        require_output(file, cell, path)
 
     options = DesignOptions(
         reflectors,
@@ -243,6 +259,9 @@ def report(
     Example: catseye report result.json -o report.html
     """
     from app.commands.report import report_command
+    from app.files.atomic import require_output
+
+    require_output(output, Path(source))
 
     report_command(source, output, runs)
 
@@ -264,5 +283,8 @@ def export(
     Example: catseye export 1a2b3c -o points.csv
     """
     from app.commands.export import export_command
+    from app.files.atomic import require_output
+
+    require_output(output)
 
     export_command(source, output, format_, runs)

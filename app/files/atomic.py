@@ -16,7 +16,29 @@ def require_other_file(output: Path, *inputs: Path | None) -> None:
     """
     for one in inputs:
         if one is not None and one.exists() and output.exists() and output.samefile(one):
-            raise UsageError(f"-o {output} is a file that is read, and would be lost: choose another -o FILE")
+            raise UsageError(
+                f"{output} is a file that is read, and would be lost: choose another file to write"
+            )
+
+
+def require_output(output: Path | None, *inputs: Path | None) -> None:
+    """Refuse an output before the work that leads to it: what is read is never overwritten.
+
+    Args:
+        output: file to write; None for none.
+        inputs: files that are read; None for those that are not given.
+
+    Raises:
+        UsageError: the output is one of the inputs, or a folder.
+        StorageError: its folder is missing.
+    """
+    if output is None:
+        return
+    if output.is_dir():
+        raise UsageError(f"{output}: is a folder; give the name of a file to write")
+    if not output.parent.is_dir():
+        raise StorageError(f"{output}: cannot be written: there is no folder {output.parent}; make it first")
+    require_other_file(output, *inputs)
 
 
 def write_atomically(path: Path, data: str | bytes) -> None:

@@ -215,7 +215,7 @@ def test_a_file_that_is_read_is_not_written_over(tmp_path: Path) -> None:
     result, path = stored(tmp_path, bare()), text_file(tmp_path, cartesian((40.0, 50.0)))
     for kept in (result, path):
         before = kept.read_bytes()
-        with pytest.raises(UsageError, match="would be lost: choose another -o FILE"):
+        with pytest.raises(UsageError, match="would be lost: choose another file to write"):
             predict_command(result, path, kept, "right", "1,1", as_json=False)
         assert kept.read_bytes() == before
 
