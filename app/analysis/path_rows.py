@@ -104,10 +104,10 @@ def _established(rows: Sequence[Mapping[str, Any]], commands: Commands, take_up_
 def _travel(rows: Sequence[Mapping[str, Any]]) -> Ints:
     """Return 1 on the way there and -1 on the way back; points may be missing, so the ends tell them apart."""
     travel = np.ones(len(rows), dtype=np.int64)
-    pass_number, y = _column(rows, "pass_number"), _column(rows, "y_mm")
+    pass_number, place = _column(rows, "pass_number"), _command_mm(rows)
     for number in np.unique(pass_number):
         own = np.flatnonzero(pass_number == number)
-        farthest = int(np.argmax(np.abs(y[own] - y[own[0]])))
+        farthest = int(np.argmax(np.hypot(*(place[own] - place[own[0]]).T)))
         travel[own[farthest + 1 :]] = -1
     return travel
 
@@ -117,12 +117,11 @@ def _mean(passes: Sequence[Sequence[Mapping[str, Any]]], take_up_deg: float) -> 
     measured = np.stack(
         [np.stack([_column(p, "x_meas_mm"), _column(p, "y_meas_mm")], axis=1) for p in passes]
     )
-    half = (len(first) + 1) // 2
     commands = _commands(first)
     return PathMeasurement(
         commands=commands,
         command_mm=_command_mm(first),
-        travel=np.where(np.arange(len(first)) < half, 1, -1).astype(np.int64),
+        travel=_travel(first),
         measured_mm=measured.mean(axis=0),
         u_mm=_column(first, "u_mm") / np.sqrt(len(passes)),
         established=established_rows(commands, float(np.deg2rad(take_up_deg))),

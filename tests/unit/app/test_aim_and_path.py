@@ -152,6 +152,15 @@ async def test_passes_are_averaged_and_a_broken_one_is_left_out(shelf: Shelf) ->
     assert path.established.all()
 
 
+async def test_the_way_there_of_a_run_that_was_stopped_on_the_way_back(shelf: Shelf) -> None:
+    # Three of four rows: the far end was reached, and one row of the way back.
+    rows = [path_row(i, 0, 0.01) for i in range(3)]
+    stopped = path_measurement(RunReader(await shelf.put("validation-path", None, rows=rows)), 1.0)
+    assert stopped.travel.tolist() == [1, 1, -1]
+    only_there = path_measurement(RunReader(await shelf.put("validation-path", None, rows=rows[:2])), 1.0)
+    assert only_there.travel.tolist() == [1, 1]
+
+
 async def test_a_run_without_a_path_is_refused(shelf: Shelf) -> None:
     run = await shelf.put("open-loop", None)
     with pytest.raises(UsageError, match="holds no path; it takes a run of validation-path"):
