@@ -186,12 +186,10 @@ class EngineLink:
 
 
 def _socket_of(root: Path) -> Path | None:
-    """Return the socket of the engine of a folder of runs, or of a run in it that serves itself."""
+    """Return the socket of the newest run under way, else of the engine of a folder of runs."""
     from app.service.address import find_socket
     from app.store.catalog import list_runs
 
-    if (path := find_socket(root)) is not None:
-        return path
     under_way = [run for run in list_runs(root) if run.status == "running"]
     found = (find_socket(run.path) for run in reversed(under_way))
-    return next((path for path in found if path is not None), None)
+    return next((path for path in found if path is not None), None) or find_socket(root)

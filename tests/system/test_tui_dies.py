@@ -113,7 +113,7 @@ def test_stop_works_above_a_dialog(bench: Emulated, run: Path) -> None:
         screen.press("ctrl+q")
         screen.shows("leave it running")
         screen.press("f12")
-        screen.shows("STOPPED")
+        screen.shows("stopped")
     nothing_moves(bench)
 
 

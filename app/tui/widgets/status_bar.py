@@ -20,6 +20,7 @@ _STATES = {
     "STOPPED": "bold red",
     "COMPLETE": "bold green",
 }
+_ENDS = {"complete": "bold green"}
 _LITTLE_BYTES = 1_000_000_000
 
 
@@ -62,8 +63,12 @@ class StatusBar(Widget):
         if picture.jogging:
             text.append("JOG ", "bold magenta")
         if picture.run is not None:
-            text.append(picture.run.name, "" if picture.run.active else "dim")
-            text.append(" ")
+            text.append(f"{picture.run.name} ", "" if picture.run.active else "dim")
+        if picture.run is not None and not picture.run.active:
+            how = picture.run.ended
+            text.append(
+                f"{how['status']} " if how else "ended unseen ", _ENDS.get(how and how["status"], "bold red")
+            )
         if picture.aborted:
             text.append(f"aborted: {picture.aborted} ", "red")
         elif picture.reason and picture.state not in {"EXECUTE", "COMPLETE"}:
