@@ -1,0 +1,176 @@
+"""Telling those who watch: the bench and its samples, and what goes over the wires; at most five times a second."""
+
+import asyncio
+import shutil
+from collections.abc import Callable
+from pathlib import Path
+from typing import Literal, Protocol
+
+from app.bench.bench_message import bench_message
+from app.bench.facts import BenchFacts
+from app.bench.gauges import Gauges
+from app.bench.observed import observed
+from app.bench.run_sampler import RunSampler
+from app.bench.traffic import Traffic
+from app.engine.devices import DeviceBuilder, Devices, WireRecorder
+from app.engine.handle import RunHandle
+from app.engine.waiting import cancel
+from drivers.clock import Clock
+from procedures.context import Json
+
+Topic = Literal["watch", "traffic"]
+
+PERIOD_S = 0.2
+"""Real seconds between two messages of a kind."""
+
+_DISK_PERIOD_S = 5.0
+
+
+class Audience(Protocol):
+    """The clients of an engine, and what they do."""
+
+    @property
+    def run(self) -> RunHandle | None:
+        """The run under way."""
+        ...
+
+    @property
+    def asking(self) -> bool:
+        """A question is open."""
+        ...
+
+    def listens(self, topic: Topic) -> bool:
+        """Return whether anybody wants to be told about a topic."""
+        ...
+
+    def tell(self, topic: Topic, event: str, fields: dict[str, Json]) -> None:
+        """Tell everybody who wants to be told about a topic."""
+        ...
+
+
+class Telemetry:
+    """Knows the bench's gauges and tells them while somebody watches.
+
+    Args:
+        audience: the clients.
+        clock: real time.
+        root: folder of the runs, whose disk is looked at.
+
+    Attributes:
+        gauges: of the bench.
+        traffic: of the links.
+        facts: of the bench that is watched; None until one is known.
+        on_watched: is told when somebody begins to watch, and when nobody watches any more.
+    """
+
+    def __init__(self, audience: Audience, clock: Clock, root: Path) -> None:
+        self.gauges = Gauges(clock)
+        self.traffic = Traffic(clock)
+        self.facts: BenchFacts | None = None
+        self.on_watched: Callable[[bool], None] = lambda _watched: None
+        self._audience = audience
+        self._clock = clock
+        self._root = root
+        self._free_bytes = 0
+        self._sampler = RunSampler(self.gauges, clock)
+        self._task: asyncio.Task[None] | None = None
+
+    def describe(self, facts: BenchFacts) -> None:
+        """Take the facts of the bench that is watched from now on; another bench's values are forgotten."""
+        if self.facts is None or (facts.cell, facts.devices) != (self.facts.cell, self.facts.devices):
+            self.gauges.clear()
+        self.facts = facts
+
+    def observe(self, build: DeviceBuilder) -> DeviceBuilder:
+        """Return a builder whose devices are seen here, and whose traffic is."""
+
+        def built(record: WireRecorder) -> Devices:
+            def both(device: str, direction: str, data: bytes) -> None:
+                record(device, direction, data)
+                self.traffic.record(device, direction, data)
+
+            material = self.facts.material if self.facts else None
+            devices = observed(build(both), self.gauges, material)
+            self._sampler.devices = devices
+            return devices
+
+        return built
+
+    def bench(self) -> dict[str, Json]:
+        """Return the bench as it is now; empty when none is known."""
+        if self.facts is None:
+            return {}
+        run = self._audience.run
+        return bench_message(
+            self.facts,
+            self.gauges,
+            moving=run is not None and run.control.moving,
+            simulated=None if run is None else run.simulated,
+            free_bytes=self._free_bytes,
+        )
+
+    def wake(self) -> None:
+        """Begin to tell, or to tell more; somebody has asked for it."""
+        self.traffic.listening = self._audience.listens("traffic")
+        if self._task is None or self._task.done():
+            self._free_bytes = free_bytes(self._root)
+            # What came while nobody watched is no news.
+            self.gauges.columns.take(self._clock.monotonic_s())
+            self._task = asyncio.create_task(self._serve())
+            self.on_watched(True)
+
+    async def end(self) -> None:
+        """Tell no more."""
+        if self._task is not None:
+            await cancel(self._task)
+
+    async def _serve(self) -> None:
+        """Tell until nobody listens. Nothing is waited for after that was seen: the next `wake` begins anew."""
+        disk = asyncio.create_task(self._look_at_disk())
+        try:
+            while self._audience.listens("watch") or self._audience.listens("traffic"):
+                self._tell()
+                await self._clock.sleep(PERIOD_S)
+        finally:
+            disk.cancel()
+            self.traffic.listening = False
+            self.on_watched(False)
+
+    def _tell(self) -> None:
+        audience, run = self._audience, self._audience.run
+        self.traffic.listening = audience.listens("traffic")
+        if (lines := self.traffic.take()) is not None:
+            audience.tell("traffic", "wire", lines)
+        if not audience.listens("watch"):
+            return
+        if run is not None:
+            self._sampler.tick(run.control, asking=audience.asking)
+        audience.tell("watch", "bench", self.bench())
+        audience.tell("watch", "samples", self._samples())
+
+    def _samples(self) -> dict[str, Json]:
+        columns = self.gauges.columns
+        taken = columns.take(self._clock.monotonic_s())
+        return {
+            "quantity": "displacement_mm",
+            "period_s": columns.period_s,
+            "low": list(taken.low),
+            "high": list(taken.high),
+            "count": list(taken.count),
+            "missed": taken.missed,
+        }
+
+    async def _look_at_disk(self) -> None:
+        """Ask for the free space aside: a disk on a network may take its time."""
+        while True:
+            await self._clock.sleep(_DISK_PERIOD_S)
+            self._free_bytes = await asyncio.to_thread(free_bytes, self._root)
+
+
+def free_bytes(folder: Path) -> int:
+    """Return the free space of the disk that a folder is, or will be, on; 0 when that cannot be told."""
+    there = next((place for place in (folder, *folder.absolute().parents) if place.exists()), None)
+    try:
+        return 0 if there is None else shutil.disk_usage(there).free
+    except OSError:
+        return 0

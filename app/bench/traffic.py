@@ -1,0 +1,72 @@
+"""What goes over the wires, for whoever looks at it now: bounded, and what is left out is counted."""
+
+from collections import deque
+from dataclasses import dataclass
+from datetime import datetime
+
+from drivers.clock import Clock
+from procedures.context import Json
+
+MOST_LINES = 200
+"""Lines that wait to be told."""
+
+SHOWN_BYTES = 256
+"""Of one line; a longer one says how long it was."""
+
+
+@dataclass(frozen=True, slots=True)
+class _Line:
+    time_utc: datetime
+    device: str
+    direction: str
+    data: bytes
+    length: int
+
+
+class Traffic:
+    """Takes the bytes of every link while somebody listens. `record` is a wire recorder like that of a run's store.
+
+    Args:
+        clock: stamps the lines.
+
+    Attributes:
+        listening: somebody listens.
+    """
+
+    def __init__(self, clock: Clock) -> None:
+        self.listening = False
+        self._clock = clock
+        self._lines: deque[_Line] = deque(maxlen=MOST_LINES)
+        self._missed = 0
+
+    def record(self, device: str, direction: str, data: bytes) -> None:
+        """Take bytes.
+
+        Args:
+            device: its name in the cell file.
+            direction: "tx" is sent, "rx" is received.
+            data: the bytes, as they went.
+        """
+        if not self.listening:
+            return
+        self._missed += len(self._lines) == MOST_LINES
+        self._lines.append(_Line(self._clock.now_utc(), device, direction, data[:SHOWN_BYTES], len(data)))
+
+    def take(self) -> dict[str, Json] | None:
+        """Return the lines since the last ones were taken, as a `wire` event has them; None when there is none."""
+        if not self._lines:
+            return None
+        lines: list[Json] = [_told(line) for line in self._lines]
+        self._lines.clear()
+        missed, self._missed = self._missed, 0
+        return {"lines": lines, "missed": missed}
+
+
+def _told(line: _Line) -> dict[str, Json]:
+    told: dict[str, Json] = {
+        "t": line.time_utc.isoformat(),
+        "device": line.device,
+        "dir": line.direction,
+        "hex": line.data.hex(),
+    }
+    return told if line.length == len(line.data) else {**told, "bytes": line.length}
