@@ -1,12 +1,16 @@
 """A designed layout goes from the command into a cell file that the rest of the program accepts."""
 
 import json
+import os
+import signal
+import subprocess
+import sys
 from pathlib import Path
 
 import pytest
 
 from app.cell.template import TEMPLATE
-from tests.system.command import catseye
+from tests.system.command import catseye, environment
 
 
 @pytest.mark.slow
@@ -48,3 +52,34 @@ def test_bad_floor_is_exit_code_2(tmp_path: Path) -> None:
     assert refused.returncode == 2
     assert "larger --floor" in refused.stderr
     assert not refused.stdout
+
+
+def alive_in_group(group: int) -> list[str]:
+    """Return the command lines of processes of a group, those that only wait to be reaped left out."""
+    listed = subprocess.run(["ps", "-eo", "pgid=,stat=,args="], capture_output=True, text=True, check=True)
+    rows = [line.split(maxsplit=2) for line in listed.stdout.splitlines()]
+    return [row[2] for row in rows if int(row[0]) == group and not row[1].startswith("Z")]
+
+
+def test_ctrl_c_in_the_midst_of_a_sweep_leaves_no_process_and_no_traceback(tmp_path: Path) -> None:
+    (tmp_path / "cell.toml").write_text(TEMPLATE)
+    words = ["design", "--cell", "cell.toml", "--criterion", "D", "--places", "2000", "--workers", "2"]
+    with subprocess.Popen(
+        [sys.executable, "-m", "app", *words],
+        cwd=tmp_path,
+        env=environment(),
+        stderr=subprocess.PIPE,
+        start_new_session=True,
+    ) as process:
+        assert process.stderr is not None
+        said = b""
+        while b"exchanges" not in said:
+            part = os.read(process.stderr.fileno(), 4096)
+            assert part, said
+            said += part
+        # A terminal sends Ctrl-C to the whole group, the workers included.
+        os.killpg(process.pid, signal.SIGINT)
+        said += process.stderr.read()
+        assert process.wait(timeout=30.0) == 130
+    assert b"Traceback" not in said
+    assert not alive_in_group(process.pid)
