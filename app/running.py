@@ -2,6 +2,7 @@
 
 import getpass
 import tomllib
+from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -13,6 +14,7 @@ from app.cell.bench import air_limits, air_rule, bench_of
 from app.cell.load import LoadedCell
 from app.cell.model import Cell
 from app.engine.announcer import Publish
+from app.engine.devices import DeviceBuilder
 from app.engine.dry_run import DryRunContext
 from app.engine.gate import JointLimits
 from app.engine.handle import OnOpen
@@ -91,6 +93,7 @@ async def carry_out(
     install_signals: SignalInstaller = loop_signals,
     answerer: Answerer | None = None,
     on_open: OnOpen | None = None,
+    observe: Callable[[DeviceBuilder], DeviceBuilder] = lambda build: build,
 ) -> RunOutcome:
     """Run a planned procedure on the cell's devices.
 
@@ -104,6 +107,7 @@ async def carry_out(
         install_signals: delivers signals to the stop ladder.
         answerer: a front end that answers questions.
         on_open: lets a service reach the run while its record is open.
+        observe: returns a builder of the same devices that lets somebody see what passes.
     """
     cell, clock = planned.loaded.cell, SystemClock(speed)
     request = RunRequest(
@@ -119,13 +123,15 @@ async def carry_out(
         arm=arm,
         answers=_answers(answers),
         clock_speed=speed,
+        speed_deg_s=planned.bench.arm.speed_deg_s,
         aim_simulated=planned.aim_simulated,
         resume=planned.resume,
         answerer=answerer,
         hands=_hands(cell),
         on_open=on_open,
     )
-    return await run_procedure(request, device_builder(cell, clock), clock, publish, install_signals)
+    build = observe(device_builder(cell, clock))
+    return await run_procedure(request, build, clock, publish, install_signals)
 
 
 async def rehearse(planned: PlannedRun) -> DryRunContext:

@@ -153,6 +153,7 @@ class Prompt:
             "turns": 0.86}` (clockwise is positive) or `{"do": "place-reflector", "reflector": "P2"}`; None for a mere
             question. "yes", or the first of the choices, says that it is done; an emulated bench has it done then.
         motion: the arm moves after "yes": front ends take that answer by a key of its own.
+        target: where it goes then, J1, J2, deg, J3, mm, J4, deg; None where the procedure does not know yet.
     """
 
     id: str
@@ -164,6 +165,7 @@ class Prompt:
     safe_answer: str | None = None
     task: Mapping[str, Json] | None = None
     motion: bool = False
+    target: Joints | None = None
 
 
 class Context(Protocol):

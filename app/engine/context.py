@@ -61,6 +61,7 @@ class RunContext:
         announcer: tells front ends.
         air: how the program corrects for the air where the instrument does not.
         poll_s: between two looks at a condition that is missing, s of the clock.
+        speed_deg_s: fastest J1, J2, J4 at 100 % override, as questions before a motion tell them; None for unknown.
 
     Attributes:
         step_times: where the time of each step that ran went.
@@ -77,6 +78,7 @@ class RunContext:
         announcer: Announcer,
         air: AirRule = _DEFAULT_AIR,
         poll_s: float = 0.5,
+        speed_deg_s: Sequence[float] | None = None,
     ) -> None:
         self.step_times: list[StepTime] = []
         self._devices = devices
@@ -92,6 +94,7 @@ class RunContext:
         self._doubts_told: set[str] = set()
         self._progress = Progress(clock)
         self._poll_s = poll_s
+        self._speed_deg_s = speed_deg_s
         self._step: _OpenStep | None = None
         self._prompt_open = False
         self._zeroed = False
@@ -296,6 +299,16 @@ class RunContext:
             "progress", done=done, total=total, text=text, elapsed_s=elapsed_s, remaining_s=remaining_s
         )
 
+    def _motion_after(self, prompt: Prompt) -> dict[str, Json]:
+        """Return where the arm goes after a "yes", at which override, and how fast its joints can be then."""
+        percent = self._gate.override_percent
+        speeds = self._speed_deg_s
+        return {
+            "target": None if prompt.target is None else list(prompt.target),
+            "override_percent": percent,
+            "speed_deg_s": None if speeds is None else [speed * percent / 100.0 for speed in speeds],
+        }
+
     def _begin(self, step_id: str, title: str) -> _OpenStep:
         attempt = self._store.next_attempt(step_id)
         self._announcer.say("step-started", step=step_id, title=title, attempt=attempt)
@@ -455,7 +468,9 @@ class RunContext:
             unit=prompt.unit,
             timeout_s=prompt.timeout_s,
             task=None if prompt.task is None else dict(prompt.task),
+            safe_answer=prompt.safe_answer,
             motion=prompt.motion,
+            **(self._motion_after(prompt) if prompt.motion else {}),
         )
         crash_point("prompt-open")
         asking = self._operator.answer(prompt) if watch is None else self._watched(prompt, watch)

@@ -82,13 +82,18 @@ class MotionGate:
         self._read_percent = override_cap_percent
         self.on_override: Callable[[float], None] = lambda _percent: None
 
+    @property
+    def override_percent(self) -> float:
+        """The override of the next motion, as far as it is known before that."""
+        return min(self._wanted_percent, self._read_percent)
+
     def want_override(self, percent: float) -> float:
         """Lower the override before the next motion, and keep it there; return what it reads until then.
 
         Raises:
             LimitError: it would not be lowered; nothing changes.
         """
-        now = min(self._wanted_percent, self._read_percent)
+        now = self.override_percent
         if not _LEAST_PERCENT <= percent < now:
             raise LimitError(
                 f"the override is {now:g} % (the cell allows {self._cap_percent:g} %) and is only ever lowered from "

@@ -101,6 +101,7 @@ class RunRequest:
         teardown_limit_s: how long the teardown, and the closing of the devices, may take, real s.
         aim_simulated: whether the search that the plan aims with was made on emulated devices; None without one.
         clock_speed: bench seconds in one real second; anything but 1 is for emulated devices only.
+        speed_deg_s: fastest J1, J2, J4 at 100 % override, as questions before a motion tell them.
         on_open: lets a service reach the run while its record is open.
     """
 
@@ -122,6 +123,7 @@ class RunRequest:
     halt_limits: HaltLimits = field(default_factory=HaltLimits)
     teardown_limit_s: float = 60.0
     clock_speed: float = 1.0
+    speed_deg_s: tuple[float, float, float] | None = None
     aim_simulated: bool | None = None
     on_open: OnOpen | None = None
 
@@ -278,6 +280,7 @@ class _Run:
             self._announcer,
             self._request.air,
             _POLL_S * self._request.clock_speed,
+            self._request.speed_deg_s,
         )
         if reentry is not None:
             await self._reenter(reentry, context, identities_as_json(identities))

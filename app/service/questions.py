@@ -25,6 +25,7 @@ def prompt_of(event: Mapping[str, Json]) -> Prompt:
         choices=tuple(str(choice) for choice in choices) if isinstance(choices, list) else (),
         unit=str(event.get("unit") or ""),
         timeout_s=float(timeout_s) if isinstance(timeout_s, (int, float)) else None,
+        safe_answer=None if event.get("safe_answer") is None else str(event["safe_answer"]),
         task=task if isinstance(task, dict) else None,
         motion=event.get("motion") is True,
     )

@@ -113,7 +113,7 @@ class BeamLevel:
         self._away_from_mm = plan.bench.arm.j3_mm
         rounds = _Rounds(ctx, plan)
         guided = GuidedScrew(
-            ctx, level_screw(plan.bench), rounds.measure, rounds.watch, plan.params.max_rounds
+            ctx, level_screw(plan.bench), rounds.measure, rounds.watch, plan.params.max_rounds, rounds.start
         )
         row = await guided.align()
         await ctx.step("result", "height at which everything is measured", lambda: _result(ctx, plan, row))
@@ -224,6 +224,12 @@ class _Rounds:
         self._nests = Nests(ctx, plan.bench)
         self._arrival = Arrival(ctx, plan.bench)
 
+    @property
+    def start(self) -> Joints:
+        """Where each round begins."""
+        first = self._plan.poses[0]
+        return (first.theta1_deg, first.theta2_deg, self._plan.bench.arm.j3_mm, first.j4_deg)
+
     async def watch(self) -> Live:
         """Return the signal, for hands that turn a screw."""
         return signal_live((await self._ctx.beam()).signal, self._plan.bench.optics.signal_min)
@@ -232,9 +238,8 @@ class _Rounds:
         """Find the heights from near to far and fit the pitch."""
         del number
         poses = self._plan.poses
-        await self._nests.place(poses[0].reflector)
-        first = poses[0]
-        await self._arrival.at((first.theta1_deg, first.theta2_deg, self._plan.bench.arm.j3_mm, first.j4_deg))
+        await self._nests.place(poses[0].reflector, target=self.start)
+        await self._arrival.at(self.start)
         found: list[_Found] = []
         for place, pose in enumerate(poses):
             before = (

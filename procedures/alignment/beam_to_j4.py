@@ -108,7 +108,7 @@ class BeamToJ4:
         """
         rounds = _Rounds(ctx, plan)
         guided = GuidedScrew(
-            ctx, stage_screw(plan.bench), rounds.measure, rounds.watch, plan.params.max_rounds
+            ctx, stage_screw(plan.bench), rounds.measure, rounds.watch, plan.params.max_rounds, rounds.start
         )
         row = await guided.align()
         await ctx.step(
@@ -202,6 +202,11 @@ class _Rounds:
         self._nests = Nests(ctx, plan.bench)
         self._arrival = Arrival(ctx, plan.bench)
 
+    @property
+    def start(self) -> Joints:
+        """Where each round begins."""
+        return self._at(self._plan.pose.j4_deg)
+
     async def watch(self) -> Live:
         """Return the signal, for hands that turn a screw."""
         return signal_live((await self._ctx.beam()).signal, self._plan.bench.optics.signal_min)
@@ -209,8 +214,8 @@ class _Rounds:
     async def measure(self, number: int, expected: float | None, last: Row | None) -> Row:
         """Find the return window, turn J4 through it and fit."""
         plan = self._plan
-        await self._nests.place(plan.pose.reflector)
-        await self._arrival.at(self._at(plan.pose.j4_deg))
+        await self._nests.place(plan.pose.reflector, target=self.start)
+        await self._arrival.at(self.start)
         window = await self._window(expected, last)
         for attempt in range(_TRIES):
             taken = await self._turns(window, f"stage/{number}/{attempt}")

@@ -6,6 +6,7 @@ from dataclasses import dataclass, replace
 from typing import Literal
 
 from procedures.context import Context, Live, Prompt, Row
+from procedures.devices import Joints
 from procedures.errors import AlignmentError
 from procedures.stored import number_of
 
@@ -137,14 +138,24 @@ class GuidedScrew:
         measure: measures the quantity inside a step.
         watch: reads what is shown while hands turn the screw.
         max_rounds: most measurements.
+        target: where each measurement begins, which the questions show.
     """
 
-    def __init__(self, ctx: Context, screw: Screw, measure: Measure, watch: Watch, max_rounds: int) -> None:
+    def __init__(
+        self,
+        ctx: Context,
+        screw: Screw,
+        measure: Measure,
+        watch: Watch,
+        max_rounds: int,
+        target: Joints | None = None,
+    ) -> None:
         self._ctx = ctx
         self._screw = screw
         self._measure = measure
         self._watch = watch
         self._max_rounds = max_rounds
+        self._target = target
         self._rounds: list[Observed] = []
         self._last: Row | None = None
         self._told: list[str] = []
@@ -298,6 +309,7 @@ class GuidedScrew:
                 text=f"{told[0].upper()}{told[1:]}, then confirm.",
                 task={"do": "turn-screw", "screw": screw.name, "turns": turns},
                 motion=True,
+                target=self._target,
             ),
             self._watch,
         )

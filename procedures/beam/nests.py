@@ -2,6 +2,7 @@
 
 from procedures.bench import Bench, Reflector
 from procedures.context import Context, Prompt
+from procedures.devices import Joints
 from procedures.errors import ReflectorNotFoundError
 
 
@@ -18,12 +19,13 @@ class Nests:
         self._carried = bench.optics.one_reflector
         self._place: str | None = None
 
-    async def place(self, reflector: Reflector, number: int = 1) -> None:
+    async def place(self, reflector: Reflector, number: int = 1, target: Joints | None = None) -> None:
         """Have the cat's eye put into a reflector's nest unless this process knows it to be there.
 
         Args:
             reflector: whose nest.
             number: how many times the plan has come to this nest, from 1; part of the question's id.
+            target: where the arm goes then, which the question shows.
 
         Raises:
             ReflectorNotFoundError: the operator will not.
@@ -38,6 +40,7 @@ class Nests:
                 "facing the robot, step back, then confirm.",
                 task={"do": "place-reflector", "reflector": reflector.name},
                 motion=True,
+                target=target,
             )
         )
         if answer != "yes":

@@ -54,7 +54,7 @@ class Rounds:
         while not self.ready:
             if self._failures >= _FAILURES:
                 await self._ask()
-            await self._nests.place(self.trip.reflector)
+            await self._nests.place(self.trip.reflector, target=self._aimed(self.trip.start))
             if await self._begun():
                 self.segment += 1
                 self.ready = True
@@ -157,6 +157,7 @@ class Rounds:
                 choices=("retry", "stop"),
                 safe_answer="stop",
                 motion=True,
+                target=self._aimed(self.trip.start),
             )
         )
         if answer != "retry":

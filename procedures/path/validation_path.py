@@ -121,6 +121,7 @@ class _Drive:
         self._ctx = ctx
         self._plan = plan
         self._left: Joints | None = None
+        self._next: Joints | None = None
 
     async def run_in(self) -> Row:
         """Go to where the first point is approached from."""
@@ -129,6 +130,7 @@ class _Drive:
 
     async def visit(self, point: PathPoint, pass_number: int, number: int) -> Row:
         """Stand at a point and let it be measured."""
+        self._next = self._joints_of(number + 1)
         for attempt in range(_ATTEMPTS):
             if not await self._undisturbed():
                 # The arm may stand anywhere, and came there from any side.
@@ -155,6 +157,13 @@ class _Drive:
         done = pass_number * len(self._plan.points) + number + 1
         duration_s = self._plan.duration_s
         self._ctx.progress(duration_s * done / total, duration_s, f"path point {done}/{total}")
+
+    def _joints_of(self, number: int) -> Joints | None:
+        """Return the joints at a point; None after the last one of a pass."""
+        if number >= len(self._plan.points):
+            return None
+        point = self._plan.points[number]
+        return (point.theta1_deg, point.theta2_deg, self._plan.bench.arm.j3_mm, 0.0)
 
     async def _enter(self, theta1_deg: float, theta2_deg: float) -> None:
         bench = self._plan.bench
@@ -191,19 +200,21 @@ class _Drive:
         await self._ctx.pause(self._plan.hold_time_s)
         number = 1
         while (
-            self._plan.confirm_each and await self._ctx.ask(_point_prompt(point, prompt_id, number)) != "yes"
+            self._plan.confirm_each
+            and await self._ctx.ask(_point_prompt(point, prompt_id, number, self._next)) != "yes"
         ):
             await self._ctx.pause(self._plan.hold_time_s)
             number += 1
 
 
-def _point_prompt(point: PathPoint, prompt_id: str, number: int) -> Prompt:
+def _point_prompt(point: PathPoint, prompt_id: str, number: int, target: Joints | None) -> Prompt:
     return Prompt(
         prompt_id if number == 1 else f"{prompt_id}/{number}",
         "confirm",
         f"Measure the arm at x {point.x_mm:g} mm, y {point.y_mm:g} mm with the instrument; "
         "is the point taken? The arm then moves on.",
         motion=True,
+        target=target,
     )
 
 

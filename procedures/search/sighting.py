@@ -72,7 +72,7 @@ class Lookout:
         async def action() -> Row:
             if said is not None:
                 await said.tell(self._ctx)
-            await self._nests.place(pose.reflector, visit)
+            await self._nests.place(pose.reflector, visit, self._aim(pose)[0])
             return await self._find(pose, number)
 
         title = f"{name}: look from θ1 {pose.theta1_deg:g}°, θ2 {pose.theta2_deg:g}°"

@@ -66,7 +66,8 @@ async def parts(tmp_path: Path) -> AsyncIterator[Parts]:
     devices = Devices(bench.robot, bench.counter, bench.air)
     gate = MotionGate(bench.robot, LIMITS, 20.0)
     operator = Operator(bench.clock, {}, None, simulated=True, hands=Willing("tcp://127.0.0.1:1"))
-    ctx = RunContext(devices, store, control, bench.clock, gate, operator, announcer)
+    speeds = (420.0, 720.0, 3000.0)
+    ctx = RunContext(devices, store, control, bench.clock, gate, operator, announcer, speed_deg_s=speeds)
     yield Parts(bench, ctx, control, RunReader(store.path))
     await store.abandon()
 
@@ -91,6 +92,23 @@ async def test_rows_become_durable_with_their_step_and_are_published_after_that(
         "point",
         "step-done",
     ]
+
+
+async def test_a_question_before_a_motion_tells_target_override_and_speed(parts: Parts) -> None:
+    target = (10.0, -20.0, 0.0, 30.0)
+    await parts.ctx.ask(Prompt("place/P1", "confirm", "Put it there.", motion=True, target=target))
+    told = parts.bench.published[0]
+    assert told["target"] == [10.0, -20.0, 0.0, 30.0]
+    assert told["override_percent"] == 20.0
+    # The fastest joints of the arm, 420, 720 and 3000 deg/s, at a fifth of their speed.
+    assert told["speed_deg_s"] == [84.0, 144.0, 600.0]
+
+
+async def test_a_question_without_a_motion_tells_no_target(parts: Parts) -> None:
+    await parts.ctx.ask(Prompt("sense", "choice", "Which?", choices=("a", "b"), safe_answer="b"))
+    told = parts.bench.published[0]
+    assert told["safe_answer"] == "b"
+    assert "target" not in told
 
 
 async def test_a_done_step_returns_its_stored_result_and_does_not_run(parts: Parts) -> None:
