@@ -196,9 +196,12 @@ def _lack_of_fit(fit: Fit, lack: LackOfFitPart) -> str:
             f"no lack of fit beyond what is stated: {seen}; the stated systematic contributors, which the "
             f"uncertainties contain, let expect F = {lack.expected_ratio:.2f}"
         )
-    widened = (
-        "the uncertainties follow from the fit and include it"
-        if fit.chi2_reduced is None
-        else f"the uncertainties were widened {math.sqrt(fit.variance_factor):.2f} times"
-    )
-    return f"LACK OF FIT: {seen}; nothing stated explains it; {widened}"
+    return f"LACK OF FIT: {seen}; nothing stated explains it; {_widened(fit)}"
+
+
+def _widened(fit: Fit) -> str:
+    if fit.chi2_reduced is None:
+        return "the uncertainties follow from the fit and include it"
+    if fit.variance_factor <= 1.0:
+        return "the stated uncertainties are large enough to cover it and were not widened"
+    return f"the uncertainties were widened {math.sqrt(fit.variance_factor):.2f} times"

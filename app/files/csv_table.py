@@ -73,7 +73,7 @@ def csv_rows(path: Path, example: str, check: Callable[[int, list[str]], None]) 
     header: list[str] | None = None
     for number, line in _lines(path):
         if header is None:
-            header = cells_of(path, number, line)
+            header = header_of(path, number, line)
             check(number, header)
             continue
         yield csv_row(path, number, line, header)
@@ -143,6 +143,21 @@ def cells_of(path: Path, number: int, line: str) -> list[str]:
         return [cell.strip() for cell in next(csv.reader([line]))]
     except csv.Error as error:
         raise UsageError(f"{path}:{number}: a value is too long for a table: {error}") from error
+
+
+def header_of(path: Path, number: int, line: str) -> list[str]:
+    """Return the names of a header line.
+
+    Raises:
+        UsageError: they are separated by something else than commas.
+    """
+    for sign, name in ((";", "semicolons"), ("\t", "tabs")):
+        if sign in line and "," not in line:
+            raise UsageError(
+                f"{path}:{number}: the columns are separated by {name}: export the file with commas between the "
+                "columns and points in the decimals"
+            )
+    return cells_of(path, number, line)
 
 
 def _lines(path: Path) -> Iterator[tuple[int, str]]:

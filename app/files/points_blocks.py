@@ -9,7 +9,7 @@ from typing import Any, BinaryIO
 import numpy as np
 
 from app.errors import ConfigError, UsageError
-from app.files.csv_table import cells_of, csv_row, is_talk
+from app.files.csv_table import csv_row, header_of, is_talk
 from app.files.point_columns import PointColumns, columns_of
 from app.files.points_csv import COLUMNS, LARGEST_SEGMENT, point_row, require_columns
 from calibration.types import Floats, Ints
@@ -47,7 +47,7 @@ def _csv_blocks(path: Path, known: Sequence[str]) -> Iterator[tuple[float, Point
         while not header and below:
             first, _, below = below.partition("\n")
             if not is_talk(first):
-                header = cells_of(path, number, first)
+                header = header_of(path, number, first)
                 require_columns(path, number, header)
             number += 1
         if below:

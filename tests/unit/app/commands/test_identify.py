@@ -174,6 +174,8 @@ def test_lack_of_fit_is_in_capitals_only_where_nothing_stated_explains_it() -> N
         "LACK OF FIT: repeats of a pose scatter by 9.9 µm"
     )
     assert lack_verdict(sample.fit(sample.LACK)).endswith("the uncertainties were widened 2.50 times")
+    covered = sample.fit(sample.LACK).model_copy(update={"variance_factor": 1.0})
+    assert lack_verdict(covered).endswith("large enough to cover it and were not widened")
     stated = sample.LACK.model_copy(update={"explained": True, "expected_ratio": 16.2})
     text = lack_verdict(sample.fit(stated))
     assert text.startswith("no lack of fit beyond what is stated")
