@@ -1,6 +1,7 @@
 """The instruments as the engine needs them. Drivers fit these by shape, not by inheritance."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from contextlib import AbstractAsyncContextManager
 from typing import Literal, Protocol, runtime_checkable
 
 Joints = tuple[float, float, float, float]
@@ -117,6 +118,23 @@ class WayRobot(Robot, Protocol):
 
     async def follow(self, way: Sequence[Joints]) -> None:
         """Move through all targets in order; return when the robot stands at the last one."""
+        ...
+
+
+class JogFeed(Protocol):
+    """What keeps a jog going."""
+
+    def feed(self) -> None:
+        """Keep moving for another moment; without it the robot stops by itself."""
+        ...
+
+
+@runtime_checkable
+class JogRobot(Robot, Protocol):
+    """A robot that turns joints while it is fed, and whose controller stops them when this program falls silent."""
+
+    def jogging(self, directions: Mapping[str, Literal[-1, 1]]) -> AbstractAsyncContextManager[JogFeed]:
+        """Turn joints, J1 to J4 by name, while what is yielded is fed; the robot stands when it is left."""
         ...
 
 

@@ -43,22 +43,28 @@ class Jog:
         self._loop = asyncio.get_running_loop()
         self._fed_until_s = 0.0
         self._fed = asyncio.Event()
+        self._over = False
 
     def feed(self) -> None:
         """Keep moving for another 0.2 s; has to be called again before they are over."""
         self._fed_until_s = self._loop.time() + FED_FOR_S
         self._fed.set()
 
+    def end(self) -> None:
+        """Send no further telegram."""
+        self._over = True
+        self._fed.set()
+
     async def repeat(self) -> None:
-        """Send telegrams while fed, for ever.
+        """Send telegrams while fed, until the end.
 
         Raises:
             DeviceError: one was refused or not answered in time, or a stop has begun.
         """
-        while True:
+        while not self._over:
             await self._fed.wait()
             self._fed.clear()
-            while (begun_s := self._loop.time()) < self._fed_until_s:
+            while (begun_s := self._loop.time()) < self._fed_until_s and not self._over:
                 self._require_no_stop()
                 # A late answer is worth nothing: the robot has stopped by then.
                 await self._session.command(self._command, timeout_s=DEAD_MAN_S, heal=False)
@@ -104,15 +110,21 @@ async def jogging(
             raise
     finally:
         telegrams.remove_done_callback(look)
-        telegrams.cancel()
+        jog.end()
         await uninterrupted(_end(telegrams, stop))
     if failed:
         raise failed[0]
 
 
 async def _end(telegrams: asyncio.Task[None], stop: Callable[[], Awaitable[None]]) -> None:
-    await asyncio.wait({telegrams})
-    await stop()
+    try:
+        # Past a telegram that waits for its answer: it keeps its turn, so that the link stays in step.
+        await stop()
+    finally:
+        await asyncio.wait({telegrams}, timeout=DEAD_MAN_S)
+        telegrams.cancel()
+        # What the last telegram met is of no interest any more.
+        await asyncio.gather(telegrams, return_exceptions=True)
 
 
 def telegram(directions: Mapping[str, Direction]) -> str:

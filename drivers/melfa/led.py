@@ -2,10 +2,12 @@
 
 import math
 from abc import ABC, abstractmethod
-from collections.abc import Mapping, Sequence
+from collections.abc import AsyncIterator, Mapping, Sequence
+from contextlib import asynccontextmanager
 from typing import Any
 
 from drivers.melfa.controller import MelfaController
+from drivers.melfa.jog import Direction, Jog
 from drivers.melfa.robot import MelfaR3
 from drivers.melfa.settings import MelfaSettings
 from drivers.readings import Joints, RobotStatus
@@ -29,6 +31,19 @@ class LedArm(ABC):
     @abstractmethod
     async def follow(self, way: Sequence[Joints]) -> None:
         """Pass all targets and return when the robot stands at the last one."""
+
+    @abstractmethod
+    async def stop(self) -> None:
+        """Stop now; the program that leads the arm stands afterwards."""
+
+    @asynccontextmanager
+    async def jogging(self, directions: Mapping[str, Direction]) -> AsyncIterator[Jog]:
+        """Turn joints while what is yielded is fed; see MelfaR3.jogging."""
+        if (await self.status()).running:
+            # A controller refuses to jog while a program has the arm; it is started again before the next way.
+            await self.stop()
+        async with self._controller.jogging(directions) as jog:
+            yield jog
 
     async def move_joints(self, target: Joints) -> None:
         """Interpolate all joints to the target; see `follow`."""

@@ -8,7 +8,8 @@ serial line has one connection: there motions are started and polled, and STOP g
 import asyncio
 import contextlib
 import math
-from collections.abc import Awaitable, Callable
+from collections.abc import Awaitable, Callable, Mapping
+from contextlib import AbstractAsyncContextManager
 from functools import partial
 from typing import Any, ClassVar, Self
 
@@ -28,6 +29,7 @@ from drivers.melfa import codec
 from drivers.melfa.alarms import STOP_IS_ON
 from drivers.melfa.codec import Answer, Layout
 from drivers.melfa.controller import MelfaController
+from drivers.melfa.jog import Direction, Jog
 from drivers.melfa.motion import (
     LOOK_WHY,
     STILL_POLLS,
@@ -311,6 +313,10 @@ class MelfaR3:
             if exc.number == STOP_IS_ON and self._stops_begun > stops_ended:
                 raise RefusedError(str(exc), exc.number) from None
             raise
+
+    def jogging(self, directions: Mapping[str, Direction]) -> AbstractAsyncContextManager[Jog]:
+        """Turn joints while what is yielded is fed; the robot stands when it is left. See MelfaController.jog."""
+        return self.controller.jog(directions)
 
     async def stop(self) -> None:
         """Stop now, past any command under way; return when the robot stands.
