@@ -46,6 +46,7 @@ class Picture:
         bench: last message about the bench; None before the first.
         bench_at_s: when it came, on this process's monotonic clock.
         strip: displacement of the beam, oldest first.
+        strip_seen: columns ever, those that were missed included.
         strip_period_s: bench time of one column.
         strip_at_s: when the last columns came.
         jog: last message about jogging.
@@ -67,6 +68,7 @@ class Picture:
     bench: Event | None = None
     bench_at_s: float = 0.0
     strip: deque[Column] = field(default_factory=lambda: deque(maxlen=STRIP_COLUMNS))
+    strip_seen: int = 0
     strip_period_s: float = 0.02
     strip_at_s: float = 0.0
     jog: Event | None = None
@@ -112,6 +114,8 @@ class Picture:
         self.reason = str(snapshot.get("reason") or "")
         self.aborted = str(snapshot.get("aborted") or "")
         self.jog = None
+        # Nobody knows how much time has passed unseen.
+        self.strip.clear()
         if snapshot.get("run") is not None:
             self.run = RunPicture.of_snapshot(snapshot, now_s)
         elif self.run is not None and self.run.active:
@@ -174,7 +178,10 @@ class Picture:
         self._count("bench", event.get("missed"))
 
     def _samples(self, event: Event, now_s: float) -> None:
+        missed = int(event.get("missed") or 0)
+        self.strip.extend(Column(None, None) for _ in range(min(missed, STRIP_COLUMNS)))
         self.strip.extend(Column(low, high) for low, high in zip(event["low"], event["high"], strict=True))
+        self.strip_seen += missed + len(event["low"])
         self.strip_period_s, self.strip_at_s = float(event["period_s"]), now_s
         self._count("samples", event.get("missed"))
 

@@ -1,0 +1,82 @@
+"""The bench from above."""
+
+from typing import Any, Final
+
+from textual.app import RenderResult
+from textual.content import Content
+from textual.widget import Widget
+
+from app.tui.picture import Picture
+from app.tui.widgets.inks import painted
+from app.tui.widgets.status_bar import STALE_S
+
+_STYLES: Final = {
+    "arm": "$primary bold",
+    "base": "$text-muted",
+    "beam-ok": "$success",
+    "beam-lost": "$error bold",
+    "beam-unknown": "$text-muted",
+    "reflector": "$secondary",
+    "aimed": "$accent bold",
+    "range": "$text-disabled",
+    "word": "$text-muted",
+}
+
+
+class PlanView(Widget):
+    """Arm, beam and reflectors, to scale."""
+
+    DEFAULT_CSS = """
+    PlanView { height: 1fr; min-height: 8; }
+    """
+
+    def __init__(self, *, id: str | None = None, classes: str | None = None) -> None:
+        super().__init__(id=id, classes=classes)
+        self.border_title = "From above"
+        self._key: object = None
+        self._shown = Content("")
+
+    def show(self, picture: Picture, now_s: float) -> None:
+        """Show where everything is."""
+        bench = picture.bench or {}
+        since_s = now_s - picture.bench_at_s
+        robot, beam = bench.get("robot"), bench.get("beam")
+        stale = not _is_fresh(robot, since_s)
+        beam_ok = bool(beam["beam_ok"]) if _is_fresh(beam, since_s) else None
+        joints = robot.get("joints") if isinstance(robot, dict) else None
+        key = (repr(bench.get("layout")), repr(joints), beam_ok, stale, self.size)
+        if key == self._key:
+            return
+        self._key = key
+        self._shown = self._drawn(bench.get("layout"), joints, beam_ok, stale=stale)
+        self.border_subtitle = _caption(bench.get("layout"), joints, beam_ok, stale=stale)
+        self.refresh()
+
+    def render(self) -> RenderResult:
+        """Return the drawing."""
+        return self._shown
+
+    def _drawn(self, layout: Any, joints: Any, beam_ok: bool | None, *, stale: bool) -> Content:
+        if not isinstance(layout, dict):
+            return Content.styled("no bench is told yet", "dim")
+        from app.tui.widgets.plan_drawing import draw_plan
+
+        canvas = draw_plan(layout, joints, beam_ok, self.size.width, self.size.height)
+        return painted(canvas.lines(), _STYLES, faded=stale)
+
+
+def _is_fresh(part: Any, since_s: float) -> bool:
+    age_s = part.get("age_s") if isinstance(part, dict) else None
+    return isinstance(age_s, (int, float)) and age_s + since_s <= STALE_S
+
+
+def _caption(layout: Any, joints: Any, beam_ok: bool | None, *, stale: bool) -> str:
+    """Return the beam's state as word and sign."""
+    if not isinstance(layout, dict):
+        return ""
+    if joints is None:
+        return "arm unknown"
+    if stale:
+        return "arm as it was: old"
+    beam = {True: "── beam ok", False: "╌╌ NO BEAM", None: "╌╌ beam unknown"}[beam_ok]
+    return f"{beam} → {layout['aim']}" if layout.get("aim") else beam

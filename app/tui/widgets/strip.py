@@ -1,0 +1,113 @@
+"""The beam's displacement as it came in the last seconds."""
+
+import math
+from typing import TYPE_CHECKING, Final
+
+from textual.app import RenderResult
+from textual.content import Content
+from textual.widget import Widget
+
+from app.tui.picture import Picture
+from app.tui.widgets.inks import Line, painted
+from app.tui.widgets.status_bar import STALE_S, age_style
+
+if TYPE_CHECKING:
+    # numpy is not loaded before the first screen is painted.
+    from app.tui.widgets.braille import Floats
+    from app.tui.widgets.strip_chart import Scale
+
+WINDOWS_S: Final = (10, 30, 60)
+"""Lengths of the strip that can be chosen, s."""
+
+_STYLES: Final = {"trace": "$success", "axis": "$text-muted"}
+_OWN_LINES: Final = 2
+"""Lines that are no chart: what the numbers are, and the time."""
+
+
+class Strip(Widget):
+    """A strip chart of the beam's displacement; every column reaches from the smallest to the largest sample."""
+
+    DEFAULT_CSS = """
+    Strip { height: 1fr; min-height: 4; }
+    """
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.window_s: float = WINDOWS_S[0]
+        self._shown = Content("")
+        self._scale: Scale | None = None
+
+    @property
+    def scale(self) -> "Scale | None":
+        """The upright axis; None before the first sample."""
+        return self._scale
+
+    def next_window(self) -> None:
+        """Show another length of time."""
+        later = [each for each in WINDOWS_S if each > self.window_s]
+        self.window_s = later[0] if later else WINDOWS_S[0]
+
+    def show(self, picture: Picture, now_s: float) -> None:
+        """Show the samples that came."""
+        shown = self._drawn(picture, now_s)
+        if not shown.is_same(self._shown):
+            self._shown = shown
+            self.refresh()
+
+    def render(self) -> RenderResult:
+        """Return the chart."""
+        return self._shown
+
+    def _drawn(self, picture: Picture, now_s: float) -> Content:
+        from app.tui.widgets import strip_chart
+
+        dots, rows = strip_chart.dots_of(self.size.width), self.size.height - _OWN_LINES
+        if not picture.strip or dots <= 0 or rows <= 0:
+            return Content.styled("no sample of the beam yet", "dim")
+        per_dot = max(1, math.ceil(self.window_s / picture.strip_period_s / dots))
+        low_mm, high_mm = _folded(picture, per_dot, dots)
+        lowest_mm, highest_mm = _extremes(low_mm, high_mm)
+        self._scale = strip_chart.next_scale(self._scale, lowest_mm, highest_mm)
+        if self._scale is None:
+            return Content.styled("no beam in the last seconds", "dim")
+        since_s = now_s - picture.strip_at_s
+        chart = strip_chart.draw(low_mm, high_mm, self._scale, self.size.width, rows)
+        span_s = per_dot * dots * picture.strip_period_s
+        return painted(
+            [
+                self._head(highest_mm - lowest_mm, since_s),
+                *chart,
+                _time_line(span_s, self.size.width, strip_chart.LABEL_WIDTH),
+            ],
+            _STYLES,
+            faded=since_s > STALE_S,
+        )
+
+    def _head(self, range_mm: float, since_s: float) -> Line:
+        """Say what the numbers are, how far apart the extremes lie, and how old the newest sample is."""
+        unit = self._scale.title if self._scale is not None else ""
+        extent = f"  range {1e3 * range_mm:.1f} µm" if math.isfinite(range_mm) else ""
+        return [(f"{unit}{extent}{age_style(0.0, since_s)[1]}", "axis")]
+
+
+def _folded(picture: Picture, per_dot: int, dots: int) -> "tuple[Floats, Floats]":
+    from itertools import islice
+
+    from app.tui.widgets.strip_chart import arrays, fold
+
+    wanted = min(per_dot * dots, len(picture.strip))
+    newest = list(islice(reversed(picture.strip), wanted))[::-1]
+    low_mm, high_mm = arrays([each.low_mm for each in newest], [each.high_mm for each in newest])
+    return fold(low_mm, high_mm, picture.strip_seen, per_dot, dots)
+
+
+def _extremes(low_mm: "Floats", high_mm: "Floats") -> tuple[float, float]:
+    import numpy as np
+
+    return float(np.fmin.reduce(low_mm)), float(np.fmax.reduce(high_mm))
+
+
+def _time_line(span_s: float, width: int, indent: int) -> Line:
+    left = f"−{span_s:.3g} s"
+    room = width - indent - len(left) - len("now")
+    return [(" " * indent + left + " " * max(room, 1) + "now", "axis")]
