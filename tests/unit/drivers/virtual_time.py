@@ -51,5 +51,10 @@ class VirtualClock:
 
 def run(work: Coroutine[Any, Any, T]) -> T:
     """Run a coroutine to its end on a loop of its own."""
-    with asyncio.Runner(loop_factory=_Loop) as runner:
-        return runner.run(work)
+    with runner() as fresh:
+        return fresh.run(work)
+
+
+def runner() -> asyncio.Runner:
+    """Return what runs several coroutines, one after the other, on one such loop."""
+    return asyncio.Runner(loop_factory=_Loop)

@@ -1,0 +1,104 @@
+"""The gate of motions by hand: the one of a run, with limits and words for whoever jogs."""
+
+from dataclasses import replace
+
+from app.bench.facts import BenchFacts
+from app.engine.devices import Devices
+from app.engine.gate import JointLimits, MotionGate, require_ready
+from app.engine.interlock import RemoteIo
+from app.running import joint_limits
+from drivers.errors import DeviceError
+from procedures.bench import Bench
+from procedures.devices import Joints
+
+_HEIGHT_ROUNDING_MM = 0.1
+"""J3 is not moved by hand; a controller reports it in steps of 0.01 mm."""
+
+
+class JogGate:
+    """Decides about each motion by hand from fresh facts.
+
+    Args:
+        devices: robot and door.
+        facts: limits of the cell.
+        percent: speed override that is asked for.
+
+    Attributes:
+        percent: speed override, at most what the cell allows.
+        limits: ranges of the joints.
+    """
+
+    def __init__(self, devices: Devices, facts: BenchFacts, percent: float) -> None:
+        self.percent = min(percent, facts.override_cap_percent)
+        self.limits = hand_limits(facts.bench)
+        door = [] if devices.io is None else [_Door(devices.io)]
+        self._robot = devices.robot
+        self._gate = MotionGate(devices.robot, self.limits, self.percent, door)
+
+    async def switch_on(self) -> float:
+        """Bring the override down and the drives on; return the override that is read back.
+
+        Raises:
+            SafetyError: door, alarm, emergency stop or key forbid it, or the override does not come down.
+        """
+        await self._gate.require_conditions()
+        percent = await self._gate.lower_override()
+        await self._robot.servo(on=True)
+        require_ready(await self._robot.status())
+        return percent
+
+    async def require(self, *targets: Joints) -> None:
+        """Check that a motion may begin; an override that somebody raised is lowered again, and read back.
+
+        Raises:
+            LimitError: a target is outside the limits.
+            SafetyError: door, controller or override forbid it.
+        """
+        await self._gate.lower_override()
+        await self._gate.require(*targets)
+
+    async def require_permission(self) -> None:
+        """Check that a motion may go on: door, controller, override.
+
+        Raises:
+            SafetyError: it may not.
+        """
+        await self._gate.require()
+
+    async def require_door(self) -> None:
+        """Check that the door is closed; nothing is asked of the robot.
+
+        Raises:
+            SafetyError: it is open, or does not answer.
+        """
+        await self._gate.require_conditions()
+
+
+def hand_limits(bench: Bench) -> JointLimits:
+    """Return the cell's limits; J3, which is not moved by hand, has to stand at the cell's height."""
+    limits = joint_limits(bench)
+    low, high = limits.j3_mm or (bench.arm.j3_mm, bench.arm.j3_mm)
+    return replace(limits, j3_mm=(low - _HEIGHT_ROUNDING_MM, high + _HEIGHT_ROUNDING_MM))
+
+
+class _Door:
+    """The door of the cell, in words for whoever jogs.
+
+    Args:
+        io: block with the interlock.
+    """
+
+    def __init__(self, io: RemoteIo) -> None:
+        self._io = io
+
+    async def trouble(self) -> str | None:
+        """Return why the door forbids motion; no answer counts as open."""
+        try:
+            closed = await self._io.door_closed()
+        except DeviceError as error:
+            return (
+                f"the door interlock does not answer, which counts as open: no motion; see to [io]: {error}"
+            )
+        return (
+            None if closed else "the door is open: no motion; close it when nobody is inside, then jog again"
+        )

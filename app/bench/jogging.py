@@ -1,0 +1,186 @@
+"""Moving the arm by hand between runs, from permission and drives to the arm that stands again."""
+
+import asyncio
+from collections.abc import Callable
+from typing import Final
+
+from app.bench.hand_arm import HandArm
+from app.bench.jog_gate import JogGate
+from app.bench.lending import HandBench
+from app.engine.devices import Devices, require_permission
+from app.engine.gate import require_ready
+from app.engine.halt import FAILURES, HaltLimits, halt
+from app.engine.waiting import uncancelled, within
+from app.errors import InterruptedRunError, SafetyError
+from app.service.errors import RefusedError, refusal_of
+from app.service.messages import JogHold, JogMode, JogStep, Message
+from procedures.devices import Robot
+
+_LOOK_S: Final = 0.25
+"""Between two looks at an arm that stands."""
+
+_DRIVES_S: Final = 6.0
+_PRESS = "PRESS THE EMERGENCY STOP if the robot moves: it is not certain to stand, with its drives off"
+
+
+class Jogging:
+    """One jog, from the request that begins it to its end. It is under way from the moment it is made.
+
+    Args:
+        bench: whose arm is moved.
+        request: how fast, and the typed permission.
+        who: moves it.
+
+    Attributes:
+        who: moves it.
+        begun: has a result when the arm may be moved, or says why it may not.
+        aborted: why nothing may move before somebody has looked at the bench; empty while all is well.
+    """
+
+    def __init__(
+        self, bench: HandBench, request: JogMode, who: str, limits: HaltLimits | None = None
+    ) -> None:
+        self.who = who
+        self.begun: asyncio.Future[Message] = asyncio.get_running_loop().create_future()
+        self.aborted = ""
+        self._bench = bench
+        self._request = request
+        self._percent = request.percent
+        self._limits = limits or HaltLimits()
+        self._arm: HandArm | None = None
+        self._reason = ""
+        self._failure: Exception | None = None
+        self._ended = asyncio.Event()
+        self._told = False
+        self._task = asyncio.create_task(self._serve())
+
+    def add_done_callback(self, done: Callable[["Jogging"], None]) -> None:
+        """Call when the arm stands, the drives are as before and the devices are given back."""
+        self._task.add_done_callback(lambda _: done(self))
+
+    async def over(self) -> None:
+        """Wait for the end."""
+        await asyncio.wait({self._task})
+
+    def step(self, request: JogStep, heard_s: Callable[[], float]) -> "asyncio.Future[Message]":
+        """Begin a step; see HandArm.step."""
+        return self._ready_arm().step(request, heard_s)
+
+    def hold(self, request: JogHold) -> "Message | asyncio.Future[Message]":
+        """Keep a joint moving, or stop it; see HandArm.hold."""
+        return self._ready_arm().hold(request)
+
+    def end(self, reason: str) -> None:
+        """Stop the arm now and end; again does no harm."""
+        if self._reason:
+            return
+        self._reason = reason
+        if self._arm is None:
+            self._task.cancel()
+        else:
+            self._arm.stop(reason)
+            self._ended.set()
+
+    def abort(self, reason: str) -> None:
+        """Stop the arm now, end, and let nothing move before somebody has cleared it."""
+        self.aborted = self.aborted or reason
+        self.end(reason)
+
+    def moves(self, joint: str | None, reason: str) -> None:
+        """Tell what moves."""
+        self._tell(moving=joint, **({"reason": reason} if reason else {}))
+
+    def failed(self, error: Exception) -> None:
+        """End since a motion failed; the arm has been stopped."""
+        self._failure = self._failure or error
+        self.end(str(error))
+
+    def unsafe(self, text: str) -> None:
+        """End; nothing may move before somebody has looked at the arm, which is not certain to stand."""
+        self.aborted = f"{_PRESS}; {text}"
+        self._failure = SafetyError(f"{self.aborted} ({self._failure})" if self._failure else self.aborted)
+        self.end(self.aborted)
+
+    def _ready_arm(self) -> HandArm:
+        if self._arm is None or self._reason:
+            raise RefusedError(
+                f"the jog is over: {self._reason}" if self._reason else "the jog is only beginning"
+            )
+        return self._arm
+
+    async def _serve(self) -> None:
+        try:
+            async with self._bench.lender.lent() as devices:
+                await self._jog(devices)
+        except asyncio.CancelledError:
+            self._failure = self._failure or InterruptedRunError(self._reason or "the engine ends")
+        except Exception as error:  # noqa: BLE001  # whatever ends a jog is told; the engine lives on
+            self._failure = self._failure or error
+        self._close()
+
+    async def _jog(self, devices: Devices) -> None:
+        facts = await self._bench.facts()
+        simulated = require_permission(dict(self._bench.identities()), facts.cell, self._request.arm)
+        gate = JogGate(devices, facts, self._request.percent)
+        self._percent = gate.percent
+        robot, clock = devices.robot, self._bench.clock
+        drives_on = (await robot.status()).servo_on
+        try:
+            override_percent = await gate.switch_on()
+            self._arm = HandArm(robot, facts.bench, gate, clock, self._limits, self)
+            self.begun.set_result({"override_percent": override_percent, "simulated": simulated})
+            self._tell(moving=None)
+            self._told = True
+            await self._stand_by(robot, self._arm)
+        except Exception as error:
+            self._failure = self._failure or error
+            self._reason = self._reason or str(error)
+            raise
+        finally:
+            await uncancelled(self._leave(robot, drives_on))
+
+    async def _stand_by(self, robot: Robot, arm: HandArm) -> None:
+        """Look at the arm while it stands, until the end.
+
+        Raises:
+            Exception: a motion failed, or the controller may not move any more.
+        """
+        while not self._ended.is_set():
+            if arm.motion is None:
+                await robot.joints()
+                require_ready(await robot.status())
+            try:
+                await within(self._bench.clock, _LOOK_S, self._ended.wait())
+            except TimeoutError:
+                continue
+        if self._failure is not None:
+            raise self._failure
+
+    async def _leave(self, robot: Robot, drives_on: bool) -> None:
+        """Stop the arm, see it stand, and leave the drives as they were."""
+        if self._arm is not None:
+            self._arm.stop(self._reason)
+            await self._arm.at_rest()
+        report = await halt(robot, self._bench.clock, self._limits, lambda: None)
+        if not report.standstill:
+            self.unsafe(report.text)
+        elif not drives_on:
+            try:
+                await within(self._bench.clock, _DRIVES_S, robot.servo(on=False))
+            except FAILURES as error:
+                self.unsafe(f"the drives do not switch off: {error}")
+
+    def _close(self) -> None:
+        error = self._failure
+        if error is not None and not self.begun.done():
+            self.begun.set_exception(refusal_of(error))
+        elif error is not None:
+            self._bench.tell("error", text=str(error), exit_code=int(refusal_of(error).code))
+        if self._told:
+            self._told = False
+            self._bench.tell(
+                "jog", on=False, by=self.who, percent=self._percent, moving=None, reason=self._reason
+            )
+
+    def _tell(self, **fields: str | None) -> None:
+        self._bench.tell("jog", on=True, by=self.who, percent=self._percent, **fields)

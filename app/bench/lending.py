@@ -1,0 +1,61 @@
+"""What moving by hand needs of the bench between runs, and of whoever is told."""
+
+from collections.abc import Awaitable, Callable, Mapping
+from contextlib import AbstractAsyncContextManager
+from dataclasses import dataclass
+from typing import Protocol
+
+from app.bench.facts import BenchFacts
+from app.engine.devices import Devices, WireRecorder
+from drivers.clock import Clock
+from procedures.context import Json
+from procedures.devices import DeviceIdentity
+
+
+class Lender(Protocol):
+    """Holds the links of the devices between runs; `app.bench.idle.IdleBench` fits."""
+
+    def lent(self) -> AbstractAsyncContextManager[Devices]:
+        """Lend the connected devices; nobody else asks the robot anything meanwhile.
+
+        Raises:
+            RefusedError: they cannot be had now.
+        """
+        ...
+
+    def parked(self, device: str) -> AbstractAsyncContextManager[None]:
+        """Have one driver let its link go.
+
+        Raises:
+            RefusedError: it cannot be had now.
+        """
+        ...
+
+
+class Tell(Protocol):
+    """Tells every client an event."""
+
+    def __call__(self, event: str, **fields: Json) -> None:
+        """Take its name and fields."""
+        ...
+
+
+@dataclass(frozen=True)
+class HandBench:
+    """A bench as whoever works on it by hand needs it.
+
+    Attributes:
+        lender: of the devices.
+        facts: finds what cell file and last search say, now.
+        identities: returns who answers, by the device's name, as far as it is known.
+        record: takes the bytes that pass on a raw link.
+        tell: tells every client.
+        clock: real time.
+    """
+
+    lender: Lender
+    facts: Callable[[], Awaitable[BenchFacts]]
+    identities: Callable[[], Mapping[str, DeviceIdentity]]
+    record: WireRecorder
+    tell: Tell
+    clock: Clock

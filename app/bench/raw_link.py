@@ -1,0 +1,154 @@
+"""The link of one device, taken from its driver to send bytes by hand."""
+
+import asyncio
+from collections.abc import Callable
+from functools import partial
+from typing import Final
+
+from app.bench.facts import BenchFacts, DeviceFacts
+from app.bench.lending import HandBench
+from app.engine.halt import HaltLimits, halt
+from app.errors import InterruptedRunError, SafetyError, UsageError, exit_code_of
+from app.service.errors import RefusedError, refusal_of
+from app.service.messages import Message, Raw
+from drivers.endpoint import open_transport
+from drivers.errors import DeviceError, LinkError
+from drivers.transport import Transport
+
+_WRITE_S: Final = 2.0
+_ROBOT = "robot"
+
+
+class RawLink:
+    """One device's link from the request that takes it to its return. It is under way from the moment it is made.
+
+    Args:
+        bench: whose device it is.
+        request: which device, and the typed permission.
+        who: takes it.
+
+    Attributes:
+        device: its name in the cell file.
+        begun: has a result when bytes may be sent, or says why they may not.
+    """
+
+    def __init__(self, bench: HandBench, request: Raw, who: str) -> None:
+        self.device = request.device
+        self.begun: asyncio.Future[Message] = asyncio.get_running_loop().create_future()
+        self._bench = bench
+        self._arm = request.arm
+        self._who = who
+        self._transport: Transport | None = None
+        self._reason = ""
+        self._given_back = False
+        self._task = asyncio.create_task(self._serve())
+
+    def add_done_callback(self, done: Callable[["RawLink"], None]) -> None:
+        """Call when the driver has its link again."""
+        self._task.add_done_callback(lambda _: done(self))
+
+    async def over(self) -> None:
+        """Wait for the end."""
+        await asyncio.wait({self._task})
+
+    async def send(self, data: bytes) -> Message:
+        """Send bytes.
+
+        Raises:
+            RefusedError: the link is not open, or does not take them.
+        """
+        if self._transport is None:
+            raise RefusedError(
+                f"the link of {self.device} is not open: {self._reason or 'it is being opened'}"
+            )
+        try:
+            async with asyncio.timeout(_WRITE_S):
+                await self._transport.write(data)
+        except (DeviceError, TimeoutError) as error:
+            text = str(error) or f"{self.device} does not take the bytes"
+            self.end(text)
+            raise RefusedError(text, exit_code_of(error)) from error
+        return {}
+
+    def give_back(self) -> None:
+        """End on the word of whoever took it: what was started by hand goes on."""
+        self._given_back = True
+        self.end(f"{self._who} gave it back")
+
+    def end(self, reason: str) -> None:
+        """End; again does no harm."""
+        if not self._reason:
+            self._reason = reason
+            self._task.cancel()
+
+    async def _serve(self) -> None:
+        error: Exception | None = None
+        try:
+            await self._pass_bytes()
+        except asyncio.CancelledError:
+            error = InterruptedRunError(self._reason or "the engine ends")
+            # It was this link's own end; what follows is not to be cut short.
+            self._task.uncancel()
+        except Exception as failed:  # noqa: BLE001  # whatever ends it is told; the engine lives on
+            error = failed
+            self._reason = self._reason or str(failed)
+        if error is not None and not self.begun.done():
+            self.begun.set_exception(refusal_of(error))
+            return
+        self._bench.tell("raw", device=self.device, on=False, by=self._who, reason=self._reason)
+        if self.device == _ROBOT and not self._given_back:
+            await self._stop_robot()
+
+    async def _pass_bytes(self) -> None:
+        facts = await self._bench.facts()
+        device = _device(facts, self.device)
+        self._require_permission(facts, device)
+        async with self._bench.lender.parked(self.device):
+            record = partial(self._bench.record, self.device)
+            transport = open_transport(device.endpoint, sink=record)
+            try:
+                await transport.open()
+                self._transport = transport
+                self.begun.set_result({"endpoint": device.endpoint})
+                self._bench.tell("raw", device=self.device, on=True, by=self._who)
+                while True:
+                    # What comes is shown as it passes.
+                    await transport.read()
+            finally:
+                self._transport = None
+                await transport.close()
+
+    def _require_permission(self, facts: BenchFacts, device: DeviceFacts) -> None:
+        if self._arm not in {None, facts.cell}:
+            raise SafetyError(
+                f"arm names {self._arm!r} and the cell is {facts.cell!r}: nothing was opened; check which robot it is"
+            )
+        identity = self._bench.identities().get(device.name)
+        moves = device.name == _ROBOT or device.driver.startswith("melfa-")
+        if moves and self._arm is None and (identity is None or not identity.simulated):
+            raise UsageError(
+                f"what is sent to {device.name} may move the arm: type the cell's name to let it pass, "
+                f"--arm {facts.cell}"
+            )
+
+    async def _stop_robot(self) -> None:
+        """Stop what was started by hand: whoever started it is gone."""
+        try:
+            async with self._bench.lender.lent() as devices:
+                report = await halt(devices.robot, self._bench.clock, HaltLimits(), lambda: None)
+        except (RefusedError, LinkError) as error:
+            self._bench.tell(
+                "warning", text=f"whether the arm moves is not known: look at it ({error})", data={}
+            )
+            return
+        if not report.standstill:
+            self._bench.tell("warning", text=f"standstill is not confirmed: {report.text}", data={})
+
+
+def _device(facts: BenchFacts, name: str) -> DeviceFacts:
+    for device in facts.devices:
+        if device.name == name:
+            return device
+    raise UsageError(
+        f"the cell has no device {name!r}; there are {', '.join(device.name for device in facts.devices)}"
+    )
