@@ -50,7 +50,8 @@ class Processes:
                 f"a worker process ended before its item was finished ({error}): it was killed, or the memory did "
                 "not suffice; repeat, with fewer --workers if memory is short"
             ) from error
-        except BaseException:
+        except Exception:
+            # After Ctrl-C the pool ends, and it cannot end items that are cancelled already.
             for future in futures:
                 future.cancel()
             raise
@@ -90,6 +91,9 @@ def processes(workers: int) -> Iterator[Processes]:
         finally:
             # Closing this end ends the workers at once, also in the midst of an item.
             held_here.close()
+            # A worker that ends while it sends leaves half a result: with this end open its rest would be waited for.
+            # The pool has no other way to be told.
+            pool._result_queue._writer.close()  # type: ignore[attr-defined]  # noqa: SLF001  # not in its stubs
             pool.shutdown(cancel_futures=True)
 
 

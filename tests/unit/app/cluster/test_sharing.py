@@ -2,6 +2,7 @@
 
 import os
 import sys
+import time
 from collections.abc import Iterator
 
 import numpy as np
@@ -17,6 +18,7 @@ from tests.unit.app.cluster.work import (
     fails_untellably,
     hears_ctrl_c,
     killed_at_three,
+    large,
     process_and_threads,
 )
 
@@ -105,3 +107,16 @@ def test_dask_without_its_package_names_the_remedy(monkeypatch: pytest.MonkeyPat
         sharing(1, "tcp://127.0.0.1:1"),
     ):
         pass
+
+
+def test_work_that_ends_while_large_results_are_sent_does_not_wait_for_their_rest() -> None:
+    for _ in range(3):
+        begun_s = time.monotonic()
+
+        def stop(count: int) -> None:
+            if count == 6:
+                raise KeyboardInterrupt
+
+        with pytest.raises(KeyboardInterrupt), sharing(2, None) as share:
+            share.map(large, [20_000] * 400, stop)
+        assert time.monotonic() - begun_s < 20.0

@@ -56,3 +56,8 @@ def lingering(folder: Path) -> None:
     """Tell that it runs, and take too long."""
     (folder / f"{os.getpid()}.running").touch()
     time.sleep(300.0)
+
+
+def large(size: int) -> list[float]:
+    """Return more than a pipe holds."""
+    return [float(i) for i in range(size)]
