@@ -33,7 +33,7 @@ class LinkGauge:
     Attributes:
         state: "raw" is taken from its driver by hand.
         identity: who answered last.
-        error: why the link is lost; None while it is not.
+        error: why the link was lost; None once the device answers.
         heard_s: when the device answered last.
     """
 
@@ -79,10 +79,13 @@ class Gauges:
         """Return what is known of a device's link."""
         return self.links.setdefault(device, LinkGauge())
 
+    def wanted(self, device: str) -> None:
+        """A device will be connected; how it was lost before is forgotten."""
+        self.links[device] = LinkGauge("connecting", self.link(device).identity)
+
     def connecting(self, device: str) -> None:
         """A device is being connected."""
-        gauge = self.link(device)
-        gauge.state, gauge.error = "connecting", None
+        self.link(device).state = "connecting"
 
     def connected(self, device: str, identity: DeviceIdentity) -> None:
         """A device answers and says who it is."""

@@ -119,7 +119,7 @@ class IdleBench:
                 self._gauges.taken(device)
                 yield
             finally:
-                self._gauges.connecting(device)
+                self._gauges.wanted(device)
                 keeper.begin()
 
     async def release(self) -> None:
@@ -207,7 +207,7 @@ class IdleBench:
             name: Keeper(device, self._gauges, self._clock) for name, device in made.kept.items()
         }
         for name, keeper in self._keepers.items():
-            self._gauges.connecting(name)
+            self._gauges.wanted(name)
             if name in stuck:
                 self._gauges.lost(name, stuck[name])
             else:

@@ -60,6 +60,7 @@ class Telemetry:
         gauges: of the bench.
         traffic: of the links.
         facts: of the bench that is watched; None until one is known.
+        prepare: sees to it that the facts of the bench are known; raises RefusedError when they cannot be.
         on_watched: is told when somebody begins to watch, and when nobody watches any more.
     """
 
@@ -67,6 +68,7 @@ class Telemetry:
         self.gauges = Gauges(clock)
         self.traffic = Traffic(clock)
         self.facts: BenchFacts | None = None
+        self.prepare: Callable[[], None] = lambda: None
         self.on_watched: Callable[[bool], None] = lambda _watched: None
         self._audience = audience
         self._clock = clock
@@ -81,16 +83,21 @@ class Telemetry:
             self.gauges.clear()
         self.facts = facts
 
-    def observe(self, build: DeviceBuilder) -> DeviceBuilder:
-        """Return a builder whose devices are seen here, and whose traffic is."""
+    def observe(self, facts: BenchFacts, build: DeviceBuilder) -> DeviceBuilder:
+        """Return a builder of a run's devices whose answers and traffic are seen here.
+
+        Args:
+            facts: of the run's bench, which is the one that is watched from now on.
+            build: makes the devices.
+        """
+        self.describe(facts)
 
         def built(record: WireRecorder) -> Devices:
             def both(device: str, direction: str, data: bytes) -> None:
                 record(device, direction, data)
                 self.traffic.record(device, direction, data)
 
-            material = self.facts.material if self.facts else None
-            devices = observed(build(both), self.gauges, material)
+            devices = observed(build(both), self.gauges, facts.material)
             self._sampler.devices = devices
             return devices
 

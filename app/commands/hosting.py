@@ -3,8 +3,10 @@
 import getpass
 import sys
 from contextlib import ExitStack
+from functools import partial
 from pathlib import Path
 
+from app.bench.facts import facts_of
 from app.commands.narrator import Narrator
 from app.engine.host import RunOutcome
 from app.running import PlannedRun, carry_out
@@ -19,7 +21,7 @@ async def serve_and_run(
     """Carry a plan out and serve clients meanwhile."""
     at_terminal = not as_json and sys.stdin.isatty() and sys.stderr.isatty()
     who = getpass.getuser() if at_terminal else None
-    service = RunService(planned.loaded.cell.engine.on_client_lost, who)
+    service = RunService(planned.loaded.cell.engine.on_client_lost, who, root)
     go_on = f"{KEYS}, each with Enter; Ctrl-C again stops" if at_terminal else None
     narrator = Narrator(planned.procedure.name, as_json, go_on)
     narrator.interactive = at_terminal
@@ -41,4 +43,5 @@ async def serve_and_run(
             answers=answers,
             answerer=service.hub.desk,
             on_open=service.serve,
+            observe=partial(service.telemetry.observe, facts_of(planned.loaded.cell, planned.bench)),
         )

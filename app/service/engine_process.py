@@ -10,6 +10,7 @@ from contextlib import asynccontextmanager, contextmanager
 from functools import partial
 from pathlib import Path
 
+from app.bench.by_hand import ByHand
 from app.cell.load import load_cell
 from app.engine.handle import RunHandle
 from app.engine.host import RunOutcome
@@ -22,6 +23,7 @@ from app.procedure_list import load_procedure, parse_params
 from app.resuming import plan_resume
 from app.running import PlannedRun, carry_out, plan_run
 from app.service.address import socket_folder
+from app.service.engine_bench import EngineBench
 from app.service.errors import RefusedError
 from app.service.hub import Hub
 from app.service.messages import Message, Resume, Start
@@ -42,12 +44,15 @@ class EngineProcess:
 
     Attributes:
         hub: of its clients.
+        by_hand: what they do by hand between runs.
     """
 
     def __init__(self, cell: Path, root: Path) -> None:
         self._clock = SystemClock()
         self.hub = Hub(self._clock, waits=True)
-        self._server = Server(self.hub, self._clock, self)
+        self._bench = EngineBench(self.hub, self._clock, cell, root)
+        self.by_hand = ByHand(self.hub, self._bench.for_hands(), self._require_idle, self._abort)
+        self._server = Server(self.hub, self._clock, self, telemetry=self._bench.telemetry)
         self._cell = cell
         self._root = root
         self._job: asyncio.Task[RunOutcome | None] | None = None
@@ -101,9 +106,11 @@ class EngineProcess:
 
         with loop_signals(self._deliver):
             try:
+                await self._bench.idle.release()
                 planned = await asyncio.to_thread(self._planned, request)
                 return await self._carry_out(request, planned, opened, publish)
             finally:
+                await uncancelled(self._bench.end())
                 await uncancelled(self._server.end())
 
     def start(self, request: Start) -> "asyncio.Future[Message]":
@@ -150,17 +157,33 @@ class EngineProcess:
         self._ended(ExitCode.DONE)
 
     def _begin(self, request: Start | Resume) -> "asyncio.Future[Message]":
-        if self._job is not None:
-            raise RefusedError("a run is under way: wait for its end, or stop it first")
-        if self._aborted:
-            raise RefusedError(
-                f"the last run was aborted ({self._aborted}): look at the bench, then clear the abort",
-                ExitCode.SAFETY,
-            )
+        self._require_idle()
+        if (occupied := self.by_hand.occupied) is not None:
+            raise RefusedError(occupied)
         opened: asyncio.Future[Message] = asyncio.get_running_loop().create_future()
         self.hub.beginning = True
         self._job = asyncio.create_task(self._run(request, opened))
         return opened
+
+    def _require_idle(self) -> None:
+        """Check that nothing runs and that the bench is in order.
+
+        Raises:
+            RefusedError: a run is under way, or something was aborted.
+        """
+        if self._job is not None or self._once is not None:
+            raise RefusedError("a run is under way: wait for its end, or stop it first")
+        if self._aborted:
+            raise RefusedError(
+                f"nothing begins after the abort ({self._aborted}): look at the bench, then clear the abort",
+                ExitCode.SAFETY,
+            )
+
+    def _abort(self, why: str) -> None:
+        """Let nothing begin before an operator has cleared it: what was done by hand was aborted."""
+        self.hub.idle_state, self._aborted = State.ABORTED, why
+        self._facts()
+        self.hub.say("state", state=self.hub.idle_state, reason=why)
 
     async def _run(self, request: Start | Resume, opened: "asyncio.Future[Message]") -> RunOutcome | None:
         def tell(path: Path) -> None:
@@ -169,6 +192,7 @@ class EngineProcess:
 
         try:
             planned = await asyncio.to_thread(self._planned, request)
+            await self._bench.idle.release()
             outcome = await self._carry_out(request, planned, tell, self.hub.publish)
         except Exception as error:  # noqa: BLE001  # the engine outlives a run that cannot be started, whatever the cause
             self._failed(error, opened)
@@ -177,6 +201,7 @@ class EngineProcess:
             opened.cancel()
             self.hub.beginning = False
             self._job = None
+            self._bench.idle.take_up()
         if outcome.status == "aborted":
             self.hub.idle_state, self._aborted = State.ABORTED, outcome.text
         else:
@@ -222,6 +247,7 @@ class EngineProcess:
             install_signals=self._to_run,
             answerer=self.hub.desk,
             on_open=partial(self._serve_run, opened),
+            observe=partial(self._bench.observe, planned),
         )
 
     @asynccontextmanager
@@ -231,7 +257,7 @@ class EngineProcess:
             yield
 
     def _facts(self) -> None:
-        self.hub.facts = {
+        self.hub.facts |= {
             "cell": str(self._cell.resolve()),
             "runs": str(self._root.resolve()),
             "aborted": self._aborted or None,
@@ -278,6 +304,8 @@ class EngineProcess:
                 # It is still being planned; a run that has begun was aborted by the signal, and seals its record.
                 self._job.cancel()
             await asyncio.wait({self._job})
+        await self.by_hand.end("the engine ends")
+        await self._bench.end()
         await self._server.end()
 
 

@@ -1,6 +1,6 @@
 """Why a request is refused, and why there is no service."""
 
-from app.errors import CatseyeError
+from app.errors import CatseyeError, exit_code_of
 from app.exitcode import ExitCode
 
 
@@ -36,3 +36,8 @@ class ServiceError(CatseyeError):
     """A socket cannot be made or reached, or nobody answers at it."""
 
     exit_code = ExitCode.DEVICE
+
+
+def refusal_of(error: BaseException) -> RefusedError:
+    """Return an error as a client is told it."""
+    return error if isinstance(error, RefusedError) else RefusedError(str(error), exit_code_of(error))

@@ -7,6 +7,7 @@ from contextlib import contextmanager
 from dataclasses import dataclass, field
 from typing import Literal
 
+from app.bench.telemetry import Topic
 from app.engine.announcer import Publish
 from app.engine.handle import RunHandle
 from app.engine.states import ENDED, State
@@ -36,12 +37,16 @@ class Member:
         who: the person.
         mailbox: what waits to be sent to it.
         disconnect: ends the connection; takes the reason.
+        heard_s: when its last line came, on the engine's clock.
+        topics: what it wants to be told about beside the events of runs.
     """
 
     name: str
     who: str
     mailbox: Mailbox
     disconnect: Callable[[str], None]
+    heard_s: float = 0.0
+    topics: set[Topic] = field(default_factory=set)
 
     @property
     def text(self) -> str:
@@ -99,6 +104,7 @@ class Hub:
         idle_state: where the engine stands between runs.
         beginning: a run was asked for and is not open yet.
         facts: more for the snapshot.
+        on_control: is called at once when another client, or none, holds control.
     """
 
     def __init__(self, clock: Clock, *, waits: bool = False) -> None:
@@ -109,6 +115,7 @@ class Hub:
         self.idle_state = State.IDLE
         self.beginning = False
         self.facts: dict[str, Json] = {}
+        self.on_control: Callable[[], None] = lambda: None
         self._clock = clock
         self._members: dict[str, Member] = {}
         self._holder: Member | None = None
@@ -126,6 +133,22 @@ class Hub:
     def controlled(self) -> bool:
         """A client holds control."""
         return self._holder is not None
+
+    @property
+    def asking(self) -> bool:
+        """A question is open."""
+        return self.desk.open is not None
+
+    def listen(self, member: Member, topic: Topic, *, on: bool) -> None:
+        """Tell a client about a topic from now on, or no more."""
+        if on:
+            member.topics.add(topic)
+        else:
+            member.topics.discard(topic)
+
+    def listens(self, topic: Topic) -> bool:
+        """Return whether any client wants to be told about a topic."""
+        return any(topic in member.topics for member in self._members.values())
 
     def holds(self, member: Member | None) -> bool:
         """Return whether a client holds control."""
@@ -231,10 +254,16 @@ class Hub:
             self._hold_if_lost()
         self._tell(event)
 
+    def tell(self, topic: Topic, event: str, fields: dict[str, Json]) -> None:
+        """Tell every client that wants to be told about a topic."""
+        message = self._about(event, fields)
+        for member in self.members:
+            if topic in member.topics:
+                send(message, member.mailbox, member.disconnect)
+
     def say(self, event: str, **fields: Json) -> None:
         """Tell every client something that is no event of the run's procedure."""
-        run = self.run.path.name if self.run else None
-        self._tell({"t": self._clock.now_utc().isoformat(), "event": event, "run": run, **fields})
+        self._tell(self._about(event, fields))
 
     @contextmanager
     def running(self, handle: RunHandle) -> Iterator[None]:
@@ -284,12 +313,17 @@ class Hub:
             **self.facts,
         }
 
+    def _about(self, event: str, fields: dict[str, Json]) -> Message:
+        run = self.run.path.name if self.run else None
+        return {"v": VERSION, "t": self._clock.now_utc().isoformat(), "event": event, "run": run, **fields}
+
     def _tell(self, event: Message) -> None:
         message: Message = {"v": VERSION, **event}
         for member in self.members:
             send(message, member.mailbox, member.disconnect)
 
     def _control_changed(self, what: str, by: str | None, before: str | None) -> None:
+        self.on_control()
         data: dict[str, Json] = {"what": what, "by": by, "before": before}
         if self.run is not None:
             self.run.note("control", data)

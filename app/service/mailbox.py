@@ -4,6 +4,7 @@ import asyncio
 from collections import deque
 from dataclasses import dataclass
 
+from app.service.merging import MERGED, merged
 from app.service.messages import VERSION, Message
 from procedures.context import Json
 
@@ -25,7 +26,7 @@ class _Waiting:
 
 
 class Mailbox:
-    """A bounded queue. The newest live value and progress replace older ones; points and steps may be dropped.
+    """A bounded queue. The newest live value, progress and bench replace older ones; points and steps may be dropped.
 
     Args:
         capacity: how many messages wait at most.
@@ -52,7 +53,7 @@ class Mailbox:
         if kind is not None:
             for waiting in self._waiting:
                 if waiting.kind == kind:
-                    waiting.message = message
+                    waiting.message = merged(waiting.message, message)
                     return
         if len(self._waiting) >= self._capacity and not self._make_room(droppable):
             return
@@ -96,9 +97,10 @@ class Mailbox:
 
 def _replaced_kind(message: Message) -> str | None:
     """Return the name under which only the newest message counts."""
-    if message.get("event") == "progress":
-        return "progress"
-    if message.get("event") == "state" and message.get("kind") == "live":
+    event = message.get("event")
+    if event == "progress" or event in MERGED:
+        return str(event)
+    if event == "state" and message.get("kind") == "live":
         data: Json = message.get("data")
         return f"live {data['name'] if isinstance(data, dict) and 'name' in data else ''}"
     return None

@@ -3,6 +3,8 @@
 import asyncio
 from typing import Protocol
 
+from app.bench.by_hand import ByHand
+from app.bench.telemetry import Telemetry
 from app.engine.handle import RunHandle
 from app.engine.states import RUNNING, State
 from app.errors import InterruptedRunError, LimitError
@@ -13,12 +15,18 @@ from app.service.messages import (
     Control,
     HandOver,
     Hello,
+    JogHold,
+    JogMode,
+    JogStep,
     Message,
     Override,
     Plain,
+    Raw,
     Reply,
     Resume,
+    Send,
     Start,
+    Watch,
 )
 
 _HOLDS = frozenset({State.HOLDING, State.HELD})
@@ -29,6 +37,11 @@ _OPEN = RUNNING | {State.IDLE}
 
 class Engine(Protocol):
     """An engine that outlives its runs."""
+
+    @property
+    def by_hand(self) -> ByHand:
+        """What is done by hand between runs."""
+        ...
 
     def start(self, request: Start) -> "asyncio.Future[Message]":
         """Begin a run; the result is there when its record is open."""
@@ -53,11 +66,13 @@ class Orders:
     Args:
         hub: of the engine.
         engine: that can start runs; None where a run serves itself.
+        telemetry: of the bench; None where nobody can watch it.
     """
 
-    def __init__(self, hub: Hub, engine: Engine | None = None) -> None:
+    def __init__(self, hub: Hub, engine: Engine | None = None, telemetry: Telemetry | None = None) -> None:
         self._hub = hub
         self._engine = engine
+        self._telemetry = telemetry
 
     def take(self, member: Member | None, request: AnyRequest) -> "Message | asyncio.Future[Message]":
         """Do what is asked and return what the answer carries, at once or later.
@@ -91,9 +106,30 @@ class Orders:
             case Resume():
                 self._hub.require_control(member)
                 return self._engine_or_refuse().resume(request)
+            case JogMode() | JogStep() | JogHold() | Raw() | Send():
+                self._hub.require_control(member)
+                return self._by_hand(member, request)
+            case Watch() if self._telemetry is not None:
+                return self._watch(member, request, self._telemetry)
             case _:
                 raise RefusedError(f"this engine does not do {request.op!r}")
         return {}
+
+    def _by_hand(
+        self, member: Member, request: JogMode | JogStep | JogHold | Raw | Send
+    ) -> "Message | asyncio.Future[Message]":
+        by_hand = self._engine_or_refuse().by_hand
+        match request:
+            case JogMode():
+                return by_hand.jog(member, request)
+            case JogStep():
+                return by_hand.step(member, request)
+            case JogHold():
+                return by_hand.hold(request)
+            case Raw():
+                return by_hand.raw(member, request)
+            case Send():
+                return by_hand.send(request)
 
     def _plain(self, member: Member | None, request: Plain) -> Message:
         who = member.text if member else "a client without a name"
@@ -101,9 +137,11 @@ class Orders:
             case "hold":
                 self._hold(who)
             case "stop":
-                self._running().control.stop(f"{who} stopped the run")
+                if self._engine is None or not self._engine.by_hand.stop(f"{who} stopped it"):
+                    self._running().control.stop(f"{who} stopped the run")
             case "abort":
-                self._running().control.abort(InterruptedRunError(f"{who} aborted the run"))
+                if self._engine is None or not self._engine.by_hand.abort(f"{who} aborted it"):
+                    self._running().control.abort(InterruptedRunError(f"{who} aborted the run"))
             case "unhold":
                 self._unhold(member, who)
             case "release" if member is not None:
@@ -114,6 +152,14 @@ class Orders:
             case "shutdown":
                 self._shut_down(member, who)
         return {}
+
+    def _watch(self, member: Member, request: Watch, telemetry: Telemetry) -> Message:
+        if request.on:
+            telemetry.prepare()
+        self._hub.listen(member, request.op, on=request.on)
+        if request.on:
+            telemetry.wake()
+        return {"bench": telemetry.bench()} if request.op == "watch" else {}
 
     def _hold(self, who: str) -> None:
         control = self._running().control

@@ -2,7 +2,9 @@
 
 from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
+from pathlib import Path
 
+from app.bench.telemetry import Telemetry
 from app.engine.handle import RunHandle
 from app.engine.waiting import uncancelled
 from app.service.hub import Hub, Policy
@@ -16,17 +18,20 @@ class RunService:
     Args:
         policy: what becomes of the run when a client with control is lost.
         console: the person at the terminal of this process; None without one.
+        root: folder of all runs.
 
     Attributes:
         hub: of its clients.
+        telemetry: of the bench.
     """
 
-    def __init__(self, policy: Policy, console: str | None) -> None:
+    def __init__(self, policy: Policy, console: str | None, root: Path) -> None:
         clock = SystemClock()
         self.hub = Hub(clock)
         self.hub.policy = policy
         self.hub.console = console
-        self._server = Server(self.hub, clock)
+        self.telemetry = Telemetry(self.hub, clock, root)
+        self._server = Server(self.hub, clock, telemetry=self.telemetry)
 
     @asynccontextmanager
     async def serve(self, handle: RunHandle) -> AsyncIterator[None]:
@@ -35,4 +40,5 @@ class RunService:
             async with self._server.of_run(handle):
                 yield
         finally:
+            await uncancelled(self.telemetry.end())
             await uncancelled(self._server.end())

@@ -7,6 +7,7 @@ from collections.abc import AsyncIterator
 from contextlib import AsyncExitStack, asynccontextmanager
 from pathlib import Path
 
+from app.bench.telemetry import Telemetry
 from app.engine.handle import RunHandle
 from app.engine.waiting import cancel
 from app.service.address import listening
@@ -28,14 +29,20 @@ class Server:
         clock: real time.
         engine: that can start runs; None where a run serves itself.
         patience: with each client.
+        telemetry: of the bench; None where nobody can watch it.
     """
 
     def __init__(
-        self, hub: Hub, clock: Clock, engine: Engine | None = None, patience: Patience | None = None
+        self,
+        hub: Hub,
+        clock: Clock,
+        engine: Engine | None = None,
+        patience: Patience | None = None,
+        telemetry: Telemetry | None = None,
     ) -> None:
         self._hub = hub
         self._clock = clock
-        self._orders = Orders(hub, engine)
+        self._orders = Orders(hub, engine, telemetry)
         self._patience = patience or Patience()
         self._sessions: dict[asyncio.Task[None], Session] = {}
 

@@ -5,9 +5,8 @@ from contextlib import suppress
 from dataclasses import dataclass
 
 from app.engine.waiting import cancel
-from app.errors import exit_code_of
 from app.exitcode import ExitCode
-from app.service.errors import BadMessageError, RefusedError
+from app.service.errors import BadMessageError, RefusedError, refusal_of
 from app.service.hub import Hub, Member, send
 from app.service.mailbox import Mailbox
 from app.service.messages import MAX_LINE_BYTES, VERSION, AnyRequest, Hello, Message, decode_request, encode
@@ -117,6 +116,8 @@ class Session:
                 await self.flush()
                 return "it sent a line that is too long"
             self._heard_s = self._clock.monotonic_s()
+            if self._member is not None:
+                self._member.heard_s = self._heard_s
             self._hear(line)
             # Lines that came together do not keep their answers, or other clients, waiting.
             await asyncio.sleep(0)
@@ -147,8 +148,7 @@ class Session:
         if future.cancelled():
             self._refuse(request, RefusedError("the engine ended", ExitCode.TERMINATED))
         elif error := future.exception():
-            code = error.code if isinstance(error, RefusedError) else exit_code_of(error)
-            self._refuse(request, RefusedError(str(error), code))
+            self._refuse(request, refusal_of(error))
         else:
             self._say({"re": request.id, "ok": True, **future.result()})
 

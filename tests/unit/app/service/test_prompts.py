@@ -174,7 +174,7 @@ async def attended(
     bench: FakeBench, procedure: Script, act: Callable[[RunService], None]
 ) -> tuple[RunOutcome, RunService]:
     """Run with a service whose console acts when a question is open."""
-    service = RunService("hold", "Ada")
+    service = RunService("hold", "Ada", bench.root)
 
     def publish(event: dict[str, Json]) -> None:
         if event["event"] == "prompt":

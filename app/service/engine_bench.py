@@ -1,0 +1,124 @@
+"""The bench of an engine: watched during runs and between them, worked on by hand between them."""
+
+import asyncio
+from contextlib import suppress
+from pathlib import Path
+
+from app.aim import find_aim
+from app.bench.cell_devices import cell_devices
+from app.bench.facts import BenchFacts, facts_of
+from app.bench.idle import CellDevices, IdleBench
+from app.bench.lending import HandBench
+from app.bench.telemetry import Telemetry
+from app.cell.bench import bench_of
+from app.cell.load import load_cell
+from app.cell.model import Cell
+from app.engine.devices import DeviceBuilder
+from app.errors import CatseyeError, UsageError
+from app.running import PlannedRun
+from app.service.errors import RefusedError
+from app.service.hub import Hub
+from drivers.clock import Clock
+from procedures.context import Json
+from procedures.devices import DeviceIdentity
+
+
+class EngineBench:
+    """Knows the cell file of an engine.
+
+    Args:
+        hub: of the clients.
+        clock: real time.
+        cell: cell file of the bench; read anew whenever its devices are made.
+        root: folder of all runs.
+
+    Attributes:
+        telemetry: tells the clients that watch.
+        idle: the devices between runs.
+    """
+
+    def __init__(self, hub: Hub, clock: Clock, cell: Path, root: Path) -> None:
+        self.telemetry = Telemetry(hub, clock, root)
+        self.telemetry.prepare = self._prepare
+        self.idle = IdleBench(
+            self._make, self.telemetry.gauges, clock, lambda text: hub.say("warning", text=text, data={})
+        )
+        self.telemetry.on_watched = self.idle.watched
+        self._hub = hub
+        self._clock = clock
+        self._cell = cell
+        self._root = root
+
+    def facts(self) -> BenchFacts:
+        """Return what cell file and last search say of the bench; reads files.
+
+        Raises:
+            ConfigError: the cell file is wrong.
+        """
+        return self._aimed(load_cell(self._cell).cell)
+
+    def observe(self, planned: PlannedRun, build: DeviceBuilder) -> DeviceBuilder:
+        """Return a builder of a run's devices that are seen by those who watch."""
+        return self.telemetry.observe(facts_of(planned.loaded.cell, planned.bench), build)
+
+    def for_hands(self) -> HandBench:
+        """Return the bench for whoever works on it by hand between runs."""
+        return HandBench(
+            self.idle,
+            self._find_facts,
+            self._identities,
+            self.telemetry.traffic.record,
+            self._tell_hands,
+            self._clock,
+        )
+
+    async def end(self) -> None:
+        """Tell no more, and let every link go."""
+        await self.telemetry.end()
+        await self.idle.end()
+
+    async def _find_facts(self) -> BenchFacts:
+        return await asyncio.to_thread(self.facts)
+
+    def _identities(self) -> dict[str, DeviceIdentity]:
+        links = self.telemetry.gauges.links
+        return {name: link.identity for name, link in links.items() if link.identity is not None}
+
+    def _tell_hands(self, event: str, **fields: Json) -> None:
+        """Tell every client, and those that come later, what is done by hand."""
+        if event == "jog":
+            self._hub.facts["jog"] = fields if fields["on"] else None
+        self._hub.say(event, **fields)
+
+    def _prepare(self) -> None:
+        """See to it that a client that begins to watch is told what the cell file says.
+
+        Raises:
+            RefusedError: the cell file is wrong.
+        """
+        in_use = self._hub.run is not None or self._hub.beginning or self.idle.devices() is not None
+        if in_use and self.telemetry.facts is not None:
+            return
+        try:
+            cell = load_cell(self._cell).cell
+            self.telemetry.describe(facts_of(cell, bench_of(cell)))
+        except CatseyeError as error:
+            raise RefusedError(str(error), error.exit_code) from error
+
+    async def _make(self) -> CellDevices:
+        """Make the devices as the cell file has them now.
+
+        Raises:
+            ConfigError: the cell file is wrong, a driver is not installed or a setting is wrong.
+        """
+        cell = await asyncio.to_thread(lambda: load_cell(self._cell).cell)
+        self.telemetry.describe(await asyncio.to_thread(self._aimed, cell))
+        return cell_devices(cell, self.telemetry.gauges, self._clock, self.telemetry.traffic.record)
+
+    def _aimed(self, cell: Cell) -> BenchFacts:
+        """Return the facts of a cell with the places that the last search found, if they still hold."""
+        bench = bench_of(cell)
+        # Where the beam was moved after the search, the cell file's places are as good as any.
+        with suppress(UsageError):
+            bench = find_aim(bench, self._root).bench
+        return facts_of(cell, bench)
