@@ -190,11 +190,20 @@ def terminal(
 
 
 @cli.command()
-def procedures(as_json: AsJson = False) -> None:
-    """List what can be run, with parameters, units and ranges."""
+def procedures(
+    cell: Annotated[
+        Path | None, typer.Option(help="cell file: say what each needs there, and what comes next")
+    ] = None,
+    runs: Runs = None,
+    as_json: AsJson = False,
+) -> None:
+    """List what can be run, with parameters, units and ranges; of a cell, what is needed and what comes next.
+
+    Example: catseye procedures --cell cell.toml
+    """
     from app.commands.procedures import procedures_command
 
-    procedures_command(as_json)
+    procedures_command(cell, runs, as_json)
 
 
 @cli.command()

@@ -1,5 +1,9 @@
-"""What a parameter of a procedure may be, in words."""
+"""What a parameter of a procedure may be, in words; and what is wrong with a text that is typed for one."""
 
+import json
+import math
+import tomllib
+from pathlib import Path
 from typing import Any
 
 _KINDS = {"integer": "a whole number", "number": "a number", "boolean": "true or false", "string": "a name"}
@@ -37,3 +41,116 @@ def _list_text(facts: dict[str, Any]) -> str:
     if items.get("type") == "array":
         return f"a list of {fewest} to {most} such pairs: {range_text(items)}"
     return f"[{', '.join([range_text(items)] * int(fewest or 1))}]"
+
+
+def default_text(facts: dict[str, Any]) -> str:
+    """Return a parameter's default as it is typed; empty when it is chosen by the program."""
+    return value_text(facts.get("default"))
+
+
+def value_text(value: object) -> str:
+    """Return a value as it is typed; empty for nothing, an empty text and an empty list."""
+    match value:
+        case None | "" | []:
+            return ""
+        case bool():
+            return str(value).lower()
+        case int() | float():
+            return f"{value:g}"
+        case str():
+            return value
+    return json.dumps(value, ensure_ascii=False)
+
+
+def typed_fault(facts: dict[str, Any], text: str) -> str:
+    """Return why a typed text cannot be a parameter's value, as far as its JSON schema tells; empty when it can.
+
+    Args:
+        facts: the parameter's JSON schema.
+        text: as typed; an empty one leaves the parameter at its default.
+    """
+    text = text.strip()
+    if not text or "file" in facts or any(_fits(one, text) for one in facts.get("anyOf", [facts])):
+        return ""
+    return range_text(facts)
+
+
+def param_text(facts: dict[str, Any], name: str, text: str) -> str:
+    """Return what is typed for a parameter as `--param` takes it.
+
+    Names need no quotes, lists of names no brackets, and a file is named from here.
+
+    Args:
+        facts: the parameter's JSON schema.
+        name: of the parameter.
+        text: without a fault.
+    """
+    text = text.strip()
+    if "file" in facts:
+        return f"{name}={json.dumps(str(Path(text).expanduser().absolute()), ensure_ascii=False)}"
+    kinds = {one.get("type") for one in facts.get("anyOf", [facts])}
+    if kinds <= {"string", "null"}:
+        return f"{name}={json.dumps(text, ensure_ascii=False)}"
+    if _names(facts) and not text.startswith("["):
+        names = [part.strip() for part in text.split(",") if part.strip()]
+        return f"{name}={json.dumps(names, ensure_ascii=False)}"
+    return f"{name}={text}"
+
+
+def _fits(facts: dict[str, Any], text: str) -> bool:
+    match facts.get("type"):
+        case "integer":
+            return text.lstrip("+-").isdigit() and _in_range(facts, float(text))
+        case "number":
+            return _in_range(facts, _number(text))
+        case "boolean":
+            return text in {"true", "false"}
+        case "array":
+            return (_names(facts) and not text.startswith("[")) or _is_list(facts, text)
+        case "null":
+            return False
+    return "enum" not in facts or text in facts["enum"]
+
+
+def _number(text: str) -> float:
+    try:
+        return float(text)
+    except ValueError:
+        return math.nan
+
+
+def _in_range(facts: dict[str, Any], value: float) -> bool:
+    return (
+        math.isfinite(value)
+        and facts.get("minimum", -math.inf) <= value <= facts.get("maximum", math.inf)
+        and facts.get("exclusiveMinimum", -math.inf) < value
+    )
+
+
+def _names(facts: dict[str, Any]) -> bool:
+    one: dict[str, Any] = next((one for one in facts.get("anyOf", [facts]) if one.get("type") == "array"), {})
+    return bool(one.get("items", {}).get("type") == "string")
+
+
+def _is_list(facts: dict[str, Any], text: str) -> bool:
+    try:
+        value = tomllib.loads(f"value = {text}")["value"]
+    except tomllib.TOMLDecodeError:
+        return False
+    return isinstance(value, list) and _list_fits(facts, value)
+
+
+def _list_fits(facts: dict[str, Any], values: list[Any]) -> bool:
+    if not facts.get("minItems", 0) <= len(values) <= facts.get("maxItems", math.inf):
+        return False
+    items = facts.get("items", {})
+    return all(_item_fits(items, value) for value in values)
+
+
+def _item_fits(facts: dict[str, Any], value: object) -> bool:
+    match facts.get("type"):
+        case "array":
+            return isinstance(value, list) and _list_fits(facts, value)
+        case "string":
+            return isinstance(value, str)
+    return _fits(facts, value_text(value))

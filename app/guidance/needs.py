@@ -1,0 +1,163 @@
+"""What a procedure needs on a cell, whether that is met, and what to do when it is not."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Final, Literal
+
+from pydantic import ValidationError
+
+from app.aim import find_aim
+from app.errors import UsageError
+from app.guidance.cell_runs import CellRun, CellRuns
+from app.guidance.words import age_text
+from app.procedure_list import Runnable
+from procedures.bench import Bench
+from procedures.errors import ProcedureError
+
+LEVEL: Final = "beam-level"
+ALIGNMENT: Final = "beam-to-j4"
+SEARCH: Final = "reflector-search"
+WARM_UP: Final = "warmup"
+MEASUREMENT: Final = "open-loop"
+
+WARM_S: Final = 4 * 3600.0
+"""A warm-up counts for so long: links and drives cool down within hours."""
+
+_WARM_FIRST: Final = frozenset({MEASUREMENT, "repeatability"})
+_BEFORE_ALIGNMENT: Final = frozenset({LEVEL, ALIGNMENT})
+
+Met = Literal["met", "advised", "missing"]
+"""Advised: it can begin without, and the result suffers. Missing: it is refused."""
+
+
+@dataclass(frozen=True)
+class Need:
+    """One thing that a procedure needs.
+
+    Attributes:
+        what: it is, in one or two words.
+        met: whether it is there.
+        text: what is there, or what to do.
+    """
+
+    what: str
+    met: Met
+    text: str
+
+
+@dataclass(frozen=True)
+class FoundAim:
+    """What a run would be aimed with.
+
+    Attributes:
+        bench: aimed; as the cell file has it where there is nothing better.
+        need: what is to be said about it.
+        search: the run that found it; None without one.
+    """
+
+    bench: Bench
+    need: Need
+    search: CellRun | None
+
+
+def needs_of(procedure: Runnable, bench: Bench, aim: FoundAim, runs: CellRuns) -> list[Need]:
+    """Return what a procedure needs on a cell.
+
+    Args:
+        procedure: which.
+        bench: as the cell file describes it.
+        aim: what it would be aimed with.
+        runs: of this cell.
+    """
+    needs = [_reflectors(bench), *_beam(procedure.name, runs)]
+    if procedure.needs_aim:
+        needs.append(aim.need)
+    needs += _warmth(procedure.name, runs)
+    needs += _tracker(procedure, bench)
+    needs.append(_plan(procedure, aim.bench if procedure.needs_aim else bench))
+    return needs
+
+
+def links_need(devices: Sequence[Mapping[str, Any]] | None) -> Need:
+    """Return whether the devices are connected.
+
+    Args:
+        devices: as the engine tells them about the bench; None before it has told any.
+    """
+    if devices is None:
+        return Need("devices", "advised", "nothing is known of them yet")
+    lost = [device for device in devices if device.get("link") in {"lost", "raw"}]
+    if lost:
+        told = "; ".join(f"{device['name']}: {device.get('error') or device['link']}" for device in lost)
+        return Need("devices", "missing", told)
+    waiting = [str(device["name"]) for device in devices if device.get("link") == "connecting"]
+    if waiting:
+        return Need("devices", "advised", f"connecting: {', '.join(waiting)}")
+    return Need("devices", "met", ", ".join(str(device["name"]) for device in devices))
+
+
+def aim_of(bench: Bench, root: Path, runs: CellRuns) -> FoundAim:
+    """Return the aim that a run would be planned with, and what is to be said about it."""
+    try:
+        aim = find_aim(bench, root)
+    except UsageError as error:
+        return FoundAim(bench, Need("search", "missing", str(error)), None)
+    run = runs.named(aim.source)
+    if run is None:
+        text = "none of these reflectors yet: aimed by the rough places of the cell file"
+        return FoundAim(aim.bench, Need("search", "advised", f"{text}; run {SEARCH}"), None)
+    return FoundAim(aim.bench, Need("search", "met", f"{run.name}, {age_text(run.age_s)}"), run)
+
+
+def is_warm(runs: CellRuns) -> bool:
+    """Return whether the arm has been warmed up lately."""
+    run = runs.last_complete(WARM_UP)
+    return run is not None and run.age_s <= WARM_S
+
+
+def _reflectors(bench: Bench) -> Need:
+    names = [reflector.name for reflector in bench.reflectors]
+    one = ", one cat's eye that is carried from nest to nest" if bench.optics.one_reflector else ""
+    return Need("reflectors", "met", f"{', '.join(names)}{one}")
+
+
+def _beam(name: str, runs: CellRuns) -> list[Need]:
+    if name == LEVEL:
+        return []
+    before = LEVEL if name in _BEFORE_ALIGNMENT else ALIGNMENT
+    what = "levelling" if before == LEVEL else "alignment"
+    run = runs.last_complete(before)
+    if run is None:
+        return [Need(what, "advised", f"no complete one on this cell; run {before}")]
+    return [Need(what, "met", f"{run.name}, {age_text(run.age_s)}")]
+
+
+def _warmth(name: str, runs: CellRuns) -> list[Need]:
+    if name not in _WARM_FIRST:
+        return []
+    if is_warm(runs):
+        run = runs.last_complete(WARM_UP)
+        return [Need("warm arm", "met", f"warmed up {age_text(run.age_s)}" if run else "")]
+    return [Need("warm arm", "advised", f"no warm-up in the last {WARM_S / 3600:g} h; run {WARM_UP}")]
+
+
+def _tracker(procedure: Runnable, bench: Bench) -> list[Need]:
+    if procedure.needs_tracker and not bench.tracker:
+        return [Need("tracker", "missing", "the cell file has none; add a [tracker]")]
+    if "instrument" not in procedure.params_type.model_fields and not procedure.needs_tracker:
+        return []
+    if bench.tracker:
+        return [Need("tracker", "met", "in the cell file")]
+    text = "none in the cell file: the interferometer measures; or instrument = file for a tracker's CSV"
+    return [Need("tracker", "advised", text)]
+
+
+def _plan(procedure: Runnable, bench: Bench) -> Need:
+    try:
+        procedure.plan(bench, procedure.params_type())
+    except ProcedureError as error:
+        return Need("plan", "missing", str(error))
+    except ValidationError:
+        return Need("plan", "advised", "it has parameters that have to be given")
+    return Need("plan", "met", "within every limit of the cell file, with its default parameters")
