@@ -9,7 +9,7 @@ from drivers.counter.profile import CounterProfile
 from drivers.errors import LinkError, LinkTimeoutError, ProtocolError, RefusedError, WrongDeviceError
 from drivers.latches import Latches
 from drivers.readings import CounterReading, CounterStatus, Identity
-from drivers.stream import StreamLink
+from drivers.stream import StreamLink, ValueHook
 from drivers.transport import Transport
 
 
@@ -23,9 +23,13 @@ class StreamedCounter:
         transport: the connection.
         clock: time of the readings.
         profile: what the instrument speaks.
+
+    Attributes:
+        on_value: takes each value as it comes.
     """
 
     def __init__(self, transport: Transport, clock: Clock, profile: CounterProfile) -> None:
+        self.on_value: ValueHook | None = None
         self._profile = profile
         self._latches = Latches()
         self._newest: tuple[float, str, float] | None = None
@@ -142,7 +146,10 @@ class StreamedCounter:
             self._latches.note(beam_lost=True)
         else:
             self._error = ""
-            self._newest = self._length_mm(number), text, time_s
+            value_mm = self._length_mm(number)
+            self._newest = value_mm, text, time_s
+            if self.on_value is not None:
+                self.on_value(time_s, value_mm - self._offset_mm)
         self._count += 1
 
     def _length_mm(self, number: float) -> float:

@@ -12,7 +12,7 @@ from drivers.lasertex import codec
 from drivers.latches import Latches
 from drivers.readings import CounterReading, CounterStatus, Identity
 from drivers.record import Sink
-from drivers.stream import StreamLink
+from drivers.stream import StreamLink, ValueHook
 from drivers.transport import Transport
 
 MODEL = "Lasertex HPI-3D"
@@ -46,6 +46,9 @@ class LasertexHpi:
         transport: the connection.
         clock: time of the readings.
         settings: see there.
+
+    Attributes:
+        on_value: takes each value as it comes.
     """
 
     Settings: ClassVar[type[HpiSettings]] = HpiSettings
@@ -58,6 +61,7 @@ class LasertexHpi:
         self._newest: tuple[codec.Distance, float] | None = None
         self._count = 0
         self._simulated = False
+        self.on_value: ValueHook | None = None
         self._link = StreamLink(
             transport, clock, name=MODEL, decoder=codec.FrameDecoder, take=self._take, greet=self._greet
         )
@@ -170,6 +174,8 @@ class LasertexHpi:
         self._latches.note(beam_lost=not distance.signal_ok, overspeed=distance.overspeed)
         self._newest = distance, time_s
         self._count += 1
+        if self.on_value is not None:
+            self.on_value(time_s, self._settings.sign * distance.length_mm)
 
     async def _next(self) -> tuple[codec.Distance, float]:
         """Return the next distance to arrive."""

@@ -13,7 +13,7 @@ from drivers.errors import LinkTimeoutError, RefusedError, WrongDeviceError
 from drivers.latches import Latches
 from drivers.readings import CounterReading, CounterStatus, Identity
 from drivers.record import Sink
-from drivers.stream import StreamLink
+from drivers.stream import StreamLink, ValueHook
 from drivers.transport import Transport
 from drivers.umd import codec
 
@@ -69,6 +69,7 @@ class UmdDisplay:
 
     Attributes:
         lost_samples: samples that were missing in the stream so far.
+        on_value: takes each value as it comes.
     """
 
     Settings: ClassVar[type[UmdSettings]] = UmdSettings
@@ -85,6 +86,7 @@ class UmdDisplay:
         self._last_sequence: int | None = None
         self._low: dict[int, int] = {}
         self.lost_samples = 0
+        self.on_value: ValueHook | None = None
         self._link = StreamLink(
             transport, clock, name=MODEL, decoder=codec.SampleDecoder, take=self._take, greet=self._greet
         )
@@ -225,6 +227,8 @@ class UmdDisplay:
         self._latches.note(beam_lost=not self._returns(sample))
         self._ring.append((sample, time_s))
         self._count += 1
+        if self.on_value is not None:
+            self.on_value(time_s, self._length_mm(sample))
 
     def _note_lost(self, count: int) -> None:
         self.lost_samples += count
