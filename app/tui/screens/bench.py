@@ -1,16 +1,122 @@
-"""The screen Bench."""
+"""The screen Bench: devices, arm, beam and air as they are now."""
 
-from textual.app import ComposeResult
-from textual.widgets import Static
+from collections.abc import Iterable
+from typing import Any, ClassVar, Final
 
+from textual.app import ComposeResult, SystemCommand
+from textual.binding import Binding, BindingType
+from textual.containers import Horizontal, Vertical, VerticalScroll
+from textual.content import Content
+
+from app.tui.bench_words import air_lines, engine_lines, robot_lines, troubles
+from app.tui.picture import Picture
 from app.tui.screens.base import MainScreen
+from app.tui.session import Session
+from app.tui.widgets.beam_panel import BeamPanel
+from app.tui.widgets.device_list import DeviceList
+from app.tui.widgets.plan_view import PlanView
+from app.tui.widgets.told import Told, lines
+
+_LOG_LINES: Final = 8
 
 
 class BenchScreen(MainScreen):
-    """Under construction by its own commit."""
+    """The home screen. On a small one the bench from above takes the place of the beam, and back, by a key."""
 
     PLACE = "bench"
 
+    DEFAULT_CSS = """
+    BenchScreen #bench { height: 1fr; scrollbar-size-vertical: 1; }
+    BenchScreen #troubles { height: auto; max-height: 5; padding: 0 1; display: none; }
+    BenchScreen #parts { height: 1fr; min-height: 12; }
+    BenchScreen #left { width: 40; }
+    BenchScreen #right { width: 1fr; }
+    BenchScreen #robot { height: 1fr; min-height: 7; }
+    BenchScreen #air { height: 5; }
+    BenchScreen.-high #plan { height: 1.5fr; }
+    BenchScreen.-high #robot { height: 9; }
+    BenchScreen #engine { height: 1fr; display: none; }
+    BenchScreen.-high #engine { display: block; }
+    BenchScreen.-low #plan { display: none; }
+    BenchScreen.-low.plan #plan { display: block; }
+    BenchScreen.-low.plan BeamPanel { display: none; }
+    BenchScreen.-narrow #parts { layout: vertical; height: auto; }
+    BenchScreen.-narrow #left { width: 1fr; height: auto; }
+    BenchScreen.-narrow #robot { height: auto; }
+    BenchScreen.-narrow #right { height: 14; }
+    """
+
+    BINDINGS: ClassVar[list[BindingType]] = [
+        Binding(
+            "v", "view", "beam / from above", id="bench.view", tooltip="the beam, or the bench from above"
+        ),
+        Binding("w", "window", "10/30/60 s", id="bench.window", tooltip="length of the strip"),
+    ]
+
+    def __init__(self, session: Session) -> None:
+        super().__init__(session)
+        self.HORIZONTAL_BREAKPOINTS = [(0, "-narrow"), (76, "-wide")]
+        self.VERTICAL_BREAKPOINTS = [(0, "-low"), (36, "-high")]
+
     def body(self) -> ComposeResult:
-        """Return nothing yet."""
-        yield Static("Bench")
+        """Devices above; arm and air at the left, beam and the bench from above at the right."""
+        with VerticalScroll(id="bench", can_focus=False):
+            yield DeviceList()
+            yield Told(id="troubles")
+            with Horizontal(id="parts"):
+                with Vertical(id="left"):
+                    yield _panel("robot", "Robot", "X, Y: nominal arm")
+                    yield _panel("air", "Air", "")
+                    yield _panel("engine", "Engine", "")
+                with Vertical(id="right"):
+                    yield BeamPanel()
+                    yield PlanView(id="plan", classes="panel")
+
+    def commands(self) -> Iterable[SystemCommand]:
+        """Return what this screen can do."""
+        yield SystemCommand("Beam or bench from above", "where there is room for one only", self.action_view)
+        yield SystemCommand("Length of the strip", "10, 30 or 60 s", self.action_window)
+
+    def show_picture(self, picture: Picture, now_s: float) -> None:
+        """Show the bench."""
+        bench, since_s = picture.bench or {}, now_s - picture.bench_at_s
+        self.query_one(DeviceList).show(bench, since_s)
+        self._show_troubles(bench)
+        self.query_one("#robot", Told).tell(lines(*robot_lines(bench, since_s)))
+        self.query_one("#air", Told).tell(lines(*air_lines(bench, since_s)))
+        self.query_one("#engine", Told).tell(lines(*engine_lines(picture, _LOG_LINES)))
+        self.query_one(BeamPanel).show(picture, now_s)
+        self.query_one(PlanView).show(picture, now_s)
+
+    def action_view(self) -> None:
+        """Show the bench from above in place of the beam, or the beam again."""
+        self.toggle_class("plan")
+        self.call_after_refresh(self.show_now)
+
+    def action_window(self) -> None:
+        """Show another length of time in the strip."""
+        self.query_one(BeamPanel).next_window()
+        self.show_now()
+
+    def _show_troubles(self, bench: dict[str, Any]) -> None:
+        from app.tui.dialogs.error_dialog import split_remedy
+
+        shown = self.query_one("#troubles", Told)
+        told: list[Content] = []
+        for name, text in troubles(bench):
+            cause, remedy = split_remedy(text)
+            told.append(
+                Content.assemble(
+                    (f"✗ {name}: ", "$error bold"),
+                    cause,
+                    (f" → {remedy}" if remedy else "", "$success"),
+                )
+            )
+        shown.display = bool(told)
+        shown.tell(lines(*told))
+
+
+def _panel(name: str, title: str, subtitle: str) -> Told:
+    panel = Told(id=name, classes="panel")
+    panel.border_title, panel.border_subtitle = title, subtitle
+    return panel

@@ -22,9 +22,10 @@ WORD: Final = "word"
 _MARGIN_DOTS: Final = 3.0
 _NAME_CELLS: Final = 4
 _FIELD_MM: Final = 90.0
-_ROOMY_ROWS: Final = 17
+_ROOMY_ROWS: Final = 15
 _TURN_DEG: Final = 360.0
 _DASH: Final = 3
+_LENGTHS_MM: Final = (1000, 500, 200, 100, 50, 20, 10)
 
 
 @dataclass(frozen=True)
@@ -74,15 +75,14 @@ def pose_of(layout: dict[str, Any], joints: list[float]) -> Pose:
     """
     one, two, four = (math.radians(joints[place]) for place in (0, 1, 3))
     link1_mm, link2_mm = float(layout["link1_mm"]), float(layout["link2_mm"])
-    x_mm, y_mm = forward(np.float64(one), np.float64(two), link1_mm, link2_mm).tolist()
+    x_mm, y_mm = forward(np.array(one), np.array(two), link1_mm, link2_mm).tolist()
     elbow_mm = link1_mm * math.cos(one), link1_mm * math.sin(one)
     beam_rad = one + two + four + math.radians(float(layout["theta40_deg"]))
     return Pose(elbow_mm, (x_mm, y_mm), one, one + two, beam_rad)
 
 
 def view_of(layout: dict[str, Any], canvas: Canvas) -> View:
-    """Return the largest scale at which everything that the arm reaches and every reflector is seen; it does not
-    depend on where the arm is."""
+    """Return the largest scale at which the arm's whole reach and every reflector are seen, wherever the arm is."""
     reach_mm = float(layout["link1_mm"]) + float(layout["link2_mm"])
     across = [-reach_mm, reach_mm, *(float(each["x_mm"]) for each in layout["reflectors"])]
     upwards = [-reach_mm, reach_mm, *(float(each["y_mm"]) for each in layout["reflectors"])]
@@ -199,16 +199,15 @@ def _draw_range(
 
 
 def _write_scale(canvas: Canvas, view: View) -> None:
-    """Write a length that fits into a fifth of the width, in whole cells, and where the axes point."""
-    length_mm = next(
-        (
-            each
-            for each in (1000, 500, 200, 100, 50, 20, 10)
-            if each / view.mm_per_dot / 2 <= canvas.columns / 5
-        ),
-        0,
-    )
-    cells = round(length_mm / view.mm_per_dot / 2)
-    if cells >= 2:
-        canvas.text(0, canvas.rows - 1, f"├{'─' * (cells - 2)}┤ {length_mm} mm", WORD)
+    """Draw a length that fits into a fifth of the width, and write where the axes point."""
+    fits = (each for each in _LENGTHS_MM if each / view.mm_per_dot <= canvas.width / 5.0)
+    if (length_mm := next(fits, None)) is not None:
+        end, y = length_mm / view.mm_per_dot, canvas.height - 2.0
+        for start, finish in (
+            ((0.0, y), (end, y)),
+            ((0.0, y - 1), (0.0, y + 1)),
+            ((end, y - 1), (end, y + 1)),
+        ):
+            canvas.line(start, finish, WORD)
+        canvas.text(round(end) // 2 + 2, canvas.rows - 1, f"{length_mm} mm", WORD)
     canvas.text(0, 0, "↑Y →X", WORD)

@@ -12,14 +12,14 @@ from app.tui.widgets.status_bar import STALE_S
 
 _STYLES: Final = {
     "arm": "$primary bold",
-    "base": "$text-muted",
+    "base": "dim",
     "beam-ok": "$success",
     "beam-lost": "$error bold",
-    "beam-unknown": "$text-muted",
+    "beam-unknown": "dim",
     "reflector": "$secondary",
     "aimed": "$accent bold",
-    "range": "$text-disabled",
-    "word": "$text-muted",
+    "range": "dim",
+    "word": "dim",
 }
 
 
@@ -27,7 +27,7 @@ class PlanView(Widget):
     """Arm, beam and reflectors, to scale."""
 
     DEFAULT_CSS = """
-    PlanView { height: 1fr; min-height: 8; }
+    PlanView { height: 1fr; min-height: 8; border-subtitle-color: $foreground; }
     """
 
     def __init__(self, *, id: str | None = None, classes: str | None = None) -> None:
@@ -35,14 +35,16 @@ class PlanView(Widget):
         self.border_title = "From above"
         self._key: object = None
         self._shown = Content("")
+        self._last: tuple[Picture, float] | None = None
 
     def show(self, picture: Picture, now_s: float) -> None:
         """Show where everything is."""
+        self._last = picture, now_s
         bench = picture.bench or {}
         since_s = now_s - picture.bench_at_s
         robot, beam = bench.get("robot"), bench.get("beam")
         stale = not _is_fresh(robot, since_s)
-        beam_ok = bool(beam["beam_ok"]) if _is_fresh(beam, since_s) else None
+        beam_ok = bool(beam["beam_ok"]) if isinstance(beam, dict) and _is_fresh(beam, since_s) else None
         joints = robot.get("joints") if isinstance(robot, dict) else None
         key = (repr(bench.get("layout")), repr(joints), beam_ok, stale, self.size)
         if key == self._key:
@@ -51,6 +53,11 @@ class PlanView(Widget):
         self._shown = self._drawn(bench.get("layout"), joints, beam_ok, stale=stale)
         self.border_subtitle = _caption(bench.get("layout"), joints, beam_ok, stale=stale)
         self.refresh()
+
+    def on_resize(self) -> None:
+        """Fill the new size."""
+        if self._last is not None:
+            self.show(*self._last)
 
     def render(self) -> RenderResult:
         """Return the drawing."""

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 WINDOWS_S: Final = (10, 30, 60)
 """Lengths of the strip that can be chosen, s."""
 
-_STYLES: Final = {"trace": "$success", "axis": "$text-muted"}
+_STYLES: Final = {"trace": "$success", "axis": "dim"}
 _OWN_LINES: Final = 2
 """Lines that are no chart: what the numbers are, and the time."""
 
@@ -36,6 +36,7 @@ class Strip(Widget):
         self.window_s: float = WINDOWS_S[0]
         self._shown = Content("")
         self._scale: Scale | None = None
+        self._last: tuple[Picture, float] | None = None
 
     @property
     def scale(self) -> "Scale | None":
@@ -49,10 +50,16 @@ class Strip(Widget):
 
     def show(self, picture: Picture, now_s: float) -> None:
         """Show the samples that came."""
+        self._last = picture, now_s
         shown = self._drawn(picture, now_s)
         if not shown.is_same(self._shown):
             self._shown = shown
             self.refresh()
+
+    def on_resize(self) -> None:
+        """Fill the new size."""
+        if self._last is not None:
+            self.show(*self._last)
 
     def render(self) -> RenderResult:
         """Return the chart."""

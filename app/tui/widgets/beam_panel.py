@@ -1,0 +1,36 @@
+"""Signal, state and length of the beam, with the strip below."""
+
+from textual.app import ComposeResult
+from textual.containers import Vertical
+
+from app.tui.bench_words import beam_lines
+from app.tui.picture import Picture
+from app.tui.widgets.strip import Strip
+from app.tui.widgets.told import Told, lines
+
+
+class BeamPanel(Vertical):
+    """The beam as it is now and was in the last seconds."""
+
+    DEFAULT_CSS = """
+    BeamPanel { height: 1fr; }
+    BeamPanel Told { height: auto; }
+    """
+
+    def __init__(self, *, id: str | None = None) -> None:
+        super().__init__(id=id, classes="panel")
+        self.border_title = "Beam"
+
+    def compose(self) -> ComposeResult:
+        """Numbers above, strip below."""
+        yield Told()
+        yield Strip()
+
+    def next_window(self) -> None:
+        """Show another length of time."""
+        self.query_one(Strip).next_window()
+
+    def show(self, picture: Picture, now_s: float) -> None:
+        """Show the beam."""
+        self.query_one(Told).tell(lines(*beam_lines(picture.bench or {}, now_s - picture.bench_at_s)))
+        self.query_one(Strip).show(picture, now_s)

@@ -1,0 +1,52 @@
+"""The devices of the bench, one a line; the chosen one is told in full."""
+
+from typing import Any
+
+from textual.content import Content
+from textual.widgets import OptionList
+
+from app.tui.bench_words import alarm_text, device_line, device_text
+from app.tui.dialogs.text_dialog import TextDialog
+
+
+class DeviceList(OptionList):
+    """Devices with link, age and identity."""
+
+    DEFAULT_CSS = """
+    DeviceList {
+        height: auto; max-height: 8; background: $background; scrollbar-size-vertical: 1;
+        text-wrap: nowrap; text-overflow: ellipsis;
+    }
+    DeviceList > .option-list--option-highlighted { text-style: none; background: $surface; color: $foreground; }
+    DeviceList:focus > .option-list--option-highlighted { background: $panel; color: $foreground; }
+    """
+
+    def __init__(self) -> None:
+        super().__init__(classes="panel", compact=True, markup=False)
+        self.border_title = "Devices"
+        self.border_subtitle = "Enter: all about one"
+        self._bench: dict[str, Any] = {}
+        self._since_s = 0.0
+        self._shown: list[Content] = []
+
+    def show(self, bench: dict[str, Any], since_s: float) -> None:
+        """Show the devices; what is chosen stays so."""
+        self._bench, self._since_s = bench, since_s
+        lines = [device_line(device, since_s) for device in bench.get("devices", ())]
+        if len(lines) != len(self._shown):
+            self.set_options(lines)
+        else:
+            for number, (line, shown) in enumerate(zip(lines, self._shown, strict=True)):
+                if not line.is_same(shown):
+                    self.replace_option_prompt_at_index(number, line)
+        self._shown = lines
+
+    def on_option_list_option_selected(self, event: OptionList.OptionSelected) -> None:
+        """Tell everything about a device."""
+        event.stop()
+        devices = self._bench.get("devices", ())
+        if event.option_index < len(devices):
+            device = devices[event.option_index]
+            alarm = alarm_text(self._bench.get("robot") or {}) if device["name"] == "robot" else ""
+            text = device_text(device, alarm, self._since_s)
+            self.app.push_screen(TextDialog(str(device["name"]), text))
