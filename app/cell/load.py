@@ -42,9 +42,12 @@ def load_cell(path: Path) -> LoadedCell:
     """
     raw = _read(path)
     try:
-        text = raw.decode("utf-8")
+        # Editors of another system put a byte order mark first.
+        text = raw.decode("utf-8-sig")
         data = tomllib.loads(text)
-    except (UnicodeDecodeError, tomllib.TOMLDecodeError) as error:
+    except UnicodeDecodeError as error:
+        raise ConfigError(f"{path}: not in UTF-8 ({error}): save it as UTF-8 text") from error
+    except tomllib.TOMLDecodeError as error:
         raise ConfigError(f"{path}: not a TOML file: {error}") from error
     try:
         cell = Cell.model_validate(data)

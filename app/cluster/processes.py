@@ -35,7 +35,10 @@ class Processes:
     def map(
         self, function: Callable[[A], B], items: Sequence[A], done: Callable[[int], None] | None = None
     ) -> list[B]:
-        """Carry out a function on each item; see Share."""
+        """Carry out a function on each item; see Share.
+
+        Items that wait when one fails end with the pool: it cannot end items that are cancelled already.
+        """
         futures: dict[Future[B], int] = {}
         try:
             with _uninterrupted():
@@ -50,11 +53,6 @@ class Processes:
                 f"a worker process ended before its item was finished ({error}): it was killed, or the memory did "
                 "not suffice; repeat, with fewer --workers if memory is short"
             ) from error
-        except Exception:
-            # After Ctrl-C the pool ends, and it cannot end items that are cancelled already.
-            for future in futures:
-                future.cancel()
-            raise
         return [future.result() for future in futures]
 
 

@@ -70,7 +70,7 @@ def _comparison(found: Design) -> str:
         name = f"{found.layout.name}, {int(choice.kept.sum())} commands"
         cost = choice.cost
         rows.append([name, *shown, "", "", "", "", cost.points, cost.breaks, _minutes(cost.duration_s)])
-    head = ["layout", "A mdeg", "D mdeg", "E mdeg", "path um", "u(L1) um", "u(L2) um", "u(th1) mdeg"]
+    head = ["layout", "A mdeg", "D mdeg", "E mdeg", "path µm", "u(L1) µm", "u(L2) µm", "u(Δθ1) mdeg"]
     return table([*head, "u(th2) mdeg", "points", "breaks", "bench min"], rows)
 
 
@@ -207,7 +207,7 @@ def _as_json(found: Design) -> dict[str, Json]:
 def _layout_json(layout: Layout) -> dict[str, Json]:
     values: dict[str, Json] = {}
     for name in _CRITERIA:
-        unit = "um" if name == "path" else "mdeg"
+        unit = "µm" if name == "path" else "mdeg"
         values[f"{name}_{unit}"] = _finite(layout.shown(name, systematic=True))
         values[f"{name}_random_{unit}"] = _finite(layout.shown(name, systematic=False))
     return {

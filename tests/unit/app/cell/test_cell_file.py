@@ -87,8 +87,15 @@ def test_not_toml_names_the_place(tmp_path: Path) -> None:
         load_cell(written(tmp_path, "= 3"))
 
 
+def test_byte_order_mark_is_passed_over(tmp_path: Path) -> None:
+    path = written(tmp_path, TEMPLATE)
+    plain = load_cell(path).cell
+    path.write_bytes(b"\xef\xbb\xbf" + path.read_bytes())
+    assert load_cell(path).cell == plain
+
+
 def test_binary_file_is_refused(tmp_path: Path) -> None:
     path = tmp_path / "cell.toml"
     path.write_bytes(b"\xff\xfe\x00")
-    with pytest.raises(ConfigError, match="not a TOML file"):
+    with pytest.raises(ConfigError, match="not in UTF-8.*save it as UTF-8 text"):
         load_cell(path)
