@@ -207,7 +207,7 @@ def _as_json(found: Design) -> dict[str, Json]:
 def _layout_json(layout: Layout) -> dict[str, Json]:
     values: dict[str, Json] = {}
     for name in _CRITERIA:
-        unit = "µm" if name == "path" else "mdeg"
+        unit = "um" if name == "path" else "mdeg"
         values[f"{name}_{unit}"] = _finite(layout.shown(name, systematic=True))
         values[f"{name}_random_{unit}"] = _finite(layout.shown(name, systematic=False))
     return {

@@ -97,5 +97,5 @@ def test_byte_order_mark_is_passed_over(tmp_path: Path) -> None:
 def test_binary_file_is_refused(tmp_path: Path) -> None:
     path = tmp_path / "cell.toml"
     path.write_bytes(b"\xff\xfe\x00")
-    with pytest.raises(ConfigError, match="not in UTF-8.*save it as UTF-8 text"):
+    with pytest.raises(ConfigError, match=r"not in UTF-8.*save it as UTF-8 text"):
         load_cell(path)
