@@ -25,6 +25,7 @@ import pytest
 from app.service.address import find_socket
 from app.store.reader import RunReader
 from tests.system.command import Emulated, catseye, emulated, environment, start
+from tests.system.socket_client import Lines
 
 SPEED = "40"
 ONE_REFLECTOR = ("--param", 'reflectors=["P1"]')
@@ -78,31 +79,6 @@ def detached(bench: Emulated, *options: str) -> Path:
     starter.kill()
     starter.communicate(timeout=_LIMIT_S)
     return path
-
-
-class Lines:
-    """A client that is nothing but a socket."""
-
-    def __init__(self, path: str) -> None:
-        self._socket = socket.socket(socket.AF_UNIX)
-        self._socket.settimeout(_LIMIT_S)
-        self._socket.connect(path)
-        self._lines = self._socket.makefile("rb")
-
-    def close(self) -> None:
-        self._lines.close()
-        self._socket.close()
-
-    def ask(self, op: str, **fields: object) -> dict[str, Any]:
-        self._socket.sendall(json.dumps({"v": 1, "id": op, "op": op, **fields}).encode() + b"\n")
-        return self.until(re=op)
-
-    def until(self, **fields: object) -> dict[str, Any]:
-        for line in self._lines:
-            message: dict[str, Any] = json.loads(line)
-            if fields.items() <= message.items():
-                return message
-        raise AssertionError(f"the engine closed the connection before {fields}")
 
 
 def held(bench: Emulated, *options: str) -> Path:

@@ -15,15 +15,16 @@ from app.exitcode import ExitCode
 from app.service.errors import RefusedError
 from app.service.messages import JogHold, JogMode, JogStep
 from drivers.errors import LinkError
-from tests.unit.app.bench.timed_arm import HOME, HandFixture, StepsOnlyArm, TimedArm, a_cell
+from tests.unit.app.bench.benches import cell_from_template
+from tests.unit.app.bench.timed_arm import HOME, HandFixture, StepsOnlyArm, TimedArm
 from tests.unit.drivers.virtual_time import run
 
 Script = Callable[[HandFixture, Jogging], Awaitable[None]]
 
 
 @pytest.fixture(scope="module")
-def cell(tmp_path_factory: pytest.TempPathFactory) -> Cell:
-    return a_cell(tmp_path_factory.mktemp("cell"))
+def cell() -> Cell:
+    return cell_from_template()
 
 
 def mode(**fields: Any) -> JogMode:

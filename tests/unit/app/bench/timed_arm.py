@@ -9,9 +9,7 @@ from typing import Any, Literal, cast
 from app.bench.facts import BenchFacts, DeviceFacts
 from app.bench.lending import HandBench
 from app.cell.bench import air_rule, bench_of
-from app.cell.load import load_cell
 from app.cell.model import Cell
-from app.cell.template import TEMPLATE
 from app.engine.devices import Devices
 from app.engine.interlock import Light
 from drivers.errors import DeviceError, RefusedError
@@ -57,6 +55,7 @@ class TimedArm:
     settled_s: float = 0.0
     until_s: float = 0.0
     stops: int = 0
+    began_at_percent: list[float] = field(default_factory=list)
 
     @property
     def now_s(self) -> float:
@@ -117,6 +116,7 @@ class TimedArm:
 
     async def move_joints(self, target: Joints) -> None:
         self.settle()
+        self.began_at_percent.append(self.state.override_percent)
         self.note("move " + " ".join(f"{value:.4f}" for value in target))
         way = [to - at for at, to in zip(self.pose, target, strict=True)]
         duration_s = max(map(abs, way)) / self.speed_deg_s
@@ -139,6 +139,7 @@ class TimedArm:
     @asynccontextmanager
     async def jogging(self, directions: Mapping[str, Literal[-1, 1]]) -> AsyncIterator[Feed]:
         self.settle()
+        self.began_at_percent.append(self.state.override_percent)
         self.note("jog " + " ".join(f"{joint}{way:+d}" for joint, way in directions.items()))
         self.driven = tuple(self.speed_deg_s * directions.get(axis, 0) for axis in AXES)
         self.feed, self.until_s = Feed(self), float("inf")
@@ -181,12 +182,6 @@ class Door:
 
     async def show(self, light: Light) -> None:
         """There are no lamps."""
-
-
-def a_cell(folder: Any) -> Cell:
-    path = folder / "cell.toml"
-    path.write_text(TEMPLATE, encoding="utf-8")
-    return load_cell(path).cell
 
 
 class HandFixture:
