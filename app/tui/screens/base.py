@@ -1,7 +1,7 @@
 """What all main screens share: status above, stop bar and keys below, a body that shows the picture."""
 
 from collections.abc import Iterable
-from typing import ClassVar
+from typing import TYPE_CHECKING, ClassVar, cast
 
 from textual.app import ComposeResult, SystemCommand
 from textual.containers import Vertical
@@ -13,6 +13,9 @@ from app.tui.session import Session
 from app.tui.widgets.place_bar import PlaceBar
 from app.tui.widgets.status_bar import StatusBar
 from app.tui.widgets.stop_bar import StopBar
+
+if TYPE_CHECKING:
+    from app.tui.app import CatseyeApp
 
 
 class MainScreen(Screen[None]):
@@ -28,6 +31,11 @@ class MainScreen(Screen[None]):
     def __init__(self, session: Session) -> None:
         super().__init__()
         self.session = session
+
+    @property
+    def catseye(self) -> "CatseyeApp":
+        """The program: it gives orders to the engine and shows errors."""
+        return cast("CatseyeApp", self.app)
 
     def compose(self) -> ComposeResult:
         """Put status, body, stop bar and keys together."""
