@@ -10,7 +10,8 @@ from app.runs_folder import runs_folder
 
 def tui_command(cell: Path | None, runs: Path | None, speed: float) -> None:
     """Show the interface until the user quits."""
-    if not (sys.stdin.isatty() and sys.stdout.isatty()):
+    # Textual draws on stderr.
+    if not (sys.stdin.isatty() and sys.stdout.isatty() and sys.stderr.isatty()):
         raise UsageError("the terminal interface needs a terminal: use catseye run in scripts")
     from app.tui.app import CatseyeApp
     from app.tui.keys import keys_file, read_keymap

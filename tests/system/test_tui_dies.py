@@ -13,10 +13,10 @@ from app.service.address import find_socket
 from app.store.reader import RunReader
 from tests.system.command import Emulated, emulated
 from tests.system.screen import Screen, on_screen
+from tests.system.socket_client import Lines
 from tests.system.test_engine_service import (
     SMALL,
     SPEED,
-    Lines,
     held,
     motions,
     nothing_moves,
