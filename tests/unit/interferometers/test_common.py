@@ -109,3 +109,17 @@ async def test_the_instruments_on_one_beam_have_their_own_zeros(protocol: str) -
 def test_wrong_options_of_an_emulator_are_named(protocol: str, option: str, value: Option) -> None:
     with pytest.raises(EmulatorError, match=option):
         new_session(quiet_world(), protocol, {option: value})
+
+
+@pytest.mark.parametrize("protocol", ["lasertex-hpi", "umd"])
+async def test_whoever_watches_a_stream_sees_each_value_as_it_is_read(protocol: str) -> None:
+    async with paired(protocol, DRIVERS[protocol]) as pair:
+        seen_values: list[tuple[float, float]] = []
+        pair.driver.on_value = lambda time_s, displacement_mm: seen_values.append((time_s, displacement_mm))
+        await pair.driver.zero()
+        go(pair.bench, aimed(20.01, 30.01))
+        for _ in range(5):
+            reading = await pair.driver.read()
+            assert seen_values[-1] == (reading.time_s, reading.displacement_mm)
+        assert abs(seen_values[0][1]) < abs(seen_values[-1][1])
+        assert len(seen_values) >= 6
