@@ -21,6 +21,9 @@ _LONGEST_BYTES = 16 * 1024 * 1024
 PING_S = 2.0
 """Real s between two signs of life."""
 
+STEP_PING_S = 0.1
+"""The same during a step by hand, which is stopped when its client falls silent for 0.5 s."""
+
 
 class EngineClient:
     """A connection to an engine. Made by `connect`.
@@ -103,6 +106,19 @@ class EngineClient:
         """
         await self.request("answer", prompt=prompt, text=text)
 
+    async def jog_step(self, **fields: Json) -> Message:
+        """Move by a step, with signs of life until the arm stands; return what the answer carries.
+
+        Raises:
+            RefusedError: the step is not made, or was stopped; the text says why.
+            ServiceError: the connection is closed.
+        """
+        alive = asyncio.create_task(self.keep_alive(STEP_PING_S))
+        try:
+            return await self.request("jog-step", **fields)
+        finally:
+            await cancel(alive)
+
     async def introduce(self, program: str, who: str) -> None:
         """Say hello; events come from now on.
 
@@ -123,10 +139,14 @@ class EngineClient:
         except (OSError, ValueError, BadMessageError, MailboxFullError) as error:
             self._close(f"the connection to the engine ended: {error}")
 
-    async def keep_alive(self) -> None:
-        """Give signs of life."""
+    async def keep_alive(self, period_s: float = PING_S) -> None:
+        """Give signs of life.
+
+        Args:
+            period_s: between two of them, real s.
+        """
         while self.closed is None:
-            await self._clock.sleep(PING_S)
+            await self._clock.sleep(period_s)
             try:
                 await self.request("ping")
             except (RefusedError, ServiceError):

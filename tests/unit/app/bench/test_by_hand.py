@@ -1,0 +1,330 @@
+"""Who may work by hand, one thing at a time, and what becomes of it when its client loses control."""
+
+import asyncio
+from collections.abc import Awaitable, Callable
+from typing import Any
+
+import pytest
+
+from app.bench import raw_link
+from app.bench.by_hand import ByHand
+from app.exitcode import ExitCode
+from app.service.errors import RefusedError
+from app.service.hub import Hub, Member
+from app.service.mailbox import Mailbox
+from app.service.messages import JogHold, JogMode, JogStep, Raw, Send
+from drivers.errors import LinkError
+from tests.unit.app.bench.benches import cell_from_template
+from tests.unit.app.bench.timed_arm import HandFixture, TimedArm
+from tests.unit.drivers.virtual_time import VirtualClock, run
+
+
+class Wire:
+    """A link that answers every write in capitals."""
+
+    def __init__(self) -> None:
+        self.endpoint = "memory://wire"
+        self.is_open = False
+        self.open_error: LinkError | None = None
+        self.stuck = False
+        self.sink: Any = None
+        self._come: asyncio.Queue[bytes | LinkError] = asyncio.Queue()
+
+    async def open(self) -> None:
+        if self.open_error:
+            raise self.open_error
+        self.is_open = True
+
+    async def close(self) -> None:
+        self.is_open = False
+
+    async def write(self, data: bytes) -> None:
+        self.sink("tx", data)
+        if self.stuck:
+            await asyncio.Event().wait()
+        self._come.put_nowait(data.upper())
+
+    async def read(self) -> bytes:
+        came = await self._come.get()
+        if isinstance(came, LinkError):
+            raise came
+        self.sink("rx", came)
+        return came
+
+    def breaks(self) -> None:
+        self._come.put_nowait(LinkError("the other side has closed the link"))
+
+    def waiting(self) -> bytes:
+        return b""
+
+
+class Engine:
+    """An engine with two clients, of which Ada holds control."""
+
+    def __init__(self, monkeypatch: pytest.MonkeyPatch) -> None:
+        self.fixture = HandFixture(cell_from_template(), TimedArm())
+        self.arm = self.fixture.arm
+        self.hub = Hub(VirtualClock())
+        self.busy: RefusedError | None = None
+        self.aborts: list[str] = []
+        self.by_hand = ByHand(self.hub, self.fixture.bench, self._require_idle, self.aborts.append)
+        self.ada, self.ben = (self.hub.join("test", who, Mailbox(), print) for who in ("Ada", "Ben"))
+        self.hub.take_control(self.ada, force=False)
+        self.wire = Wire()
+        monkeypatch.setattr(raw_link, "open_transport", self._opened)
+
+    def jog(self, *, on: bool = True, who: Member | None = None) -> "asyncio.Future[Any]":
+        return self.by_hand.jog(who or self.ada, JogMode(v=1, id=1, op="jog", on=on))
+
+    def step(self, by: float) -> "asyncio.Future[Any]":
+        return self.by_hand.step(self.ada, JogStep(v=1, id=1, op="jog-step", joint="j1", by=by))
+
+    def hold(self, direction: int) -> Any:
+        request = {"v": 1, "id": 1, "op": "jog-hold", "joint": "j1", "direction": direction}
+        return self.by_hand.hold(JogHold.model_validate(request))
+
+    def raw(self, device: str = "interferometer", **fields: Any) -> "asyncio.Future[Any]":
+        return self.by_hand.raw(self.ada, Raw(v=1, id=1, op="raw", device=device, **fields))
+
+    def send(self, data: str, device: str = "interferometer") -> "asyncio.Future[Any]":
+        return self.by_hand.send(Send(v=1, id=1, op="send", device=device, hex=data))
+
+    def _require_idle(self) -> None:
+        if self.busy:
+            raise self.busy
+
+    def _opened(self, endpoint: str, sink: Any) -> Wire:
+        assert endpoint.startswith("memory://")
+        self.wire.sink = sink
+        return self.wire
+
+
+Script = Callable[[Engine], Awaitable[None]]
+
+
+def played(script: Script, monkeypatch: pytest.MonkeyPatch) -> Engine:
+    """Play a script; whatever it leaves behind is ended as an engine does, and the arm stands."""
+
+    async def work() -> Engine:
+        engine = Engine(monkeypatch)
+        await script(engine)
+        await engine.by_hand.end("the engine ends")
+        assert engine.by_hand.occupied is None
+        assert not engine.arm.moving
+        assert not engine.wire.is_open
+        assert engine.fixture.parked_now == []
+        assert not engine.fixture.lent_now
+        await asyncio.sleep(0.1)
+        assert asyncio.all_tasks() == {asyncio.current_task()}
+        return engine
+
+    return run(work())
+
+
+def test_nothing_begins_during_a_run(monkeypatch: pytest.MonkeyPatch) -> None:
+    async def script(engine: Engine) -> None:
+        engine.busy = RefusedError("a run is under way")
+        with pytest.raises(RefusedError, match="a run is under way"):
+            engine.jog()
+        with pytest.raises(RefusedError, match="a run is under way"):
+            engine.raw()
+
+    assert played(script, monkeypatch).arm.log == []
+
+
+def test_what_is_under_way_is_told_from_its_first_moment(monkeypatch: pytest.MonkeyPatch) -> None:
+    async def script(engine: Engine) -> None:
+        begun = engine.jog()
+        assert "Ada (test-1) moves the arm by hand" in str(engine.by_hand.occupied)
+        for again in (engine.jog, engine.raw):
+            with pytest.raises(RefusedError, match="moves the arm by hand: end that first"):
+                again()
+        await begun
+        await engine.jog(on=False)
+        assert engine.by_hand.occupied is None
+        await engine.raw()
+        with pytest.raises(RefusedError, match="link of interferometer is open for raw bytes: give it back"):
+            engine.jog()
+        with pytest.raises(RefusedError, match="give it back first"):
+            engine.raw()
+
+    played(script, monkeypatch)
+
+
+def test_without_a_jog_nothing_is_moved_and_nothing_to_stop(monkeypatch: pytest.MonkeyPatch) -> None:
+    async def script(engine: Engine) -> None:
+        for ask in (lambda: engine.step(1.0), lambda: engine.hold(1)):
+            with pytest.raises(RefusedError, match="begin that first"):
+                ask()
+        assert engine.hold(0) == {}
+        assert not engine.by_hand.stop("Ben stopped it")
+        assert not engine.by_hand.abort("Ben aborted it")
+        assert await engine.jog(on=False) == {}
+
+    assert played(script, monkeypatch).arm.log == []
+
+
+@pytest.mark.parametrize("how", ["release", "hand over", "force", "left", "lost"])
+@pytest.mark.parametrize("moving", ["step", "hold", "no"])
+def test_the_arm_stops_when_its_client_loses_control(
+    monkeypatch: pytest.MonkeyPatch, how: str, moving: str
+) -> None:
+    async def script(engine: Engine) -> None:
+        await engine.jog()
+        if moving == "step":
+            engine.step(80.0).add_done_callback(lambda done: done.exception())
+        elif moving == "hold":
+            await engine.hold(1)
+        await asyncio.sleep(0.05)
+        lost_s = asyncio.get_running_loop().time()
+        match how:
+            case "release":
+                engine.hub.release(engine.ada)
+            case "hand over":
+                engine.hub.hand_over(engine.ada, engine.ben.name)
+            case "force":
+                engine.hub.take_control(engine.ben, force=True)
+            case "left":
+                engine.hub.leave(engine.ada, None)
+            case _:
+                engine.hub.leave(engine.ada, "it closed the connection")
+        await asyncio.sleep(0.5)
+        assert next(time_s for time_s, text in engine.arm.log if text == "stop") == lost_s
+        await asyncio.sleep(1.0)
+        assert engine.by_hand.occupied is None
+
+    engine = played(script, monkeypatch)
+    assert engine.arm.said("servo")[-1] == "servo off"
+    assert engine.fixture.events("jog")[-1]["reason"] == "Ada (test-1) does not hold control any more"
+
+
+def test_somebody_elses_loss_of_control_means_nothing(monkeypatch: pytest.MonkeyPatch) -> None:
+    async def script(engine: Engine) -> None:
+        await engine.jog()
+        engine.hub.leave(engine.ben, "it closed the connection")
+        await asyncio.sleep(1.0)
+        assert engine.by_hand.occupied is not None
+
+    played(script, monkeypatch)
+
+
+def test_a_stop_ends_a_jog_and_an_abort_has_to_be_cleared(monkeypatch: pytest.MonkeyPatch) -> None:
+    async def script(engine: Engine) -> None:
+        await engine.jog()
+        assert engine.by_hand.stop("Ben stopped it")
+        assert engine.by_hand.stop("Ben stopped it")
+        await engine.jog(on=False)
+        assert engine.aborts == []
+        await engine.jog()
+        assert engine.by_hand.abort("Ben aborted it")
+        await engine.jog(on=False)
+        assert engine.aborts == ["Ben aborted it"]
+
+    played(script, monkeypatch)
+
+
+def test_bytes_go_out_and_what_comes_is_recorded(monkeypatch: pytest.MonkeyPatch) -> None:
+    async def script(engine: Engine) -> None:
+        assert await engine.raw() == {"endpoint": "memory://counter"}
+        assert engine.fixture.parked_now == ["interferometer"]
+        assert await engine.send("610d") == {}
+        await asyncio.sleep(0.01)
+        assert engine.fixture.wire == [("interferometer", "tx", b"a\r"), ("interferometer", "rx", b"A\r")]
+        assert await engine.raw(on=False) == {}
+        assert engine.fixture.parked_now == []
+        assert await engine.raw(on=False) == {}
+        with pytest.raises(RefusedError, match="was not taken: take it first"):
+            engine.send("61")
+
+    told = played(script, monkeypatch).fixture.events("raw")
+    assert [event["on"] for event in told] == [True, False]
+    assert told[1]["reason"] == "Ada (test-1) gave it back"
+
+
+def test_several_links_may_be_open(monkeypatch: pytest.MonkeyPatch) -> None:
+    async def script(engine: Engine) -> None:
+        await engine.raw("interferometer")
+        await engine.raw("robot")
+        assert engine.fixture.parked_now == ["interferometer", "robot"]
+        await engine.raw("robot", on=False)
+
+    # What was started by hand goes on at the operator's word: no stop is sent.
+    assert played(script, monkeypatch).arm.said("stop") == []
+
+
+@pytest.mark.parametrize(
+    ("typed", "code", "text"),
+    [(None, ExitCode.USAGE, "may move the arm"), ("x", ExitCode.SAFETY, "names 'x'")],
+)
+def test_a_real_robot_is_sent_nothing_without_the_cells_name(
+    monkeypatch: pytest.MonkeyPatch, typed: str | None, code: ExitCode, text: str
+) -> None:
+    async def script(engine: Engine) -> None:
+        engine.arm.simulated = False
+        with pytest.raises(RefusedError, match=text) as refused:
+            await engine.raw("robot", arm=typed)
+        assert refused.value.code == code
+        await asyncio.sleep(0)
+        await engine.raw("robot", arm="lab-1")
+
+    assert played(script, monkeypatch).fixture.wire == []
+
+
+def test_a_link_that_cannot_be_had_says_why(monkeypatch: pytest.MonkeyPatch) -> None:
+    async def script(engine: Engine) -> None:
+        with pytest.raises(RefusedError, match="no device 'nothing'; there are robot, interferometer"):
+            await engine.raw("nothing")
+        engine.wire.open_error = LinkError("memory://counter: refused")
+        with pytest.raises(RefusedError, match="refused") as refused:
+            await engine.raw()
+        assert refused.value.code == ExitCode.DEVICE
+
+    assert played(script, monkeypatch).fixture.told == []
+
+
+def test_a_link_that_breaks_is_told_and_given_back(monkeypatch: pytest.MonkeyPatch) -> None:
+    async def script(engine: Engine) -> None:
+        await engine.raw()
+        engine.wire.breaks()
+        await asyncio.sleep(0.01)
+        assert engine.by_hand.occupied is None
+
+    told = played(script, monkeypatch).fixture.events("raw")[-1]
+    assert (told["on"], told["reason"]) == (False, "the other side has closed the link")
+
+
+def test_a_device_that_takes_no_bytes_gives_its_link_back(monkeypatch: pytest.MonkeyPatch) -> None:
+    async def script(engine: Engine) -> None:
+        await engine.raw()
+        engine.wire.stuck = True
+        with pytest.raises(RefusedError, match="interferometer does not take the bytes"):
+            await engine.send("61")
+        await asyncio.sleep(0.01)
+        assert engine.by_hand.occupied is None
+
+    played(script, monkeypatch)
+
+
+def test_a_robot_whose_client_is_gone_is_stopped_when_its_driver_has_it_back(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    async def script(engine: Engine) -> None:
+        await engine.raw("robot")
+        engine.hub.leave(engine.ada, "it closed the connection")
+        await asyncio.sleep(1.0)
+        assert engine.by_hand.occupied is None
+
+    engine = played(script, monkeypatch)
+    assert engine.arm.said("stop") == ["stop"]
+    assert engine.fixture.events("warning") == []
+
+
+def test_a_robot_that_cannot_be_stopped_after_that_is_warned_about(monkeypatch: pytest.MonkeyPatch) -> None:
+    async def script(engine: Engine) -> None:
+        await engine.raw("robot")
+        engine.fixture.lend_error = RefusedError("the robot is not connected")
+        engine.hub.leave(engine.ada, "it closed the connection")
+        await asyncio.sleep(1.0)
+
+    warned = played(script, monkeypatch).fixture.events("warning")
+    assert "whether the arm moves is not known: look at it" in str(warned[0]["text"])
