@@ -1,15 +1,15 @@
 """What a procedure needs on a cell, whether that is met, and what to do when it is not."""
 
-from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Final, Literal
+from typing import Final
 
 from pydantic import ValidationError
 
 from app.aim import find_aim
 from app.errors import UsageError
 from app.guidance.cell_runs import CellRun, CellRuns
+from app.guidance.need import Need
 from app.guidance.words import age_text
 from app.procedure_list import Runnable
 from procedures.bench import Bench
@@ -26,24 +26,6 @@ WARM_S: Final = 4 * 3600.0
 
 _WARM_FIRST: Final = frozenset({MEASUREMENT, "repeatability"})
 _BEFORE_ALIGNMENT: Final = frozenset({LEVEL, ALIGNMENT})
-
-Met = Literal["met", "advised", "missing"]
-"""Advised: it can begin without, and the result suffers. Missing: it is refused."""
-
-
-@dataclass(frozen=True)
-class Need:
-    """One thing that a procedure needs.
-
-    Attributes:
-        what: it is, in one or two words.
-        met: whether it is there.
-        text: what is there, or what to do.
-    """
-
-    what: str
-    met: Met
-    text: str
 
 
 @dataclass(frozen=True)
@@ -79,24 +61,6 @@ def needs_of(procedure: Runnable, bench: Bench, aim: FoundAim, runs: CellRuns) -
     return needs
 
 
-def links_need(devices: Sequence[Mapping[str, Any]] | None) -> Need:
-    """Return whether the devices are connected.
-
-    Args:
-        devices: as the engine tells them about the bench; None before it has told any.
-    """
-    if devices is None:
-        return Need("devices", "advised", "nothing is known of them yet")
-    lost = [device for device in devices if device.get("link") in {"lost", "raw"}]
-    if lost:
-        told = "; ".join(f"{device['name']}: {device.get('error') or device['link']}" for device in lost)
-        return Need("devices", "missing", told)
-    waiting = [str(device["name"]) for device in devices if device.get("link") == "connecting"]
-    if waiting:
-        return Need("devices", "advised", f"connecting: {', '.join(waiting)}")
-    return Need("devices", "met", ", ".join(str(device["name"]) for device in devices))
-
-
 def aim_of(bench: Bench, root: Path, runs: CellRuns) -> FoundAim:
     """Return the aim that a run would be planned with, and what is to be said about it."""
     try:
@@ -105,8 +69,7 @@ def aim_of(bench: Bench, root: Path, runs: CellRuns) -> FoundAim:
         return FoundAim(bench, Need("search", "missing", str(error)), None)
     run = runs.named(aim.source)
     if run is None:
-        text = "none of these reflectors yet: aimed by the rough places of the cell file"
-        return FoundAim(aim.bench, Need("search", "advised", f"{text}; run {SEARCH}"), None)
+        return FoundAim(aim.bench, Need("search", "advised", f"rough places only; run {SEARCH}"), None)
     return FoundAim(aim.bench, Need("search", "met", f"{run.name}, {age_text(run.age_s)}"), run)
 
 
@@ -129,7 +92,7 @@ def _beam(name: str, runs: CellRuns) -> list[Need]:
     what = "levelling" if before == LEVEL else "alignment"
     run = runs.last_complete(before)
     if run is None:
-        return [Need(what, "advised", f"no complete one on this cell; run {before}")]
+        return [Need(what, "advised", f"none on this cell; run {before}")]
     return [Need(what, "met", f"{run.name}, {age_text(run.age_s)}")]
 
 
@@ -139,7 +102,7 @@ def _warmth(name: str, runs: CellRuns) -> list[Need]:
     if is_warm(runs):
         run = runs.last_complete(WARM_UP)
         return [Need("warm arm", "met", f"warmed up {age_text(run.age_s)}" if run else "")]
-    return [Need("warm arm", "advised", f"no warm-up in the last {WARM_S / 3600:g} h; run {WARM_UP}")]
+    return [Need("warm arm", "advised", f"none in {WARM_S / 3600:g} h; run {WARM_UP}")]
 
 
 def _tracker(procedure: Runnable, bench: Bench) -> list[Need]:
@@ -149,7 +112,7 @@ def _tracker(procedure: Runnable, bench: Bench) -> list[Need]:
         return []
     if bench.tracker:
         return [Need("tracker", "met", "in the cell file")]
-    text = "none in the cell file: the interferometer measures; or instrument = file for a tracker's CSV"
+    text = "none: the interferometer measures, or instrument = file"
     return [Need("tracker", "advised", text)]
 
 
@@ -160,4 +123,4 @@ def _plan(procedure: Runnable, bench: Bench) -> Need:
         return Need("plan", "missing", str(error))
     except ValidationError:
         return Need("plan", "advised", "it has parameters that have to be given")
-    return Need("plan", "met", "within every limit of the cell file, with its default parameters")
+    return Need("plan", "met", "limits hold with default parameters")

@@ -7,7 +7,8 @@ from pathlib import Path
 from typing import Literal
 
 from app.guidance.cell_runs import CellRun, CellRuns
-from app.guidance.needs import ALIGNMENT, LEVEL, MEASUREMENT, SEARCH, WARM_UP, Need, is_warm
+from app.guidance.need import Need
+from app.guidance.needs import ALIGNMENT, LEVEL, MEASUREMENT, SEARCH, WARM_UP, is_warm
 from app.guidance.words import age_text
 
 _PATH = "validation-path"

@@ -7,7 +7,8 @@ from pathlib import Path
 from app.cell.bench import bench_of
 from app.cell.load import load_cell
 from app.guidance.cell_runs import CellRuns, runs_of_cell
-from app.guidance.needs import Need, aim_of, needs_of
+from app.guidance.need import Need
+from app.guidance.needs import aim_of, needs_of
 from app.guidance.stages import Stage, results_in, stages_of
 from app.procedure_list import Runnable, load_procedure, procedure_names
 

@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Protocol
 
 from app.tui.picture import Picture
+from app.tui.run_picture import LogLine
 
 if TYPE_CHECKING:
     # The first screen is painted before these are imported.
@@ -118,17 +119,37 @@ class EngineLink:
         path = await asyncio.to_thread(_socket_of, self._root)
         if path is None:
             path = await self._start_engine()
+        catching_up: asyncio.Task[None] | None = None
         async with connect(path, PROGRAM, clock=self._clock) as client:
             self._client = client
             try:
                 self.picture.met(client.snapshot, self._clock.monotonic_s())
                 changed()
                 await self._take_what_is_free()
+                catching_up = asyncio.create_task(self._catch_up(changed))
                 async for event in client.events():
                     self.picture.take(event, self._clock.monotonic_s())
                     changed()
             finally:
                 self._client = None
+                if catching_up is not None:
+                    catching_up.cancel()
+
+    async def _catch_up(self, changed: Callable[[], None]) -> None:
+        """Read from the record of a run under way what happened before this client came."""
+        from app.errors import StorageError
+        from app.tui.record import read_record
+
+        run = self.picture.run
+        if run is None or not run.active or not run.path:
+            return
+        try:
+            so_far = await asyncio.to_thread(read_record, Path(run.path))
+        except StorageError as error:
+            run.log.append(LogLine("", "warning", f"what happened before is not known: {error}"))
+        else:
+            run.take_record(so_far)
+        changed()
 
     async def _take_what_is_free(self) -> None:
         """Ask to be told about the bench; control is taken by whoever wants to do something."""

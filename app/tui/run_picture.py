@@ -44,6 +44,49 @@ class Step:
     stored: bool = False
 
 
+@dataclass(frozen=True)
+class Seen:
+    """A value as it was told once.
+
+    Attributes:
+        at_s: when it came, monotonic s.
+        value: then.
+        low: smallest accepted then; None for no limit.
+        high: largest accepted then; None for no limit.
+    """
+
+    at_s: float
+    value: float
+    low: float | None
+    high: float | None
+
+    @property
+    def accepted(self) -> bool:
+        """The value lies inside its band."""
+        return (self.low is None or self.value >= self.low) and (self.high is None or self.value <= self.high)
+
+
+@dataclass(frozen=True)
+class SoFar:
+    """What the record of a run holds that began before this client came.
+
+    Attributes:
+        steps: id and title of the steps that are done, in order.
+        points: last rows of distances, oldest first.
+        point_count: of all rows.
+        map_known: how well the maps were known, oldest first.
+        log: what happened, oldest first.
+        command: words of `catseye` that rehearse the same run; empty where they are not known.
+    """
+
+    steps: list[tuple[str, str]]
+    points: list[Event]
+    point_count: int
+    map_known: list[Event]
+    log: list[LogLine]
+    command: tuple[str, ...] = ()
+
+
 @dataclass
 class LiveValue:
     """A value that is watched while it changes.
@@ -56,7 +99,7 @@ class LiveValue:
         high: largest accepted; None for no limit.
         text: what to do about it.
         at_s: when it came, monotonic s.
-        history: time and value, oldest first.
+        history: as it was told, oldest first.
     """
 
     name: str
@@ -66,12 +109,12 @@ class LiveValue:
     high: float | None
     text: str
     at_s: float
-    history: deque[tuple[float, float]] = field(default_factory=lambda: deque(maxlen=VALUES_KEPT))
+    history: deque[Seen] = field(default_factory=lambda: deque(maxlen=VALUES_KEPT))
 
     @property
     def accepted(self) -> bool:
         """The value lies inside its band."""
-        return (self.low is None or self.value >= self.low) and (self.high is None or self.value <= self.high)
+        return Seen(self.at_s, self.value, self.low, self.high).accepted
 
 
 @dataclass
@@ -94,11 +137,14 @@ class RunPicture:
         live: values by name.
         newest_live: name of the value that came last.
         prompt: the open question.
+        prompt_at_s: when it came.
         points: last rows, oldest first.
         points_seen: how many points were told.
         map_known: how well the maps were known, oldest first.
         log: lines, oldest first.
         ended: the event of its end.
+        recorded: its record was asked for what happened before this client came.
+        command: words of `catseye` that rehearse the same run; empty until they are known.
     """
 
     name: str
@@ -116,11 +162,14 @@ class RunPicture:
     live: dict[str, LiveValue] = field(default_factory=dict)
     newest_live: str = ""
     prompt: Event | None = None
+    prompt_at_s: float = 0.0
     points: deque[Event] = field(default_factory=lambda: deque(maxlen=5000))
     points_seen: int = 0
     map_known: deque[Event] = field(default_factory=lambda: deque(maxlen=2000))
     log: deque[LogLine] = field(default_factory=lambda: deque(maxlen=LOG_LINES))
     ended: Event | None = None
+    recorded: bool = False
+    command: tuple[str, ...] = ()
 
     @classmethod
     def of_snapshot(cls, snapshot: Event, now_s: float) -> "RunPicture":
@@ -130,7 +179,7 @@ class RunPicture:
         run.simulated = snapshot.get("simulated")
         run.state, run.reason = str(snapshot["state"]), str(snapshot.get("reason") or "")
         run.active = run.state not in _ENDED
-        run.prompt = snapshot.get("prompt")
+        run.prompt, run.prompt_at_s = snapshot.get("prompt"), now_s
         for part in ("progress", "live"):
             if isinstance(seen := snapshot.get(part), dict):
                 run.take(seen, now_s)
@@ -140,6 +189,24 @@ class RunPicture:
     def current(self) -> Step | None:
         """The step under way."""
         return next((step for step in reversed(self.steps.values()) if step.status == "current"), None)
+
+    def take_record(self, so_far: SoFar) -> None:
+        """Take what the record holds; what was told meanwhile stays, behind it."""
+        told, self.steps = self.steps, {}
+        for step_id, title in so_far.steps:
+            self.steps[step_id] = Step(step_id, title, "done")
+        for step_id, step in told.items():
+            if step_id not in self.steps or step.stored:
+                self.steps[step_id] = step
+        seen = {row["step"] for row in self.points}
+        before = [row for row in so_far.points if row["step"] not in seen]
+        self.points.extendleft(reversed(before))
+        self.points_seen = max(self.points_seen, so_far.point_count)
+        known = [each for each in so_far.map_known if each not in self.map_known]
+        self.map_known.extendleft(reversed(known))
+        first = self.log[0].t if self.log else ""
+        self.log.extendleft(line for line in reversed(so_far.log) if not first or line.t < first)
+        self.recorded, self.command = True, so_far.command
 
     def lost_sight(self) -> None:
         """It ended unseen."""
@@ -170,7 +237,7 @@ class RunPicture:
             case "progress":
                 self.progress, self.progress_at_s = event, now_s
             case "prompt":
-                self.prompt = event
+                self.prompt, self.prompt_at_s = event, now_s
             case "answer":
                 self.prompt = None
                 self._say(event, "info", f"{event['id']}: {event['answer']} ({event['who']})")
@@ -187,7 +254,7 @@ class RunPicture:
         )
         if known is not None:
             value.history = known.history
-        value.history.append((now_s, value.value))
+        value.history.append(Seen(now_s, value.value, value.low, value.high))
         self.live[name], self.newest_live = value, name
 
     def _happened(self, event: Event) -> None:

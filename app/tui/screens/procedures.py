@@ -1,16 +1,405 @@
-"""The screen Procedures."""
+"""The screen Procedures: what can be done, what it needs, what comes next; parameters, rehearsal, start."""
 
-from textual.app import ComposeResult
-from textual.widgets import Static
+from collections.abc import Iterable
+from functools import partial
+from typing import Any, ClassVar, Final
 
+from textual.app import ComposeResult, SystemCommand
+from textual.binding import Binding, BindingType
+from textual.containers import Horizontal, Vertical, VerticalScroll
+from textual.content import Content
+from textual.widgets import Button, ContentSwitcher, Log, OptionList
+from textual.widgets.option_list import Option
+
+from app.guidance.need import Need, links_need
+from app.tui.dialogs.start_dialog import Permission, StartDialog
+from app.tui.picture import Picture
+from app.tui.procedure_facts import SIGNS, STAGE_SIGNS, STYLES, Catalogue, with_run_fields
+from app.tui.rehearsal import HEADER, Rehearsal
 from app.tui.screens.base import MainScreen
+from app.tui.session import Session
+from app.tui.widgets.parameter_form import ParameterForm
+from app.tui.widgets.told import Told, lines
+
+_PROPER: Final = frozenset({"search", "speed"})
+"""Fields of a start that are no parameters of the procedure."""
 
 
 class ProceduresScreen(MainScreen):
-    """Under construction by its own commit."""
+    """List at the left; at the right what the chosen one needs, its parameters, and a rehearsal."""
 
     PLACE = "procedures"
+    AUTO_FOCUS = "#list"
+
+    DEFAULT_CSS = """
+    ProceduresScreen #left { width: 25; }
+    ProceduresScreen #list { height: auto; max-height: 12; border: none; padding: 0; background: $background; }
+    ProceduresScreen #list-panel { height: auto; max-height: 60%; }
+    ProceduresScreen #way { height: 1fr; }
+    ProceduresScreen #needs { height: auto; max-height: 50%; }
+    ProceduresScreen #needs Told { width: 1fr; }
+    ProceduresScreen #what { height: 1fr; min-height: 8; }
+    ProceduresScreen ContentSwitcher, ProceduresScreen #form, ProceduresScreen #rehearsal { height: 1fr; }
+    ProceduresScreen #described { height: 2; color: $text-muted; }
+    ProceduresScreen #buttons { height: 1; }
+    ProceduresScreen #buttons Button { height: 1; min-width: 15; border: none; margin-right: 1; }
+    ProceduresScreen #buttons Told { width: 1fr; color: $text-muted; }
+    ProceduresScreen #totals { height: auto; max-height: 6; }
+    ProceduresScreen #head-line { height: 1; color: $primary; }
+    ProceduresScreen #table { height: 1fr; scrollbar-size: 1 1; background: $background; }
+    ProceduresScreen.-low.rehearsal #needs { display: none; }
+    ProceduresScreen.-narrow #left { width: 20; }
+    """
+
+    BINDINGS: ClassVar[list[BindingType]] = [
+        Binding(
+            "ctrl+r,r",
+            "rehearse",
+            "rehearse",
+            id="procedures.rehearse",
+            tooltip="plan it and go through it without any device",
+        ),
+        Binding(
+            "ctrl+s,s",
+            "start",
+            "start …",
+            id="procedures.start",
+            tooltip="show what begins; F8 there begins it",
+        ),
+        Binding(
+            "ctrl+o,o",
+            "view",
+            "view",
+            id="procedures.view",
+            tooltip="parameters, or what the rehearsal found",
+        ),
+        Binding(
+            "n",
+            "next",
+            "next step",
+            id="procedures.next",
+            tooltip="choose what is sensible next on this cell",
+        ),
+        Binding(
+            "u",
+            "update",
+            "update",
+            show=False,
+            id="procedures.update",
+            tooltip="look at cell file and runs again",
+        ),
+        Binding(
+            "escape",
+            "back",
+            "back",
+            show=False,
+            id="procedures.back",
+            tooltip="end the rehearsal; back to the list",
+        ),
+    ]  # fmt: skip - a key a line
+
+    def __init__(self, session: Session) -> None:
+        super().__init__(session)
+        self.HORIZONTAL_BREAKPOINTS = [(0, "-narrow"), (76, "-wide")]
+        self.VERTICAL_BREAKPOINTS = [(0, "-low"), (32, "-high")]
+        self._catalogue = Catalogue()
+        self._chosen = ""
+        self._typed: dict[str, dict[str, str]] = {}
+        self._devices: Need | None = None
+        self._real = False
+        self._rehearsing = False
+        self._ended: object = None
 
     def body(self) -> ComposeResult:
-        """Return nothing yet."""
-        yield Static("Procedures")
+        """Put the parts together."""
+        with Horizontal():
+            with Vertical(id="left"):
+                with Vertical(id="list-panel", classes="panel") as panel:
+                    panel.border_title = "Procedures"
+                    yield OptionList(id="list", compact=True, markup=False)
+                way = Told(id="way", classes="panel")
+                way.border_title = "The way"
+                yield way
+            with Vertical(id="right"):
+                with VerticalScroll(id="needs", classes="panel", can_focus=False):
+                    yield Told(id="needed")
+                with Vertical(id="what", classes="panel"):
+                    with ContentSwitcher(initial="form"):
+                        with Vertical(id="form"):
+                            yield ParameterForm()
+                            yield Told(id="described")
+                        with Vertical(id="rehearsal"):
+                            yield Told(id="totals")
+                            yield Told(id="head-line")
+                            yield Log(id="table", auto_scroll=False)
+                    with Horizontal(id="buttons"):
+                        yield Button("Rehearse r", id="rehearse", action="screen.rehearse", compact=True)
+                        yield Button("Start … s", id="start", action="screen.start", compact=True)
+                        yield Told(id="doing")
+
+    def commands(self) -> Iterable[SystemCommand]:
+        """Return what this screen can do."""
+        yield SystemCommand("Rehearse the procedure", "without any device", self.action_rehearse)
+        yield SystemCommand("Start the procedure", "shows first what begins", self.action_start)
+        yield SystemCommand("Parameters or rehearsal", "show the other one", self.action_view)
+        yield SystemCommand("Choose the next step", "that is sensible on this cell", self.action_next)
+        yield SystemCommand("Look at cell and runs again", "needs, last runs, next step", self.action_update)
+
+    def on_mount(self) -> None:
+        """Ask what there is."""
+        self.query_one("#what").border_title = "Parameters"
+        self.action_update()
+
+    def show_picture(self, picture: Picture, now_s: float) -> None:
+        """Show whether the devices are there; look again after the end of a run."""
+        del now_s
+        bench = picture.bench
+        need = links_need(None if bench is None else bench.get("devices"))
+        real = bench is not None and bench.get("simulated") is False
+        if need != self._devices:
+            self._devices = need
+            self._show_needs()
+        if real != self._real:
+            self._real = real
+            self._choose(self._chosen)
+        ended = picture.run.ended if picture.run is not None else None
+        if ended is not self._ended:
+            self._ended = ended
+            self.action_update()
+
+    def action_update(self) -> None:
+        """Look at the cell and its runs."""
+        self.run_worker(self._update(), group="update", exclusive=True, exit_on_error=False)
+
+    def action_next(self) -> None:
+        """Choose the next sensible procedure."""
+        stage = self._catalogue.next
+        if stage is None:
+            self.notify("every stage is done")
+        elif stage["procedure"]:
+            self._highlight(str(stage["name"]))
+        else:
+            self.notify(str(stage["command"]), title=f"next: {stage['name']}", timeout=15.0)
+
+    def action_view(self) -> None:
+        """Show parameters, or what the rehearsal found."""
+        self._show_part("form" if self.query_one(ContentSwitcher).current == "rehearsal" else "rehearsal")
+
+    def action_back(self) -> None:
+        """End a rehearsal that is under way; else leave the form."""
+        if self._rehearsing:
+            self.workers.cancel_group(self, "rehearsal")
+        else:
+            self._show_part("form")
+            self.query_one("#list").focus()
+
+    def action_rehearse(self) -> None:
+        """Go through the procedure without any device."""
+        if self._ready_to_go():
+            self._show_part("rehearsal")
+            self.run_worker(self._rehearse(), group="rehearsal", exclusive=True, exit_on_error=False)
+
+    def action_start(self) -> None:
+        """Show what would begin; F8 there begins it."""
+        if not self._ready_to_go():
+            return
+        picture, facts = self.session.link.picture, self._catalogue.procedures[self._chosen]
+        simulated = None if picture.bench is None else picture.bench.get("simulated")
+        text = "\n".join(self._start_lines())
+        dialog = StartDialog(str(facts["title"]), text, self._catalogue.cell, simulated=simulated)
+        self.app.push_screen(dialog, partial(self._begin, self._chosen, self._words()))
+
+    def on_option_list_option_highlighted(self, event: OptionList.OptionHighlighted) -> None:
+        """Show another procedure."""
+        if event.option.id is not None and event.option.id != self._chosen:
+            self._choose(event.option.id)
+
+    def on_option_list_option_selected(self) -> None:
+        """Go to its first parameter."""
+        self._show_part("form")
+        rows = self.query_one(ParameterForm).rows
+        if rows:
+            rows[0].query("Input, Select").first().focus()
+
+    def on_parameter_row_changed(self) -> None:
+        """Remember what was typed."""
+        self._typed[self._chosen] = self.query_one(ParameterForm).typed
+
+    def on_parameter_form_described(self, event: ParameterForm.Described) -> None:
+        """Say what the field with the focus is."""
+        self.query_one("#described", Told).tell(Content(event.text))
+
+    async def _update(self) -> None:
+        cell = self.session.cell
+        where = () if cell is None else ("--cell", cell, "--runs", self.session.root)
+        self._say("looking at cell and runs …")
+        done = await self.session.work.do("procedures", *where, "--json")
+        self._say("")
+        if done.code:
+            self.query_one("#needed", Told).tell(Content(f"✗ {done.fault}").stylize("$error"))
+            return
+        told = done.data() if done.out.strip() else []
+        self._catalogue = Catalogue.of(told if isinstance(told, list) else [told])
+        self._show_list()
+
+    def _show_list(self) -> None:
+        catalogue, options = self._catalogue, self.query_one("#list", OptionList)
+        following = catalogue.next
+        chosen = self._chosen or (str(following["name"]) if following else "")
+        options.clear_options()
+        for name in catalogue.procedures:
+            arrow = "→" if following is not None and following["name"] == name else " "
+            word = catalogue.worst(name)
+            sign = Content.styled(SIGNS[word], STYLES[word])
+            options.add_option(Option(Content.assemble(arrow, sign, f" {name}"), id=name))
+        self._show_way()
+        self._highlight(chosen if chosen in catalogue.procedures else next(iter(catalogue.procedures), ""))
+
+    def _highlight(self, name: str) -> None:
+        if not name:
+            return
+        options = self.query_one("#list", OptionList)
+        options.highlighted = options.get_option_index(name)
+        self._choose(name)
+
+    def _choose(self, name: str) -> None:
+        if name not in self._catalogue.procedures:
+            return
+        changed, self._chosen = name != self._chosen, name
+        facts = self._catalogue.procedures[name]
+        self.query_one("#needs").border_title = str(facts["title"])
+        self._show_needs()
+        if changed:
+            self._show_part("form")
+            self.query_one("#described", Told).tell(Content(""))
+        fields = with_run_fields(facts, self.session.speed, real=self._real)
+        form = self.query_one(ParameterForm).show_parameters(fields, self._typed.get(name, {}))
+        self.run_worker(form, group="form", exclusive=True, exit_on_error=False)
+
+    def _show_way(self) -> None:
+        way = [
+            Content.styled(
+                f"{STAGE_SIGNS[stage['state']]} {stage['name']}", _stage_style(str(stage["state"]))
+            )
+            for stage in self._catalogue.stages
+        ]
+        self.query_one("#way", Told).tell(lines(*way))
+
+    def _show_needs(self) -> None:
+        facts = self._catalogue.procedures.get(self._chosen)
+        if facts is None:
+            return
+        needs = [(need["what"], need["met"], need["text"]) for need in facts.get("needs", [])]
+        if self._devices is not None:
+            needs.append((self._devices.what, self._devices.met, self._devices.text))
+        told = [
+            Content.assemble(
+                (SIGNS[met], STYLES[met]), f" {what:<11} ", (text, "" if met == "met" else STYLES[met])
+            )
+            for what, met, text in needs
+        ]
+        last = facts.get("last")
+        text = "none on this cell" if last is None else f"{last['name']}: {last['status']}, {last['age']}"
+        self.query_one("#needed", Told).tell(lines(*told, Content.assemble(("  last run    ", "dim"), text)))
+
+    def _show_part(self, part: str) -> None:
+        self.query_one(ContentSwitcher).current = part
+        self.set_class(part == "rehearsal", "rehearsal")
+        self.query_one("#what").border_title = "Parameters" if part == "form" else "Rehearsal"
+
+    def _ready_to_go(self) -> bool:
+        faults = self.query_one(ParameterForm).faults
+        if not self._chosen or self.session.cell is None:
+            self.notify("there is no cell file yet: set one up (F10)", severity="warning")
+        elif faults:
+            self.notify("\n".join(faults), title="not possible", severity="error")
+        else:
+            return True
+        return False
+
+    def _words(self) -> dict[str, Any]:
+        """Return what a request to start carries."""
+        form, facts = self.query_one(ParameterForm), self._catalogue.procedures[self._chosen]
+        typed = form.typed
+        return {
+            "procedure": self._chosen,
+            "cell": str(self.session.cell),
+            "params": form.params(set(facts["params"])),
+            "search": typed.get("search", "auto"),
+            "speed": 1.0 if self._real else float(typed.get("speed", self.session.speed)),
+        }
+
+    def _start_lines(self) -> list[str]:
+        words = self._words()
+        told = [f"{self._chosen} on cell {self._catalogue.cell} ({words['cell']})"]
+        told += [f"  {text}" for text in words["params"]] or ["  every parameter at its default"]
+        if self._catalogue.procedures[self._chosen]["needs_aim"]:
+            told.append(f"  aim: {words['search']}")
+        if words["speed"] != 1.0:
+            told.append(f"  {words['speed']:g} bench seconds in one real second")
+        needs = self._catalogue.procedures[self._chosen].get("needs", [])
+        told += [
+            f"{SIGNS[need['met']]} {need['what']}: {need['text']}" for need in needs if need["met"] != "met"
+        ]
+        if self._devices is not None and self._devices.met != "met":
+            told.append(f"{SIGNS[self._devices.met]} {self._devices.what}: {self._devices.text}")
+        return told
+
+    def _begin(self, name: str, words: dict[str, Any], permission: Permission | None) -> None:
+        if permission is None:
+            return
+        self._say(f"{name} is being planned …")
+        self.catseye.order(
+            "start", f"{name} does not begin", control=True, then=self._begun, arm=permission.arm, **words
+        )
+
+    def _begun(self, answer: dict[str, Any]) -> None:
+        del answer
+        self._say("")
+        self.catseye.action_go("run")
+
+    async def _rehearse(self) -> None:
+        words = self._words()
+        arguments = ["run", words["procedure"], "--cell", words["cell"], "--runs", str(self.session.root)]
+        arguments += ["--search", words["search"], "--dry-run", "--json"]
+        for text in words["params"]:
+            arguments += ["--param", text]
+        table, totals, head = (
+            self.query_one(Log),
+            self.query_one("#totals", Told),
+            self.query_one("#head-line", Told),
+        )
+        table.clear()
+        head.tell(Content(""))
+        totals.tell(Content("going through it …  Esc ends that"))
+        self._rehearsing = True
+        outcome = Content("ended; nothing was found")
+        try:
+            done = await self.session.work.do(*arguments)
+            if done.code:
+                outcome = Content.styled(f"✗ {done.fault}", "$error")
+                return
+            rehearsal = Rehearsal(done.data())
+            outcome = _totals(rehearsal)
+            head.tell(Content(HEADER))
+            table.write_lines(rehearsal.table(), scroll_end=False)
+        finally:
+            self._rehearsing = False
+            totals.tell(outcome)
+
+    def _say(self, text: str) -> None:
+        self.query_one("#doing", Told).tell(Content(text))
+
+
+def _totals(rehearsal: Rehearsal) -> Content:
+    told = [Content(rehearsal.totals)]
+    told += [Content.styled(f"! {text}", "$warning") for text in rehearsal.warnings]
+    if rehearsal.questions:
+        asked = rehearsal.questions
+        more = f" and {len(asked) - 1} more" if len(asked) > 1 else ""
+        told.append(Content(f"? {asked[0]}{more}"))
+    return lines(*told)
+
+
+def _stage_style(state: str) -> str:
+    return {"done": "$success", "next": "bold $primary", "left out": "dim"}.get(state, "")

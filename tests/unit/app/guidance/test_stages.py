@@ -10,7 +10,7 @@ from app.cell.bench import bench_of
 from app.cell.load import load_cell
 from app.commands.config import init_command
 from app.commands.procedures import procedures_command
-from app.guidance.needs import links_need
+from app.guidance.need import links_need
 from app.guidance.stages import results_in
 from app.guidance.survey import Survey, survey_cell
 from app.guidance.words import age_text

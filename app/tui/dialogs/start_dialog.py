@@ -1,0 +1,83 @@
+"""Before a run begins: what it will do, on what, and the key that lets the arm move."""
+
+from dataclasses import dataclass
+from typing import ClassVar
+
+from textual.app import ComposeResult
+from textual.binding import Binding, BindingType
+from textual.containers import Vertical, VerticalScroll
+from textual.screen import ModalScreen
+from textual.widgets import Footer, Input, Label, Static
+
+
+@dataclass(frozen=True)
+class Permission:
+    """What a person has agreed to.
+
+    Attributes:
+        arm: the cell's name, typed to let real hardware move; None for emulators.
+    """
+
+    arm: str | None
+
+
+class StartDialog(ModalScreen[Permission | None]):
+    """Shows what is about to begin. F8 begins it, Enter never does; None goes back.
+
+    Args:
+        title: what begins.
+        text: lines about it.
+        cell: name of the cell.
+        simulated: every device is an emulator; None when nobody knows yet.
+    """
+
+    DEFAULT_CSS = """
+    StartDialog { align: center middle; }
+    StartDialog > Vertical {
+        width: 74; max-width: 96%; height: auto; max-height: 92%;
+        border: heavy $warning; background: $surface; padding: 0 1;
+    }
+    StartDialog Label { text-style: bold; width: 100%; }
+    StartDialog VerticalScroll { height: auto; max-height: 11; }
+    StartDialog #arm { margin-top: 1; background: $boost; }
+    StartDialog #fault { color: $error; height: auto; }
+    StartDialog #key { text-style: bold; color: $warning; }
+    """
+
+    BINDINGS: ClassVar[list[BindingType]] = [
+        Binding("f8", "begin", "let the arm move", id="start.begin", tooltip="the only key that begins it"),
+        Binding("escape", "back", "back", id="start.back"),
+    ]
+
+    def __init__(self, title: str, text: str, cell: str, *, simulated: bool | None) -> None:
+        super().__init__()
+        self._title = title
+        self._text = text
+        self._cell = cell
+        self._simulated = simulated
+
+    def compose(self) -> ComposeResult:
+        """What begins, and what to do."""
+        with Vertical():
+            yield Label(self._title, markup=False)
+            with VerticalScroll(can_focus=False):
+                yield Static(self._text, markup=False)
+            if self._simulated is not True:
+                unless = "" if self._simulated is False else " (leave it empty for emulators)"
+                yield Static(f"Real hardware: type the cell's name to arm it{unless}.", markup=False)
+                yield Input(id="arm", compact=True, placeholder="name of the cell")
+            yield Static("", id="fault", markup=False)
+            yield Static("F8  the arm moves        Esc  back; nothing moves", id="key", markup=False)
+            yield Footer(compact=True)
+
+    def action_begin(self) -> None:
+        """Agree, if the name is right."""
+        typed = self.query_one("#arm", Input).value.strip() if self._simulated is not True else ""
+        if self._simulated is False and typed != self._cell:
+            self.query_one("#fault", Static).update(f"The devices are real: type {self._cell} to arm them.")
+            return
+        self.dismiss(Permission(typed or None))
+
+    def action_back(self) -> None:
+        """Go back."""
+        self.dismiss(None)

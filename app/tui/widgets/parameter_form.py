@@ -1,0 +1,185 @@
+"""Parameters of a procedure, a line each: name, value, and what it may be or why it cannot be that."""
+
+from typing import Any, Final
+
+from textual.app import ComposeResult
+from textual.containers import Horizontal, VerticalScroll
+from textual.events import DescendantFocus
+from textual.message import Message
+from textual.widgets import Input, Label, Select
+
+from app.parameter_words import default_text, param_text, range_text, typed_fault
+from app.tui.widgets.told import Told
+
+Schema = dict[str, dict[str, Any]]
+"""JSON schema of each parameter by its name."""
+
+_CHOSEN: Final = "chosen"
+"""Stands where the program chooses a value that is left out."""
+
+
+class ParameterRow(Horizontal):
+    """One parameter.
+
+    Args:
+        name: of the parameter.
+        facts: its JSON schema.
+        text: what was typed for it before; empty for its default.
+    """
+
+    DEFAULT_CSS = """
+    ParameterRow { height: 1; }
+    ParameterRow .name { width: 19; }
+    ParameterRow Input { width: 14; background: $boost; padding: 0; }
+    ParameterRow Input:focus { background: $primary-muted; }
+    ParameterRow Select { width: 14; }
+    ParameterRow .range { width: 1fr; height: 1; margin-left: 1; color: $text-muted; }
+    ParameterRow .range { text-wrap: nowrap; text-overflow: ellipsis; }
+    ParameterRow .range.bad { color: $error; }
+    """
+
+    class Changed(Message):
+        """A value was typed or chosen."""
+
+    def __init__(self, name: str, facts: dict[str, Any], text: str) -> None:
+        super().__init__()
+        self.parameter = name
+        self.facts = facts
+        self.text = text
+
+    def compose(self) -> ComposeResult:
+        """Name, value, range."""
+        yield Label(self.parameter, classes="name", markup=False)
+        choices = _choices(self.facts)
+        if choices:
+            value = self.text if self.text in choices else default_text(self.facts)
+            options = [(choice, choice) for choice in choices]
+            yield Select(
+                options,
+                value=value if value in choices else Select.NULL,
+                allow_blank=value not in choices,
+                compact=True,
+            )
+        else:
+            placeholder = default_text(self.facts) or _CHOSEN
+            yield Input(self.text, placeholder=placeholder, compact=True, select_on_focus=False)
+        yield Told(classes="range")
+
+    def on_mount(self) -> None:
+        """Say what it may be."""
+        self._judge()
+
+    @property
+    def fault(self) -> str:
+        """Why the value cannot be; empty when it can."""
+        return typed_fault(self.facts, self.text)
+
+    @property
+    def description(self) -> str:
+        """What the parameter is, with its range."""
+        return f"{self.facts.get('description', '')}: {range_text(self.facts)}"
+
+    def on_input_changed(self, event: Input.Changed) -> None:
+        """Judge what is typed, as it is typed."""
+        event.stop()
+        self._take(event.value)
+
+    def on_select_changed(self, event: Select.Changed) -> None:
+        """Take a choice."""
+        event.stop()
+        self._take("" if event.value is Select.NULL else str(event.value))
+
+    def _take(self, text: str) -> None:
+        self.text = "" if text == default_text(self.facts) else text
+        self._judge()
+        self.post_message(self.Changed())
+
+    def _judge(self) -> None:
+        told = self.query_one(Told)
+        told.set_class(bool(self.fault), "bad")
+        told.update(("✗ " if self.fault else "") + _short(range_text(self.facts)))
+
+
+class ParameterForm(VerticalScroll):
+    """All parameters of one procedure; what stands at its default is left out of a run's words."""
+
+    DEFAULT_CSS = """
+    ParameterForm { height: 1fr; scrollbar-size-vertical: 1; }
+    """
+
+    can_focus = False
+
+    class Described(Message):
+        """Another field has the focus.
+
+        Args:
+            text: what it is.
+        """
+
+        def __init__(self, text: str) -> None:
+            super().__init__()
+            self.text = text
+
+    async def show_parameters(self, schema: Schema, typed: dict[str, str]) -> None:
+        """Show the fields of a procedure.
+
+        Args:
+            schema: its parameters.
+            typed: what was typed for it before.
+        """
+        with self.app.batch_update():
+            await self.remove_children()
+            await self.mount_all(
+                ParameterRow(name, facts, typed.get(name, "")) for name, facts in schema.items()
+            )
+
+    @property
+    def rows(self) -> list[ParameterRow]:
+        """The fields."""
+        return list(self.query(ParameterRow))
+
+    @property
+    def typed(self) -> dict[str, str]:
+        """What is not left at its default, as it was typed."""
+        return {row.parameter: row.text for row in self.rows if row.text}
+
+    @property
+    def faults(self) -> list[str]:
+        """What is wrong, with the names of the fields."""
+        return [f"{row.parameter}: {row.fault}" for row in self.rows if row.fault]
+
+    def params(self, names: set[str]) -> list[str]:
+        """Return the chosen parameters as `--param` takes them.
+
+        Args:
+            names: of the parameters that are meant.
+        """
+        return [
+            param_text(row.facts, row.parameter, row.text)
+            for row in self.rows
+            if row.text and row.parameter in names
+        ]
+
+    def on_descendant_focus(self, event: DescendantFocus) -> None:
+        """Say what the field with the focus is."""
+        row = next((each for each in event.widget.ancestors if isinstance(each, ParameterRow)), None)
+        if row is not None:
+            self.post_message(self.Described(row.description))
+
+
+def _short(text: str) -> str:
+    """Return a range in few characters; the line below the form has it in words."""
+    first = text.split(", or ", maxsplit=1)[0].removeprefix("a whole number, ")
+    if first.startswith("a list of"):
+        return "names, by commas"
+    return first.replace("more than ", "> ").replace(", at most", " …")
+
+
+def _choices(facts: dict[str, Any]) -> list[str]:
+    """Return what can be chosen; nothing where something is typed."""
+    found = [
+        choice
+        for one in facts.get("anyOf", [facts])
+        for choice in (["true", "false"] if one.get("type") == "boolean" else one.get("enum", []))
+    ]
+    return [str(choice) for choice in found]
