@@ -113,7 +113,7 @@ class Picture:
         self.state = str(snapshot.get("state") or "IDLE")
         self.reason = str(snapshot.get("reason") or "")
         self.aborted = str(snapshot.get("aborted") or "")
-        self.jog = None
+        self.jog = snapshot.get("jog")
         # Nobody knows how much time has passed unseen.
         self.strip.clear()
         if snapshot.get("run") is not None:

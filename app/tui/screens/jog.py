@@ -1,16 +1,299 @@
-"""The screen Jog."""
+"""The screen Jog: joints and beam by hand."""
 
-from textual.app import ComposeResult
-from textual.widgets import Static
+from collections.abc import Iterable
+from typing import Any, ClassVar, Final
 
+from textual.app import ComposeResult, SystemCommand
+from textual.binding import Binding, BindingType
+from textual.containers import Horizontal, Vertical, VerticalScroll
+from textual.widgets import Input
+
+from app.tui.dialogs.motion_dialog import MotionDialog
+from app.tui.hands import Hands, Joint, Step, Way
+from app.tui.jog_words import Choices, cap_percent, entry_lines, is_simulated, jog_lines
+from app.tui.picture import Picture
 from app.tui.screens.base import MainScreen
+from app.tui.session import Session
+from app.tui.widgets.beam_panel import BeamPanel
+from app.tui.widgets.plan_view import PlanView
+from app.tui.widgets.told import Told, lines
+
+_MOVES: Final = (
+    ("left,a", "j1", 1, "J1 counter-clockwise"),
+    ("right,d", "j1", -1, "J1 clockwise"),
+    ("up,w", "j2", 1, "J2 counter-clockwise"),
+    ("down,s", "j2", -1, "J2 clockwise"),
+    ("q", "j4", 1, "J4 counter-clockwise"),
+    ("e", "j4", -1, "J4 clockwise"),
+    ("z", "beam", 1, "beam to the left"),
+    ("x", "beam", -1, "beam to the right"),
+)
+_SIGNS: Final = {1: "plus", -1: "minus"}
 
 
 class JogScreen(MainScreen):
-    """Under construction by its own commit."""
+    """Moves the arm by keys, after F8. Leaving the screen ends it; so does Esc."""
 
     PLACE = "jog"
 
+    DEFAULT_CSS = """
+    JogScreen #jog { height: 1fr; }
+    JogScreen #hands { width: 46; height: 1fr; scrollbar-size-vertical: 1; }
+    JogScreen #told { height: auto; }
+    JogScreen #typed { display: none; height: 3; }
+    JogScreen #right { width: 1fr; }
+    JogScreen #plan { height: 1.5fr; }
+    JogScreen.-low #plan { display: none; }
+    JogScreen.-low.plan #plan { display: block; }
+    JogScreen.-low.plan BeamPanel { display: none; }
+    JogScreen.-narrow #jog { layout: vertical; }
+    JogScreen.-narrow #hands { width: 1fr; }
+    JogScreen.-narrow #right { height: 3; }
+    JogScreen.-narrow.-high #right { height: 14; }
+    """
+
+    BINDINGS: ClassVar[list[BindingType]] = [
+        Binding("f8", "begin", "jog", id="jog.begin", tooltip="drives on; the keys move the arm"),
+        Binding("escape", "end", "end the jog", id="jog.end", tooltip="the arm stops, drives as before"),
+        Binding(
+            "m",
+            "mode",
+            "steps / hold",
+            show=False,
+            id="jog.mode",
+            tooltip="by steps, or as long as a key is held",
+        ),
+        Binding("t", "aim", "aim", show=False, id="jog.aim", tooltip="next reflector; none after the last"),
+        Binding(
+            "p",
+            "point",
+            "point",
+            show=False,
+            id="jog.point",
+            tooltip="turn J4 until the beam points at the aim",
+        ),
+        Binding("v", "view", "view", id="jog.view", tooltip="the beam, or the bench from above"),
+        Binding("l", "window", "10/30/60 s", show=False, id="jog.window", tooltip="length of the strip"),
+        Binding("plus,pageup", "faster", "faster", show=False, id="jog.faster", tooltip="before the jog"),
+        Binding("minus,pagedown", "slower", "slower", show=False, id="jog.slower", tooltip="before the jog"),
+        *(
+            Binding(
+                str(place + 1), f"size({place})", f"step {place + 1}", show=False, id=f"jog.step-{place + 1}"
+            )
+            for place in range(5)
+        ),
+        *(
+            Binding(
+                keys,
+                f"move('{joint}', {way})",
+                text,
+                show=False,
+                id=f"jog.{joint}-{_SIGNS[way]}",
+                tooltip=text,
+            )
+            for keys, joint, way, text in _MOVES
+        ),
+    ]
+
+    def __init__(self, session: Session) -> None:
+        super().__init__(session)
+        self.HORIZONTAL_BREAKPOINTS = [(0, "-narrow"), (76, "-wide")]
+        self.VERTICAL_BREAKPOINTS = [(0, "-low"), (36, "-high")]
+        self.choices = Choices()
+        self.hands = Hands(session.link, session.now_s, self._say)
+        self._beginning = False
+        self._jogged = False
+
     def body(self) -> ComposeResult:
-        """Return nothing yet."""
-        yield Static("Jog")
+        """Keys at the left, what the beam does at the right."""
+        with Horizontal(id="jog"):
+            with VerticalScroll(id="hands", classes="panel", can_focus=False) as panel:
+                panel.border_title = "Jog"
+                yield Told(id="told")
+                yield Input(placeholder="type the cell's name, then F8", id="typed")
+            with Vertical(id="right"):
+                yield BeamPanel()
+                yield PlanView(id="plan", classes="panel")
+
+    def on_mount(self) -> None:
+        """A terminal that nobody looks at moves nothing."""
+        self.watch(self.app, "app_focus", self._focus_changed, init=False)
+
+    def on_screen_suspend(self) -> None:
+        """Another screen or a dialog covers this one: the arm stops; another screen ends the jog."""
+        self.hands.let_go()
+        if self.app.current_mode != self.PLACE:
+            self.action_end()
+
+    def on_unmount(self) -> None:
+        """The arm stops."""
+        self.hands.let_go()
+
+    def commands(self) -> Iterable[SystemCommand]:
+        """Return what this screen can do; joints move by their own keys only."""
+        yield SystemCommand("Begin to jog", "drives on; F8", self.action_begin)
+        yield SystemCommand("End the jog", "the arm stops, drives as before", self.action_end)
+        yield SystemCommand("Steps or hold", "how keys move the arm", self.action_mode)
+        yield SystemCommand("Next aim", "reflector that the beam is kept on", self.action_aim)
+        yield SystemCommand("Point at the aim", "turn J4; asks first", self.action_point)
+        yield SystemCommand("Faster jog", "before it begins", self.action_faster)
+        yield SystemCommand("Slower jog", "before it begins", self.action_slower)
+        yield SystemCommand("Beam or bench from above", "where there is room for one only", self.action_view)
+        yield SystemCommand("Length of the strip", "10, 30 or 60 s", self.action_window)
+
+    def show_picture(self, picture: Picture, now_s: float) -> None:
+        """Show what the keys do, or what has to be known before they do anything."""
+        jogs = self._jogs
+        if self._jogged and not jogs:
+            self.hands.let_go()
+            self._say(str((picture.jog or {}).get("reason") or picture.trouble or "the jog is over"))
+        self._jogged = jogs
+        told = jog_lines(picture, self.choices, now_s) if jogs else self._entry(picture)
+        self.query_one("#told", Told).tell(lines(*told))
+        self._show_typed(needed=not jogs and not is_simulated(picture) and picture.connected)
+        self.query_one(BeamPanel).show(picture, now_s)
+        self.query_one(PlanView).show(picture, now_s)
+
+    def action_begin(self) -> None:
+        """Ask the engine for the arm; F8 and nothing else leads here by a key."""
+        picture = self.session.link.picture
+        if self._beginning or picture.jogging:
+            return
+        self._beginning = True
+        percent = min(float(self.choices.percent), cap_percent(picture))
+        typed = self.query_one("#typed", Input).value.strip()
+        self.run_worker(self._begin(percent, typed or None), group="jog", exit_on_error=False)
+
+    def action_end(self) -> None:
+        """Stop the arm and end the jog."""
+        self.hands.let_go()
+        if self._jogs or self._beginning:
+            self.catseye.order(
+                "jog", "The jog is not ended: USE THE EMERGENCY STOP if the arm moves", on=False
+            )
+
+    def action_move(self, joint: Joint, way: Way) -> None:
+        """Move by a step, or as long as the key repeats; the beam moves by steps only."""
+        if not self._jogs:
+            return
+        if self.choices.holds and joint != "beam":
+            self.hands.press(joint, way)
+        elif joint == "beam" and self.choices.aim is None:
+            self._say("the beam's mm are measured at a reflector: choose one with t")
+        else:
+            self._take(Step(joint, way * self.choices.by, self.choices.aim))
+
+    def action_mode(self) -> None:
+        """Change between steps and holding."""
+        self.hands.let_go()
+        self.choices.holds = not self.choices.holds
+        self.show_now()
+
+    def action_size(self, place: int) -> None:
+        """Choose the size of a step."""
+        self.choices.step = place
+        self.show_now()
+
+    def action_aim(self) -> None:
+        """Choose the next reflector."""
+        self.choices.next_aim([str(each["name"]) for each in self._layout().get("reflectors", ())])
+        self.show_now()
+
+    def action_point(self) -> None:
+        """Turn J4 until the beam points at the aim, once F8 confirms it."""
+        robot = (self.session.link.picture.bench or {}).get("robot") or {}
+        joints, aim = robot.get("joints"), self.choices.aim
+        if not self._jogs or self.hands.busy or joints is None:
+            return
+        if aim is None:
+            self._say("there is nothing to point at: choose a reflector with t")
+            return
+        from app.tui.pointing import pointing_j4_deg, turn_of_j4
+
+        target_deg = pointing_j4_deg(self._layout(), joints, aim)
+        if target_deg is None:
+            self._say(f"J4 cannot point at {aim} within its limits")
+            return
+        steps = turn_of_j4(target_deg - joints[3])
+        text = (
+            f"J4 turns from {joints[3]:.3f} to {target_deg:.3f} deg ({target_deg - joints[3]:+.3f} deg), at "
+            f"{float((self.session.link.picture.jog or {}).get('percent') or 0.0):g} % of the programmed speed."
+        )
+        self.app.push_screen(
+            MotionDialog(f"Point the beam at {aim}", text), lambda move: self._take(*steps) if move else None
+        )
+
+    def action_faster(self) -> None:
+        """Choose a higher speed for the next jog."""
+        if not self._jogs:
+            self.choices.faster(cap_percent(self.session.link.picture))
+            self.show_now()
+
+    def action_slower(self) -> None:
+        """Choose a lower speed for the next jog."""
+        if not self._jogs:
+            self.choices.slower()
+            self.show_now()
+
+    def action_view(self) -> None:
+        """Show the bench from above in place of the beam, or the beam again."""
+        self.toggle_class("plan")
+        self.call_after_refresh(self.show_now)
+
+    def action_window(self) -> None:
+        """Show another length of time in the strip."""
+        self.query_one(BeamPanel).next_window()
+        self.show_now()
+
+    @property
+    def _jogs(self) -> bool:
+        """The arm is this client's to move."""
+        picture = self.session.link.picture
+        return picture.jogging and picture.in_control
+
+    def _layout(self) -> dict[str, Any]:
+        return (self.session.link.picture.bench or {}).get("layout") or {}
+
+    def _take(self, *steps: Step) -> None:
+        if self._jogs and self.hands.step(*steps):
+            self._say("")
+
+    async def _begin(self, percent: float, arm: str | None) -> None:
+        from app.service.errors import RefusedError, ServiceError
+
+        link = self.session.link
+        self._say("switching the drives on…")
+        try:
+            if link.picture.control is None:
+                await link.request("control", take=True)
+            await link.request("jog", on=True, percent=percent, arm=arm)
+            self._say("")
+        except (RefusedError, ServiceError) as error:
+            self._say("")
+            self.catseye.tell_error("The arm cannot be moved by hand", str(error))
+        finally:
+            self._beginning = False
+
+    def _entry(self, picture: Picture) -> list[Any]:
+        return entry_lines(picture, self.choices, self.choices.said)
+
+    def _show_typed(self, *, needed: bool) -> None:
+        """Ask for the cell's name where the arm is real; a name is typed anew for each jog."""
+        typed = self.query_one("#typed", Input)
+        if typed.display == needed:
+            return
+        typed.display = needed
+        typed.value = ""
+        if needed:
+            typed.focus()
+        else:
+            self.set_focus(None)
+
+    def _focus_changed(self, focus: bool) -> None:
+        if not focus:
+            self.hands.let_go()
+
+    def _say(self, text: str) -> None:
+        self.choices.said = text
+        if self.is_mounted and self.is_current:
+            self.show_now()

@@ -14,7 +14,7 @@ class BeamPanel(Vertical):
 
     DEFAULT_CSS = """
     BeamPanel { height: 1fr; }
-    BeamPanel Told { height: auto; }
+    BeamPanel Told { height: auto; text-wrap: nowrap; text-overflow: ellipsis; }
     """
 
     def __init__(self, *, id: str | None = None) -> None:

@@ -28,7 +28,7 @@ class Strip(Widget):
     """A strip chart of the beam's displacement; every column reaches from the smallest to the largest sample."""
 
     DEFAULT_CSS = """
-    Strip { height: 1fr; min-height: 4; }
+    Strip { height: 1fr; min-height: 4; text-wrap: nowrap; text-overflow: ellipsis; }
     """
 
     def __init__(self) -> None:
@@ -82,19 +82,13 @@ class Strip(Widget):
         span_s = per_dot * dots * picture.strip_period_s
         return painted(
             [
-                self._head(highest_mm - lowest_mm, since_s),
+                [(self._scale.title + age_style(0.0, since_s)[1], "axis")],
                 *chart,
-                _time_line(span_s, self.size.width, strip_chart.LABEL_WIDTH),
+                _time_line(span_s, highest_mm - lowest_mm, self.size.width),
             ],
             _STYLES,
             faded=since_s > STALE_S,
         )
-
-    def _head(self, range_mm: float, since_s: float) -> Line:
-        """Say what the numbers are, how far apart the extremes lie, and how old the newest sample is."""
-        unit = self._scale.title if self._scale is not None else ""
-        extent = f"  range {1e3 * range_mm:.1f} µm" if math.isfinite(range_mm) else ""
-        return [(f"{unit}{extent}{age_style(0.0, since_s)[1]}", "axis")]
 
 
 def _folded(picture: Picture, per_dot: int, dots: int) -> "tuple[Floats, Floats]":
@@ -114,7 +108,10 @@ def _extremes(low_mm: "Floats", high_mm: "Floats") -> tuple[float, float]:
     return float(np.fmin.reduce(low_mm)), float(np.fmax.reduce(high_mm))
 
 
-def _time_line(span_s: float, width: int, indent: int) -> Line:
-    left = f"−{span_s:.3g} s"
-    room = width - indent - len(left) - len("now")
-    return [(" " * indent + left + " " * max(room, 1) + "now", "axis")]
+def _time_line(span_s: float, range_mm: float, width: int) -> Line:
+    """Say how long ago the trace begins, and how far apart its extremes lie."""
+    from app.tui.widgets.strip_chart import LABEL_WIDTH
+
+    left = " " * LABEL_WIDTH + f"−{span_s:.3g} s"
+    extent = f"range {1e3 * range_mm:.1f} µm" if math.isfinite(range_mm) else ""
+    return [(left + extent.center(max(width - len(left) - len("now"), len(extent) + 2)) + "now", "axis")]

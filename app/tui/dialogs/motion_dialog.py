@@ -1,0 +1,47 @@
+"""A motion that is confirmed by the key for motion."""
+
+from typing import ClassVar
+
+from textual.app import ComposeResult
+from textual.binding import Binding, BindingType
+from textual.containers import Vertical
+from textual.screen import ModalScreen
+from textual.widgets import Footer, Label, Static
+
+
+class MotionDialog(ModalScreen[bool]):
+    """Says what will move, how far and how fast; F8 has it done.
+
+    Args:
+        title: what for.
+        text: target and speed.
+    """
+
+    DEFAULT_CSS = """
+    MotionDialog { align: center middle; }
+    MotionDialog > Vertical {
+        width: 66; max-width: 95%; height: auto; border: heavy $warning; background: $surface; padding: 0 1;
+    }
+    MotionDialog Label { text-style: bold; color: $warning; width: 100%; }
+    """
+
+    BINDINGS: ClassVar[list[BindingType]] = [
+        Binding("f8", "choose(True)", "move", id="motion.confirm", tooltip="the arm moves"),
+        Binding("escape", "choose(False)", "do not move", id="motion.refuse"),
+    ]
+
+    def __init__(self, title: str, text: str) -> None:
+        super().__init__()
+        self._title = title
+        self._text = text
+
+    def compose(self) -> ComposeResult:
+        """What moves, and the keys."""
+        with Vertical():
+            yield Label(self._title, markup=False)
+            yield Static(f"{self._text}\n\nF8  move    Esc  do not move", markup=False)
+            yield Footer(compact=True)
+
+    def action_choose(self, move: bool) -> None:
+        """Close with the decision."""
+        self.dismiss(move)

@@ -1,0 +1,168 @@
+"""What the screen Jog says."""
+
+from dataclasses import dataclass, field
+from typing import Final
+
+from textual.content import Content
+
+from app.tui.picture import Picture
+from app.tui.widgets.status_bar import age_style
+
+STEPS: Final = (0.01, 0.1, 1.0, 5.0, 10.0)
+"""Sizes of a step, deg; mm for the beam."""
+
+PERCENTS: Final = (1, 2, 5, 10, 15, 20, 30, 50, 100)
+"""Speed overrides that can be chosen."""
+
+_KEYS: Final = (
+    ("J1", "← a", "→ d", 0),
+    ("J2", "↑ w", "↓ s", 1),
+    ("J4", "q", "e", 3),
+)
+
+
+@dataclass
+class Choices:
+    """What the user has chosen on the screen.
+
+    Attributes:
+        holds: keys move a joint as long as they are held; otherwise by steps.
+        step: which size.
+        percent: speed override that is asked for.
+        aim: reflector; None for none.
+        said: what happened last.
+    """
+
+    holds: bool = False
+    step: int = 1
+    percent: int = 5
+    aim: str | None = None
+    said: str = field(default="")
+
+    @property
+    def by(self) -> float:
+        """Size of a step, deg or mm."""
+        return STEPS[self.step]
+
+    def faster(self, cap_percent: float) -> None:
+        """Choose the next higher speed, at most the cell's."""
+        self.percent = next((each for each in PERCENTS if self.percent < each <= cap_percent), self.percent)
+
+    def slower(self) -> None:
+        """Choose the next lower speed."""
+        self.percent = next((each for each in reversed(PERCENTS) if each < self.percent), self.percent)
+
+    def next_aim(self, names: list[str]) -> None:
+        """Choose the next reflector; none after the last."""
+        known: list[str | None] = [None, *names]
+        place = known.index(self.aim) if self.aim in known else -1
+        self.aim = known[(place + 1) % len(known)]
+
+
+def entry_lines(picture: Picture, choices: Choices, said: str) -> list[Content]:
+    """Return what has to be known before jogging: cell, real or not, speed, and who else is at it."""
+    bench = picture.bench or {}
+    cap = cap_percent(picture)
+    return [
+        Content.assemble("cell    ", (str(bench.get("cell") or "not known"), "bold")),
+        Content.assemble("bench   ", _kind(picture)),
+        Content.assemble(
+            "speed   ", (f"{min(choices.percent, cap):g} %", "bold"), f" (cap {cap:g} %)", ("   + −", "dim")
+        ),
+        Content(""),
+        *_hindrance(picture),
+        Content.styled(said, "$warning") if said else Content(""),
+    ]
+
+
+def is_simulated(picture: Picture) -> bool:
+    """Return whether every device is known to be an emulator."""
+    return bool(picture.bench and picture.bench.get("simulated") is True)
+
+
+def cap_percent(picture: Picture) -> float:
+    """Return the cell's highest speed override; 100 while it is not known: the engine caps it then."""
+    robot = (picture.bench or {}).get("robot") or {}
+    return float(robot.get("override_cap_percent") or 100.0)
+
+
+def jog_lines(picture: Picture, choices: Choices, now_s: float) -> list[Content]:
+    """Return mode, step, aim, the table of keys with the joints beside them, and what happened last."""
+    jog = picture.jog or {}
+    moving = jog.get("moving")
+    state = Content.styled(f"MOVES {moving}", "$warning bold") if moving else Content("stands")
+    return [
+        Content.assemble((f"JOG {float(jog.get('percent') or 0.0):g} %", "bold $accent"), "  ", state),
+        Content.assemble("m  ", _mode(choices.holds)),
+        Content.assemble("1…5  ", *_steps(choices)),
+        Content.assemble("t  ", *_aim(choices)),
+        Content(""),
+        *_key_table(picture, choices, now_s),
+        Content(""),
+        Content.assemble(("F12 STOP", "bold $error"), "   Esc ends the jog"),
+        Content.styled(choices.said or str(jog.get("reason") or ""), "$warning"),
+    ]
+
+
+def _kind(picture: Picture) -> tuple[str, str]:
+    if is_simulated(picture):
+        return "SIMULATION: emulators", "bold $warning"
+    if picture.bench and picture.bench.get("simulated") is False:
+        return "REAL ARM", "bold $error"
+    return "not known yet: taken for a REAL ARM", "bold $error"
+
+
+def _hindrance(picture: Picture) -> list[Content]:
+    """Return why nobody may jog now; else the key that begins it."""
+    if not picture.connected:
+        return [Content.styled(f"no engine: {picture.trouble}", "$error")]
+    if picture.jogging and picture.jog is not None:
+        moving = f", moving {picture.jog['moving']}" if picture.jog.get("moving") else ""
+        return [
+            Content.styled(
+                f"{picture.jog.get('by')} jogs at {picture.jog.get('percent'):g} %{moving}", "bold"
+            ),
+            Content("F12 stops the arm"),
+        ]
+    if picture.running:
+        return [Content.styled("a run is under way: jog when it has ended", "$warning")]
+    if picture.control is not None and not picture.in_control:
+        return [Content.styled(f"{picture.control.get('who')} holds control", "$warning")]
+    begin = Content.assemble(("F8", "bold $success"), "  drives on, then the keys move the arm")
+    if is_simulated(picture):
+        return [begin]
+    return [begin, Content("keep a hand on the emergency stop")]
+
+
+def _mode(holds: bool) -> Content:
+    steps, hold = ("", "reverse") if holds else ("reverse", "")
+    return Content.assemble(
+        (" steps ", steps), " ", (" hold ", hold), " until the key is let go" if holds else ""
+    )
+
+
+def _steps(choices: Choices) -> list[tuple[str, str] | str]:
+    sizes = [(f" {size:g} ", "reverse" if place == choices.step else "") for place, size in enumerate(STEPS)]
+    return [*sizes, "deg (beam: mm)"]
+
+
+def _aim(choices: Choices) -> list[tuple[str, str]]:
+    if choices.aim is None:
+        return [("no aim: J1 and J2 take the beam away", "dim")]
+    return [(f" {choices.aim} ", "reverse"), (" J4 follows steps · p points at it", "")]
+
+
+def _key_table(picture: Picture, choices: Choices, now_s: float) -> list[Content]:
+    bench = picture.bench or {}
+    robot = bench.get("robot") or {}
+    joints = robot.get("joints")
+    style, age = age_style(robot.get("age_s"), now_s - picture.bench_at_s)
+    lines = [Content.styled(f"{'':<6}{'+ ↺':<9}{'− ↻':<9}{age.strip()}", "dim")]
+    for name, plus, minus, place in _KEYS:
+        angle = f"{joints[place]:10.3f} deg" if joints else "         —"
+        lines.append(Content.assemble(f"{name:<6}{plus:<9}{minus:<9}", (angle, style)))
+    aside = "left   right" if choices.aim else "needs an aim"
+    lines.append(Content.assemble(f"{'beam':<6}{'z':<9}{'x':<9}", (f"{aside:>14}", "dim")))
+    if choices.holds:
+        lines.append(Content.styled("a held key moves from its first repeat on", "dim"))
+    return lines
