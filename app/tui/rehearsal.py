@@ -5,7 +5,10 @@ from typing import Any, Final
 
 from app.tui.words import duration_text
 
-HEADER: Final = f"{'step':<22} {'moves':>5} {'pts':>4} {'time':>9}  {'J1':>8} {'J2':>8} {'J4':>8} {'beam mm':>8} {'miss mm':>8}"
+HEADER: Final = (
+    f"{'step':<22} {'moves':>5} {'pts':>4} {'time':>9}  "
+    f"{'J1':>8} {'J2':>8} {'J4':>8} {'beam mm':>8} {'miss mm':>8}"
+)
 
 
 @dataclass(frozen=True)
