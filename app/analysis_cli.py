@@ -1,4 +1,4 @@
-"""Commands that work on distances and results: identify, diagnose, predict, validate, compensate, design, report."""
+"""Commands that work on distances and results: identify, diagnose, compare, predict, validate and others."""
 
 from pathlib import Path
 from typing import Annotated, Literal
@@ -24,7 +24,7 @@ Dask = Annotated[
 
 def add_analysis(cli: typer.Typer) -> None:
     """Add the commands to the command line."""
-    for command in (identify, diagnose, predict, validate, compensate, design, report, export):
+    for command in (identify, diagnose, compare, predict, validate, compensate, design, report, export):
         cli.command()(command)
 
 
@@ -88,6 +88,20 @@ def diagnose(
     from app.commands.diagnose import diagnose_command
 
     diagnose_command(run or [], points, cell, runs, as_json)
+
+
+def compare(
+    first: ResultFile,
+    second: Annotated[Path, typer.Argument(metavar="RESULT", help="another one of the same arm")],
+    as_json: AsJson = False,
+) -> None:
+    """Compare two results of one arm: links, error maps and reflectors, in combined standard uncertainties.
+
+    Example: catseye compare january.json june.json
+    """
+    from app.commands.compare import compare_command
+
+    compare_command(first, second, as_json)
 
 
 def predict(

@@ -1,0 +1,248 @@
+"""Two results of one arm against one another: links, error maps, reflectors."""
+
+import math
+from dataclasses import dataclass, replace
+from typing import Literal
+
+import numpy as np
+
+from app.errors import UsageError
+from app.files.identified_arm import arm_of
+from app.files.result_json import Estimate, MapTable, Result
+from calibration.error_map import interpolate
+from calibration.identification import IdentifiedArm
+from calibration.types import Floats
+
+_MDEG = 1e3 * math.degrees(1.0)
+_RANGE_DEG = 1e-6
+"""Nodes that rounding puts beyond the end of a map belong to it."""
+
+COVERAGE = 2.0
+"""A difference within so many combined standard uncertainties is expected of 95 in 100."""
+
+
+@dataclass(frozen=True)
+class Difference:
+    """One quantity in both results.
+
+    Attributes:
+        name: of the quantity.
+        unit: of all values.
+        first: value of the first result.
+        second: value of the second result.
+        u: combined standard uncertainty of the difference; both results count as independent.
+    """
+
+    name: str
+    unit: Literal["mm", "mdeg"]
+    first: float
+    second: float
+    u: float
+
+    @property
+    def difference(self) -> float:
+        """Second minus first."""
+        return self.second - self.first
+
+    @property
+    def normalised(self) -> float | None:
+        """Difference in combined standard uncertainties; None where none is stated."""
+        return self.difference / self.u if self.u > 0.0 else None
+
+
+@dataclass(frozen=True)
+class MapDifference:
+    """One joint's maps in both results, as columns over the nodes.
+
+    Attributes:
+        joint: 1 or 2.
+        node_deg: command angles that both results know, deg, shape (m,).
+        first_mdeg: of the first result, upwards then downwards, shape (2, m).
+        second_mdeg: of the second result, shape (2, m).
+        u_mdeg: combined standard uncertainty of the difference, shape (2, m).
+    """
+
+    joint: int
+    node_deg: Floats
+    first_mdeg: Floats
+    second_mdeg: Floats
+    u_mdeg: Floats
+
+    @property
+    def difference_mdeg(self) -> Floats:
+        """Second minus first, shape (2, m)."""
+        return self.second_mdeg - self.first_mdeg
+
+    @property
+    def normalised(self) -> Floats:
+        """Difference in combined standard uncertainties, shape (2, m); NaN where none is stated."""
+        u = np.where(self.u_mdeg > 0.0, self.u_mdeg, np.nan)
+        return np.asarray(self.difference_mdeg / u, dtype=np.float64)
+
+
+@dataclass(frozen=True)
+class ResultComparison:
+    """Two results in one frame.
+
+    Attributes:
+        values: links, and θ20 of two conventional models.
+        maps: of both joints; none of two conventional models.
+        reflectors: coordinates of the reflectors that both know.
+        turn_mdeg: by how much the second result was turned about J1, counter-clockwise, mdeg.
+        remarks: what a reader has to know.
+    """
+
+    values: tuple[Difference, ...]
+    maps: tuple[MapDifference, ...]
+    reflectors: tuple[Difference, ...]
+    turn_mdeg: float
+    remarks: tuple[str, ...]
+
+    @property
+    def normalised(self) -> Floats:
+        """Every difference that has an uncertainty, in combined standard uncertainties."""
+        single = [one.normalised for one in (*self.values, *self.reflectors)]
+        columns = [one.normalised.ravel() for one in self.maps]
+        found = np.concatenate([np.array([value for value in single if value is not None]), *columns])
+        return np.asarray(found[np.isfinite(found)], dtype=np.float64)
+
+    @property
+    def within(self) -> tuple[int, int]:
+        """How many differences lie within two combined standard uncertainties, of how many."""
+        return int(np.sum(np.abs(self.normalised) <= COVERAGE)), self.normalised.size
+
+
+def compare_results(first: Result, second: Result) -> ResultComparison:
+    """Compare two results of one arm.
+
+    Distances do not fix the rotation about J1: the nodes of each result fix its own. So the second is turned, its
+    reflectors with it, until both Δθ1 maps have one mean over the nodes that are compared. The conventional model is
+    the error map with Δθ1 = 0 and Δθ2 = θ20 everywhere.
+
+    Raises:
+        UsageError: a result is incomplete, or the maps have no angle in common.
+    """
+    arms = arm_of(first), arm_of(second)
+    maps = [_map(joint, first, second, arms) for joint in (1, 2) if _has_map(first, second)]
+    turn_mdeg = -float(np.mean(maps[0].difference_mdeg)) if maps else 0.0
+    if maps:
+        maps[0] = replace(maps[0], second_mdeg=maps[0].second_mdeg + turn_mdeg)
+    return ResultComparison(
+        values=_values(first, second, maps=bool(maps)),
+        maps=tuple(maps),
+        reflectors=_reflectors(first, second, turn_mdeg / _MDEG),
+        turn_mdeg=turn_mdeg,
+        remarks=tuple(_remarks(first, second)),
+    )
+
+
+def _has_map(first: Result, second: Result) -> bool:
+    return "error-map" in (first.model, second.model)
+
+
+def _values(first: Result, second: Result, *, maps: bool) -> tuple[Difference, ...]:
+    found = [
+        _difference("L1", "mm", first.link1_mm, second.link1_mm),
+        _difference("L2", "mm", first.link2_mm, second.link2_mm),
+    ]
+    if not maps and first.theta20_mdeg is not None and second.theta20_mdeg is not None:
+        found.append(_difference("θ20", "mdeg", first.theta20_mdeg, second.theta20_mdeg))
+    return tuple(found)
+
+
+def _difference(name: str, unit: Literal["mm", "mdeg"], first: Estimate, second: Estimate) -> Difference:
+    return Difference(name, unit, first.value, second.value, math.hypot(first.u, second.u))
+
+
+def _map(
+    joint: int, first: Result, second: Result, arms: tuple[IdentifiedArm, IdentifiedArm]
+) -> MapDifference:
+    nodes_deg = _common_nodes_deg(joint, _table(first, joint), _table(second, joint))
+    both = [_at_nodes(arm, joint, nodes_deg) for arm in arms]
+    u_mdeg = np.hypot(both[0][1], both[1][1])
+    return MapDifference(joint, nodes_deg, both[0][0], both[1][0], u_mdeg)
+
+
+def _table(result: Result, joint: int) -> MapTable | None:
+    return result.theta1_map if joint == 1 else result.theta2_map
+
+
+def _common_nodes_deg(joint: int, first: MapTable | None, second: MapTable | None) -> Floats:
+    """Return the nodes of the coarser map that lie within the other's range: a fine map is known there too.
+
+    Raises:
+        UsageError: there are none.
+    """
+    tables = sorted((one for one in (first, second) if one is not None), key=lambda one: len(one.node_deg))
+    nodes = np.array(tables[0].node_deg, dtype=np.float64)
+    other = np.array(tables[-1].node_deg, dtype=np.float64)
+    common = nodes[(nodes >= other[0] - _RANGE_DEG) & (nodes <= other[-1] + _RANGE_DEG)]
+    if not common.size:
+        raise UsageError(
+            f"the maps of J{joint} have no angle in common: {nodes[0]:g}°…{nodes[-1]:g}° and "
+            f"{other[0]:g}°…{other[-1]:g}°; compare results whose nodes overlap"
+        )
+    return np.asarray(common, dtype=np.float64)
+
+
+def _at_nodes(arm: IdentifiedArm, joint: int, nodes_deg: Floats) -> tuple[Floats, Floats]:
+    """Return deviations and their standard uncertainties at angles, upwards then downwards, mdeg, shape (2, m)."""
+    weights = np.stack([_weights(arm, joint, direction, nodes_deg) for direction in (0, 1)])
+    values = weights @ arm.parameters
+    if joint == 1:
+        # Uncertainties in the gauge in which both are compared: the mean over these nodes is zero.
+        weights = weights - weights.mean(axis=(0, 1))
+    variance = np.einsum("dmp,pq,dmq->dm", weights, arm.covariance, weights)
+    return _MDEG * values, _MDEG * np.sqrt(np.maximum(variance, 0.0))
+
+
+def _weights(arm: IdentifiedArm, joint: int, direction: int, nodes_deg: Floats) -> Floats:
+    """Return what each parameter contributes to a map at angles, shape (m, p)."""
+    layout, rows = arm.layout, np.arange(nodes_deg.size)
+    weights = np.zeros((nodes_deg.size, arm.parameters.size))
+    if layout.model == "conventional":
+        weights[:, 2] = 1.0 if joint == 2 else 0.0
+        return weights
+    nodes_rad, part = (layout.nodes1_rad, layout.map1) if joint == 1 else (layout.nodes2_rad, layout.map2)
+    place = interpolate(nodes_rad, np.clip(np.deg2rad(nodes_deg), nodes_rad[0], nodes_rad[-1]))
+    begin = part.start + direction * nodes_rad.size
+    weights[rows, begin + place.lower] += 1.0 - place.alpha
+    weights[rows, begin + np.minimum(place.lower + 1, nodes_rad.size - 1)] += place.alpha
+    return weights
+
+
+def _reflectors(first: Result, second: Result, turn_rad: float) -> tuple[Difference, ...]:
+    cosine, sine = math.cos(turn_rad), math.sin(turn_rad)
+    others = {place.name: place for place in second.reflectors}
+    found: list[Difference] = []
+    for place in first.reflectors:
+        if (other := others.get(place.name)) is None:
+            continue
+        x_mm = cosine * other.x_mm.value - sine * other.y_mm.value
+        y_mm = sine * other.x_mm.value + cosine * other.y_mm.value
+        turned = Estimate(value=x_mm, u=other.x_mm.u), Estimate(value=y_mm, u=other.y_mm.u)
+        found += [
+            _difference(f"{place.name} x", "mm", place.x_mm, turned[0]),
+            _difference(f"{place.name} y", "mm", place.y_mm, turned[1]),
+        ]
+    return tuple(found)
+
+
+def _remarks(first: Result, second: Result) -> list[str]:
+    shared = [name for name in first.provenance.runs if name in second.provenance.runs]
+    remarks = []
+    if shared:
+        remarks.append(
+            f"both were identified from {', '.join(shared)}: their errors are shared, and the combined standard "
+            "uncertainties are too large as a rule"
+        )
+    else:
+        remarks.append(
+            "both count as independent; what the two measurements share (laser, air sensor, reflector set-up) makes "
+            "the combined standard uncertainties too large as a rule"
+        )
+    if first.model != second.model:
+        remarks.append("the conventional model counts as the map Δθ1 = 0, Δθ2 = θ20 everywhere")
+    if first.extension or second.extension:
+        remarks.append("terms beyond the model are not compared")
+    return remarks
