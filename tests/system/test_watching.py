@@ -1,0 +1,239 @@
+"""An engine's clients see the bench before, during and after a run, and when a device goes and comes back."""
+
+import asyncio
+import json
+import subprocess
+import tempfile
+import time
+from collections.abc import AsyncIterator, Callable, Iterator
+from contextlib import asynccontextmanager
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from app.engine.waiting import cancel
+from app.service.address import find_socket
+from app.service.client import EngineClient, connect
+from app.store.reader import RunReader
+from tests.system.command import Emulated, emulated, start
+
+SPEED = 40.0
+_SMALL = {
+    "theta1_deg = [-140.0, -120.0, -100.0, -80.0, -60.0, -40.0, -20.0, 0.0, 20.0, 40.0, 60.0]": (
+        "theta1_deg = [-60.0, -40.0, -20.0]"
+    ),
+    "theta2_deg = [0.0, 20.0, 40.0, 60.0, 80.0, 100.0, 120.0, 140.0]": "theta2_deg = [40.0, 60.0]",
+}
+_LIMIT_S = 60
+_NAMES = ["robot", "interferometer", "environment", "tracker"]
+
+
+@pytest.fixture
+def bench(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Emulated]:
+    with (
+        tempfile.TemporaryDirectory(dir="/tmp") as runtime,
+        emulated(tmp_path, "--speed", f"{SPEED:g}", edit=_SMALL) as running,
+    ):
+        monkeypatch.setenv("XDG_RUNTIME_DIR", runtime)
+        yield running
+
+
+class Watcher:
+    """A client that keeps what it was told."""
+
+    def __init__(self, client: EngineClient) -> None:
+        self.client = client
+        self.told: list[dict[str, Any]] = []
+        self._task = asyncio.create_task(self._listen())
+        self._news = asyncio.Event()
+
+    async def _listen(self) -> None:
+        async for event in self.client.events():
+            self.told.append(event)
+            self._news.set()
+
+    async def until(self, seen: Callable[[dict[str, Any]], bool], event: str = "bench") -> dict[str, Any]:
+        """Wait for the next event of which something is true."""
+        count = len(self.told)
+        async with asyncio.timeout(_LIMIT_S):
+            while True:
+                for message in self.told[count:]:
+                    count += 1
+                    if message["event"] == event and seen(message):
+                        return message
+                self._news.clear()
+                await self._news.wait()
+
+    async def next(self, event: str) -> dict[str, Any]:
+        """Wait for the next event of a kind."""
+        return await self.until(lambda message: bool(message), event)
+
+    async def end(self) -> None:
+        await cancel(self._task)
+
+    def of(self, event: str) -> list[dict[str, Any]]:
+        return [message for message in self.told if message["event"] == event]
+
+    async def start(self, **more: Any) -> Path:
+        """Start a measurement and return its directory."""
+        fields: dict[str, Any] = {"search": "none", "speed": SPEED, "params": {"reflectors": ["P1"]}, **more}
+        answer = await self.client.request("start", procedure="open-loop", **fields)
+        return Path(str(answer["path"]))
+
+
+@asynccontextmanager
+async def watching(socket: Path) -> AsyncIterator[Watcher]:
+    async with connect(socket, "test", "Ada") as client:
+        watcher = Watcher(client)
+        answer: dict[str, Any] = await client.request("watch")
+        assert [device["name"] for device in answer["bench"]["devices"]] == _NAMES
+        try:
+            yield watcher
+        finally:
+            await watcher.end()
+
+
+@asynccontextmanager
+async def idle_engine(bench: Emulated) -> AsyncIterator[Watcher]:
+    process = start("engine", "--cell", bench.cell, cwd=bench.cell.parent)
+    try:
+        assert process.stdout is not None
+        line = await asyncio.to_thread(process.stdout.readline)
+        async with watching(Path(json.loads(line)["socket"])) as watcher:
+            await watcher.client.take_control()
+            yield watcher
+            await watcher.client.request("shutdown")
+        assert await asyncio.to_thread(process.wait, _LIMIT_S) == 0
+    finally:
+        process.kill()
+        process.communicate()
+
+
+def links(bench: dict[str, Any]) -> set[str]:
+    return {device["link"] for device in bench["devices"]}
+
+
+def all_ok(bench: dict[str, Any]) -> bool:
+    return links(bench) == {"ok"}
+
+
+def idle(bench: dict[str, Any]) -> bool:
+    return bench["run"] is None and all_ok(bench)
+
+
+async def test_the_bench_is_seen_before_during_and_after_a_run(bench: Emulated) -> None:
+    async with idle_engine(bench) as watcher:
+        before = await watcher.until(idle)
+        assert before["simulated"] is True
+        assert before["robot"]["joints"][:2] == [0.0, 0.0]
+        assert before["robot"]["age_s"] < 1.0
+        assert before["air"]["refractive_index"] == pytest.approx(1.00027, abs=1e-5)
+        # A run begins at once, and finds the links free.
+        run = await watcher.start()
+        during = await watcher.until(lambda seen: seen["run"] == run.name and all_ok(seen))
+        assert during["simulated"] is True
+        await watcher.next("step-done")
+        await watcher.client.request("hold")
+        await watcher.until(lambda seen: seen.get("state") == "HELD", "state")
+        held = [await watcher.next("bench") for _ in range(10)]
+        # While it is held, somebody looks: a second for joints, a quarter for the beam, and what that takes.
+        assert max(seen["robot"]["age_s"] for seen in held[5:]) < 2.0
+        assert max(seen["beam"]["age_s"] for seen in held[5:]) < 1.0
+        assert held[-1]["robot"]["joints"][:2] != [0.0, 0.0]
+        await watcher.client.request("unhold")
+        ended = await watcher.next("run-ended")
+        assert ended["status"] == "complete", ended
+        after = await watcher.until(idle)
+        assert after["robot"]["age_s"] < 1.0
+    points = RunReader(run).points()
+    assert len(points) == 24
+    samples = watcher.of("samples")
+    assert sum(sum(event["count"]) for event in samples) > len(points)
+    assert {event["missed"] for event in samples} == {0}
+    # Five a second at most, over everything.
+    assert len(watcher.of("bench")) == pytest.approx(len(samples), abs=2)
+
+
+async def test_after_an_abort_the_bench_is_seen_again(bench: Emulated) -> None:
+    async with idle_engine(bench) as watcher:
+        await watcher.until(idle)
+        run = await watcher.start()
+        await watcher.until(lambda seen: seen["run"] == run.name and all_ok(seen))
+        await watcher.client.request("abort")
+        await watcher.next("run-ended")
+        assert (await watcher.until(idle))["robot"]["age_s"] < 1.0
+
+
+async def test_a_bench_that_is_pulled_is_lost_with_a_reason_and_comes_back(bench: Emulated) -> None:
+    async with idle_engine(bench) as watcher:
+        await watcher.until(idle)
+        bench.process.kill()
+        bench.process.wait(_LIMIT_S)
+        lost = await watcher.until(lambda seen: links(seen) == {"lost"})
+        for device in lost["devices"]:
+            assert device["error"]
+            assert device["identity"]["simulated"] is True
+        # What was seen last is told still, with its age.
+        old = await watcher.until(lambda seen: seen["robot"]["age_s"] > 2.0)
+        assert old["robot"]["joints"][:2] == [0.0, 0.0]
+        again = start("emulate", bench.cell, cwd=bench.cell.parent)
+        try:
+            back = await watcher.until(idle)
+            assert back["robot"]["age_s"] < 1.0
+            assert {device["error"] for device in back["devices"]} == {None}
+        finally:
+            again.terminate()
+            again.communicate(timeout=10)
+
+
+async def test_the_run_of_a_command_is_seen_with_its_traffic(bench: Emulated) -> None:
+    process = start(
+        "run",
+        "open-loop",
+        "--cell",
+        bench.cell,
+        "--search",
+        "none",
+        "--speed",
+        f"{SPEED:g}",
+        "--param",
+        'reflectors=["P1"]',
+        "--json",
+        cwd=bench.cell.parent,
+    )  # fmt: skip - a command line
+    drain = asyncio.create_task(asyncio.to_thread(process.communicate))
+    try:
+        run, socket = await asyncio.to_thread(_open_run, bench.cell.parent)
+        async with watching(socket) as watcher:
+            await watcher.client.request("traffic")
+            await watcher.until(all_ok)
+            ended = await watcher.next("run-ended")
+            assert ended["status"] == "complete"
+        assert await _code(process, drain) == 0
+    finally:
+        process.kill()
+        await drain
+    stored = {
+        (line["device"], line["direction"], line["hex"])
+        for line in map(json.loads, (run / "wire.log").read_text().splitlines())
+    }
+    told = [line for event in watcher.of("wire") for line in event["lines"]]
+    assert {line["device"] for line in told} >= {"robot", "interferometer", "environment"}
+    assert {(line["device"], line["dir"], line["hex"]) for line in told if "bytes" not in line} <= stored
+
+
+def _open_run(folder: Path) -> tuple[Path, Path]:
+    """Wait until a measurement is open; return its directory and socket."""
+    end_s = time.monotonic() + _LIMIT_S
+    while time.monotonic() < end_s:
+        for run in (folder / "catseye-runs").glob("*_open-loop_*"):
+            if (socket := find_socket(run)) is not None:
+                return run, socket
+        time.sleep(0.01)
+    raise AssertionError("no run was opened")
+
+
+async def _code(process: "subprocess.Popen[str]", drain: "asyncio.Task[Any]") -> int | None:
+    await drain
+    return process.returncode
