@@ -35,12 +35,12 @@ class JogScreen(MainScreen):
     """Moves the arm by keys, after F8. Leaving the screen ends it; so does Esc."""
 
     PLACE = "jog"
+    AUTO_FOCUS = ""
 
     DEFAULT_CSS = """
     JogScreen #jog { height: 1fr; }
     JogScreen #hands { width: 46; height: 1fr; scrollbar-size-vertical: 1; }
     JogScreen #told { height: auto; }
-    JogScreen #typed { display: none; height: 3; }
     JogScreen #right { width: 1fr; }
     JogScreen #plan { height: 1.5fr; }
     JogScreen.-low #plan { display: none; }
@@ -110,7 +110,9 @@ class JogScreen(MainScreen):
             with VerticalScroll(id="hands", classes="panel", can_focus=False) as panel:
                 panel.border_title = "Jog"
                 yield Told(id="told")
-                yield Input(placeholder="type the cell's name, then F8", id="typed")
+                typed = Input(placeholder="type the cell's name, then F8", id="typed")
+                typed.display = False
+                yield typed
             with Vertical(id="right"):
                 yield BeamPanel()
                 yield PlanView(id="plan", classes="panel")
@@ -150,7 +152,7 @@ class JogScreen(MainScreen):
         self._jogged = jogs
         told = jog_lines(picture, self.choices, now_s) if jogs else self._entry(picture)
         self.query_one("#told", Told).tell(lines(*told))
-        self._show_typed(needed=not jogs and not is_simulated(picture) and picture.connected)
+        self._show_typed(needed=not jogs and picture.bench is not None and not is_simulated(picture))
         self.query_one(BeamPanel).show(picture, now_s)
         self.query_one(PlanView).show(picture, now_s)
 
@@ -284,10 +286,7 @@ class JogScreen(MainScreen):
             return
         typed.display = needed
         typed.value = ""
-        if needed:
-            typed.focus()
-        else:
-            self.set_focus(None)
+        self.set_focus(typed if needed else None)
 
     def _focus_changed(self, focus: bool) -> None:
         if not focus:
