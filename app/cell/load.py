@@ -68,16 +68,20 @@ def _read(path: Path) -> bytes:
 
 def _sentence(path: Path, text: str, fault: ErrorDetails) -> str:
     place = fault["loc"]
-    where = f"{path}:{_line_of(text, place)}: {_dotted(place) or 'file'}"
+    return f"{path}:{_line_of(text, place)}: {_dotted(place) or 'file'}: {fault_text(fault)}"
+
+
+def fault_text(fault: ErrorDetails) -> str:
+    """Return what is wrong with one key, in words."""
     match fault["type"]:
         case "extra_forbidden":
-            return f"{where}: unknown key{_nearest(place)}"
+            return f"unknown key{_nearest(fault['loc'])}"
         case "missing":
-            return f"{where}: this key is missing"
+            return "this key is missing"
         case "value_error":
-            return f"{where}: {fault['msg'].removeprefix('Value error, ')}"
+            return fault["msg"].removeprefix("Value error, ")
         case _:
-            return f"{where}: {fault['msg']}, not {fault['input']!r}"
+            return f"{fault['msg']}, not {fault['input']!r}"
 
 
 def _dotted(place: Place) -> str:

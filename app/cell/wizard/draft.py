@@ -1,0 +1,303 @@
+"""A cell file in the making: typed answers over the values that it began with."""
+
+import copy
+import tomllib
+from collections.abc import Iterator, Mapping
+from typing import Any, Final
+
+from pydantic import ValidationError
+
+from app.cell.load import fault_text
+from app.cell.model import Cell
+from app.cell.rewriting import CommentsLostError, plain, rewritten
+from app.cell.template import TEMPLATE
+from app.cell.wizard.pages import OPTIONAL, PAGES, Page
+from app.cell.wizard.question import Question, number_of, text_of
+from app.errors import ConfigError
+from app.instruments import device_builder, further_device
+from drivers.clock import SystemClock
+
+Data = dict[str, Any]
+Reflector = dict[str, str]
+
+_OF_ONE_BENCH: Final = (
+    "name",
+    "robot.endpoint",
+    "interferometer.endpoint",
+    "interferometer.profile",
+    "environment.endpoint",
+    "environment.pressure_register",
+    "tracker",
+)
+"""What the template says of the emulated bench and nobody knows of another one."""
+
+_OF_DRIVER: Final = {
+    "robot": ("settings", "datalink_endpoint", "mxt_endpoint"),
+    "interferometer": ("settings", "profile"),
+    "environment": ("settings", "map", "pressure_register"),
+    "io": ("settings",),
+}
+"""Keys that mean something to one driver only."""
+
+_REFLECTOR_KEYS: Final = ("name", "x_mm", "y_mm", "facing_deg")
+
+
+class Draft:
+    """Answers, and what becomes of them.
+
+    Args:
+        text: of the file whose comments and further values are kept.
+        data: its values to begin with.
+    """
+
+    def __init__(self, text: str, data: Data) -> None:
+        self._text = text
+        self._base = data
+        self._typed: dict[str, str] = {}
+        self.reflectors: list[Reflector] = [
+            {key: text_of(entry.get(key)) for key in _REFLECTOR_KEYS} for entry in _tables(data, "reflector")
+        ]
+
+    @classmethod
+    def new(cls) -> "Draft":
+        """Return the beginning of a new file: what everybody has, nothing of what only this bench has."""
+        data = tomllib.loads(TEMPLATE)
+        for key in _OF_ONE_BENCH:
+            _remove(data, key)
+        return cls(TEMPLATE, data)
+
+    @classmethod
+    def of_text(cls, text: str) -> "Draft":
+        """Return the beginning of a change to a file, faults included.
+
+        Raises:
+            ConfigError: it is no TOML, or no table can be read from it.
+        """
+        try:
+            data = tomllib.loads(text)
+        except tomllib.TOMLDecodeError as error:
+            raise ConfigError(f"not a TOML file: {error}; mend it with an editor first") from error
+        if not str(data.get("format", "")).startswith("catseye-cell/"):
+            raise ConfigError('not a cell file: its first key has to be format = "catseye-cell/1"')
+        return cls(text, data)
+
+    def answer(self, key: str) -> str:
+        """Return the present answer to a question as it would be typed; empty when there is none."""
+        if key in self._typed:
+            return self._typed[key]
+        if key in OPTIONAL:
+            return "yes" if key in self._base else "no"
+        value = _get(self._base, key)
+        if value is None and key.startswith("material.device."):
+            return text_of(self._material_device().get(key.rpartition(".")[2]))
+        return text_of(value if value is not None else _default(key) if key.endswith(".driver") else None)
+
+    def give(self, key: str, text: str) -> None:
+        """Take an answer; another driver begins without the settings of the one before."""
+        section, _, name = key.rpartition(".")
+        if name == "driver" and section in _OF_DRIVER and text != self.answer(key):
+            for own in _OF_DRIVER[section]:
+                _remove(self._base, f"{section}.{own}")
+                self._forget(f"{section}.{own}")
+        self._typed[key] = text.strip()
+
+    def questions(self, page: Page) -> tuple[Question, ...]:
+        """Return what is asked on a page as things are."""
+        return tuple(page.questions(self.answer))
+
+    def data(self) -> Data:
+        """Return the values of the file, right or wrong."""
+        data = copy.deepcopy(self._base)
+        data.setdefault("format", "catseye-cell/1")
+        for question in self._asked():
+            if question.key in self._typed and not question.key.startswith(("file", "material.device.")):
+                text = self._typed[question.key]
+                _set(data, question.key, question.value(text) if text else None)
+        for section in OPTIONAL:
+            if self.answer(section) == "no":
+                data.pop(section, None)
+            elif not isinstance(data.get(section), dict):
+                data[section] = {}
+        self._put_material_device(data)
+        reflectors = [_reflector(one) for one in self.reflectors]
+        if reflectors != _tables(data, "reflector"):
+            data["reflector"] = self._with_further_keys(reflectors)
+        return data
+
+    def faults(self) -> dict[str, str]:
+        """Return what is wrong by key, in the words of the cell file's model and of the drivers' own."""
+        data = self.data()
+        try:
+            cell = Cell.model_validate(data)
+        except ValidationError as error:
+            return {_dotted(fault["loc"]): fault_text(fault) for fault in reversed(error.errors())}
+        try:
+            device_builder(cell, SystemClock())
+            for device in cell.device:
+                further_device(device, SystemClock(), lambda *_: None)
+        except ConfigError as error:
+            return _driver_fault(str(error))
+        return {}
+
+    def page_faults(self, page: Page, faults: Mapping[str, str]) -> dict[str, str]:
+        """Return those faults that belong to a page, by the question that they stand beside.
+
+        What belongs to no question of the page stands under the page's own name.
+        """
+        keys = [question.key for question in self.questions(page)]
+        found: dict[str, str] = {}
+        for place, text in faults.items():
+            near = [key for key in keys if place == key or place.startswith(f"{key}.")]
+            if near:
+                found[max(near, key=len)] = text
+            elif page.name == _page_of(place):
+                # A line of a table keeps its place, so that it can stand beside that line.
+                found[place if page.name == "reflector" and "." in place else page.name] = text
+        return found
+
+    def to_find_out(self) -> list[str]:
+        """Return what nobody has answered and what the person at the bench has to find out."""
+        found = [
+            f"{question.title.strip()}: {question.find_out}"
+            for page in PAGES
+            for question in self.questions(page)
+            if question.find_out and not self.answer(question.key)
+        ]
+        if self.answer("interferometer.profile") == "distax":
+            found.append(
+                "Profile: a DISTAX's protocol is not published: copy the profile, complete it with the manual and "
+                "catseye terminal (docs/guide.md, section 2), and give the copy's path"
+            )
+        return found
+
+    def text(self) -> str:
+        """Return the file.
+
+        Raises:
+            CommentsLostError: it can be written only without the comments of the one it began with.
+        """
+        return rewritten(self._text, self.data())
+
+    def plain_text(self) -> str:
+        """Return the file without comments."""
+        return plain(self.data())
+
+    def written(self) -> tuple[str, bool]:
+        """Return the file, and whether the comments are kept."""
+        try:
+            return self.text(), True
+        except CommentsLostError:
+            return self.plain_text(), False
+
+    def _asked(self) -> Iterator[Question]:
+        for page in PAGES:
+            yield from self.questions(page)
+
+    def _forget(self, beginning: str) -> None:
+        for key in [key for key in self._typed if key == beginning or key.startswith(f"{beginning}.")]:
+            del self._typed[key]
+
+    def _with_further_keys(self, reflectors: list[Data]) -> list[Data]:
+        """Keep what the file says of a reflector beyond the questions."""
+        known = {entry.get("name"): entry for entry in _tables(self._base, "reflector")}
+        return [
+            {k: v for k, v in known.get(one.get("name"), {}).items() if k not in _REFLECTOR_KEYS} | one
+            for one in reflectors
+        ]
+
+    def _material_device(self) -> Data:
+        name = _get(self._base, "material.sensor")
+        return next((one for one in _tables(self._base, "device") if one.get("name") == name), {})
+
+    def _put_material_device(self, data: Data) -> None:
+        """Write the [[device]] that measures the links, as the answers have it."""
+        typed = {key: self._typed.get(f"material.device.{key}") for key in ("driver", "endpoint")}
+        name = _get(data, "material.sensor")
+        if name is None or (not any(typed.values()) and self._material_device().get("name") == name):
+            return
+        answers = {key: self.answer(f"material.device.{key}") for key in ("driver", "endpoint")}
+        entry = {"name": name, **{key: text for key, text in answers.items() if text}}
+        others = [one for one in _tables(data, "device") if one.get("name") != name]
+        data["device"] = [*others, entry]
+
+
+def _driver_fault(text: str) -> dict[str, str]:
+    """Return the key that a sentence about `[section] key: …` belongs to."""
+    section, _, rest = text.removeprefix("[").partition("]")
+    key, found, words = rest.strip().partition(":")
+    if found and key and " " not in key:
+        return {f"{section}.{'driver' if key == 'driver' else f'settings.{key}'}": words.strip()}
+    return {section: rest.lstrip(": ")}
+
+
+def _page_of(place: str) -> str:
+    section = place.split(".", 1)[0]
+    if section in {page.name for page in PAGES}:
+        return section
+    return {"name": "file", "format": "file", "air": "interferometer", "device": "more"}.get(
+        section, "more" if section in OPTIONAL else "summary"
+    )
+
+
+def _reflector(typed: Reflector) -> Data:
+    numbers = {key: number_of(typed[key]) for key in _REFLECTOR_KEYS[1:] if typed.get(key)}
+    return {**({"name": typed["name"]} if typed.get("name") else {}), **numbers}
+
+
+def _dotted(place: tuple[int | str, ...]) -> str:
+    return ".".join(str(part) for part in place)
+
+
+def _tables(data: Data, key: str) -> list[Data]:
+    found = data.get(key)
+    return [one for one in found if isinstance(one, dict)] if isinstance(found, list) else []
+
+
+def _get(data: Data, key: str) -> Any:
+    here: Any = data
+    for part in key.split("."):
+        here = here.get(part) if isinstance(here, dict) else None
+    return here
+
+
+def _set(data: Data, key: str, value: Any) -> None:
+    """Set a key; None takes it out."""
+    if value is None:
+        _remove(data, key)
+        return
+    *tables, last = key.split(".")
+    if key in OPTIONAL:
+        return
+    here = data
+    for part in tables:
+        if not isinstance(here.get(part), dict):
+            here[part] = {}
+        here = here[part]
+    here[last] = value
+
+
+def _remove(data: Data, key: str) -> None:
+    *tables, last = key.split(".")
+    here: Any = data
+    for part in tables:
+        here = here.get(part) if isinstance(here, dict) else None
+    if isinstance(here, dict):
+        here.pop(last, None)
+
+
+def _default(key: str) -> Any:
+    """Return the default of a key in the cell file's model; None when there is none."""
+    model: Any = Cell
+    *tables, last = key.split(".")
+    for part in tables:
+        field = getattr(model, "model_fields", {}).get(part)
+        kinds = getattr(field.annotation, "__args__", (field.annotation,)) if field else ()
+        model = next((kind for kind in kinds if hasattr(kind, "model_fields")), None)
+    field = getattr(model, "model_fields", {}).get(last)
+    return None if field is None or field.is_required() else field.get_default(call_default_factory=True)
+
+
+def default_text(key: str) -> str:
+    """Return what is taken when a question is left unanswered; empty when nothing is."""
+    default = _default(key)
+    return text_of(default) if not isinstance(default, (dict, Mapping)) else ""

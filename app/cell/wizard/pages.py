@@ -1,0 +1,281 @@
+"""The questions of the wizard, a page for each topic."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Final
+
+from app.cell.wizard.drivers import drivers_of, setting_questions
+from app.cell.wizard.question import Choice, Question
+
+Answer = Callable[[str], str]
+"""Returns the present answer to a key; what is asked can depend on it."""
+
+_ENDPOINT: Final = "tcp://192.168.0.20:10001 or serial:///dev/ttyUSB0?baud=9600&parity=E&stopbits=2"
+YES_NO: Final = (Choice(True), Choice(False))
+
+
+@dataclass(frozen=True)
+class Page:
+    """One topic.
+
+    Attributes:
+        name: of the page.
+        title: in the list of pages.
+        intro: one line above the questions.
+        questions: depend on earlier answers.
+        device: of the cell file that can be tested on this page; empty for none.
+    """
+
+    name: str
+    title: str
+    intro: str
+    questions: Callable[[Answer], Sequence[Question]]
+    device: str = ""
+
+
+def _file(_answer: Answer) -> list[Question]:
+    return [
+        Question("file", "File", "where the cell file is written; an existing one is never lost unasked"),
+        Question(
+            "name",
+            "Name of the cell",
+            "you type it to arm real hardware: letters, digits, _ . + -, at most 40",
+        ),
+    ]
+
+
+def _robot(answer: Answer) -> list[Question]:
+    further = {"melfa-datalink": "datalink_endpoint", "melfa-mxt": "mxt_endpoint"}.get(answer("robot.driver"))
+    return [
+        Question(
+            "robot.driver",
+            "Driver",
+            "how the arm follows a reflector",
+            "choice",
+            drivers_of("robot"),
+        ),
+        Question(
+            "robot.endpoint",
+            "Endpoint",
+            f"of the R-protocol: {_ENDPOINT}; the factory address of a CR controller is 192.168.0.20:10001",
+            find_out="the controller's address: parameters NETIP and NETPORT, or the port of its serial line",
+        ),
+        *(
+            [
+                Question(
+                    f"robot.{further}",
+                    "Endpoint of following",
+                    "where the program on the controller answers; udp:// for CATSMXT",
+                    find_out="the address that the program on the controller listens at; see docs/controller.md",
+                )
+            ]
+            if further
+            else []
+        ),
+        Question("robot.expected_model", "Model", "how the controller calls itself; the links belong to it"),
+        Question("robot.link1_mm", "Link 1, mm", "from J1 to J2, nominal, from the catalogue", "number"),
+        Question("robot.link2_mm", "Link 2, mm", "from J2 to J4, nominal, from the catalogue", "number"),
+        Question(
+            "robot.j3_mm",
+            "Height J3, mm",
+            "where the beam is at the height of the reflectors; beam-level finds it",
+            "number",
+        ),
+        Question(
+            "robot.j3_range_mm", "Range of J3, mm", "two numbers: heights levelling may go to", "numbers"
+        ),
+        Question(
+            "robot.override_cap_percent",
+            "Override at most, %",
+            "the program never drives faster; begin with 5 … 20",
+            "number",
+        ),
+        *(
+            Question(
+                f"robot.limits_deg.{joint}",
+                f"Limits of {joint.upper()}, deg",
+                "two numbers, lowest and highest; narrower than the controller's own, and mind the cables",
+                "numbers",
+            )
+            for joint in ("j1", "j2", "j4")
+        ),
+    ]
+
+
+def _interferometer(answer: Answer) -> list[Question]:
+    profile = Question(
+        "interferometer.profile",
+        "Profile",
+        "default or vacuum (the emulator's dialects), distax, or the path of a profile of your own (TOML)",
+        find_out="which commands the counter understands: its manual, and catseye terminal",
+    )
+    driver = answer("interferometer.driver")
+    return [
+        Question(
+            "interferometer.driver",
+            "Driver",
+            "which instrument counts the length",
+            "choice",
+            drivers_of("interferometer"),
+        ),
+        *([profile] if driver == "line-counter" else []),
+        Question(
+            "interferometer.endpoint",
+            "Endpoint",
+            f"{_ENDPOINT}",
+            find_out="the port and its baud rate, parity and stop bits: the instrument's manual or its front panel",
+        ),
+        *setting_questions("interferometer", driver, frozenset({"profile"})),
+        Question(
+            "air.vacuum_wavelength_nm",
+            "Wavelength, nm",
+            "of the laser in vacuum; used where the program corrects for the air",
+            "number",
+            find_out="the vacuum wavelength in the laser's certificate; a helium-neon laser's usual one stands in",
+        ),
+        Question(
+            "air.formula",
+            "Refractive index",
+            "equation, used where the program corrects for the air",
+            "choice",
+            (Choice("ciddor"), Choice("edlen", "modified equation of the NIST")),
+        ),
+    ]
+
+
+def _environment(answer: Answer) -> list[Question]:
+    driver = answer("environment.driver")
+    modbus = [
+        Question(
+            "environment.map",
+            "Register map",
+            "of the sensor; generic knows no register: [[environment.settings.points]] lists them by hand",
+            "choice",
+            (
+                Choice("vaisala", "Vaisala's common map"),
+                Choice("comet_web", "Comet Web Sensor"),
+                Choice("comet_rtu", "Comet RTU"),
+                Choice("generic", "registers of your own"),
+            ),
+        ),
+        Question(
+            "environment.pressure_register",
+            "Pressure register",
+            "as the sensor's manual numbers it; 44 is that of the emulator and of a DPT145",
+            "number",
+            find_out="in the sensor's manual; without the pressure the program cannot correct for the air",
+        ),
+    ]
+    return [
+        Question(
+            "environment.driver", "Driver", "which sensor tells the air", "choice", drivers_of("environment")
+        ),
+        *(modbus if driver == "modbus-air" else []),
+        Question(
+            "environment.endpoint",
+            "Endpoint",
+            "tcp://192.168.0.30:502 or serial:///dev/ttyUSB1?baud=19200&parity=N&stopbits=2",
+            find_out="the sensor's address, or the port and settings of its serial line: its manual or display",
+        ),
+        *setting_questions("environment", driver, frozenset({"map", "pressure_address"})),
+    ]
+
+
+def _optics(_answer: Answer) -> list[Question]:
+    asked = [
+        ("acceptance_mm", "Acceptance, mm", "the cat's eye returns the beam up to this miss of its centre"),
+        (
+            "max_miss_mm",
+            "Largest miss, mm",
+            "moves are split so that the beam stays this close; below acceptance",
+        ),
+        ("field_half_angle_deg", "Half field, deg", "how far from its axis a cat's eye is seen"),
+        ("column_radius_mm", "Base column, mm", "radius of the robot's base, which hides what is behind it"),
+        ("column_margin_mm", "Column margin, mm", "what the beam keeps away from the column"),
+        ("theta40_deg", "Beam at J4 = 0, deg", "its direction, roughly; the search finds it"),
+        (
+            "signal_min",
+            "Least signal, 0 … 1",
+            "weaker returns are not measured with; 0: counter tells no level",
+        ),
+    ]
+    carried = Question(
+        "optics.one_reflector",
+        "One cat's eye",
+        "yes: one is carried from nest to nest, and you are asked to",
+        "choice",
+        YES_NO,
+    )
+    return [*(Question(f"optics.{key}", title, text, "number") for key, title, text in asked), carried]
+
+
+def _measurement(_answer: Answer) -> list[Question]:
+    nodes = "-140 to 60 step 20, or each node: -140, -120, 0; the maps are identified at these"
+    asked = [
+        ("settle_time_s", "Settling, s", "wait after each motion"),
+        ("dwell_time_s", "Dwell, s", "time over which the readings of a point are spread"),
+        ("readings", "Readings", "of each point"),
+        ("take_up_deg", "Take-up, deg", "overshoot at every reversal; larger than any backlash"),
+        ("spread_limit_um", "Largest spread, µm", "readings that scatter more are taken again"),
+    ]
+    return [
+        Question("measurement.theta1_deg", "Nodes of J1, deg", nodes, "numbers"),
+        Question("measurement.theta2_deg", "Nodes of J2, deg", nodes, "numbers"),
+        *(Question(f"measurement.{key}", title, text, "number") for key, title, text in asked),
+    ]
+
+
+def _more(answer: Answer) -> list[Question]:
+    io, tracker, material = (answer(section) == "yes" for section in OPTIONAL)
+    asked = [Question("io", "Door and lights?", "remote inputs and outputs: [io]", "choice", YES_NO)]
+    if io:
+        asked += [
+            Question("io.driver", "  Driver", "of the block", "choice", drivers_of("io")),
+            Question("io.endpoint", "  Endpoint", "tcp://192.168.0.40:502", find_out="the block's address"),
+            *setting_questions("io", answer("io.driver"), frozenset()),
+        ]
+    asked.append(
+        Question("tracker", "Tracker?", "so far only the emulated bench has one: [tracker]", "choice", YES_NO)
+    )
+    if tracker:
+        asked += [
+            Question("tracker.driver", "  Driver", "of the tracker", "choice", drivers_of("tracker")),
+            Question("tracker.endpoint", "  Endpoint", "the emulator's control port"),
+        ]
+    asked.append(
+        Question("material", "Temperature of links?", "a sensor on the arm: [material]", "choice", YES_NO)
+    )
+    return [*asked, *(_material() if material else [])]
+
+
+def _material() -> list[Question]:
+    return [
+        Question("material.sensor", "  Name of sensor", "a name of your own: links"),
+        Question("material.device.driver", "  Driver", "of that sensor", "choice", drivers_of("environment")),
+        Question("material.device.endpoint", "  Endpoint", _ENDPOINT, find_out="the sensor's address"),
+        Question(
+            "material.cte_per_k",
+            "  Expansion, 1/K",
+            "of the links: steel about 11.5e-6, aluminium 23.6e-6",
+            "number",
+            find_out="what the links are made of: ask the arm's manufacturer",
+        ),
+        Question("material.u_cte_per_k", "  u(expansion), 1/K", "standard uncertainty", "number"),
+        Question("material.u_temperature_k", "  u(temperature), K", "standard uncertainty", "number"),
+    ]
+
+
+OPTIONAL: Final = ("io", "tracker", "material")
+"""Sections that a cell may have or not."""
+
+PAGES: Final = (
+    Page("file", "Cell", "Which bench is this?", _file),
+    Page("robot", "Robot", "Controller, nominal arm and limits.", _robot, "robot"),
+    Page("interferometer", "Interferometer", "The length counter.", _interferometer, "interferometer"),
+    Page("environment", "Air sensor", "Temperature, pressure, humidity.", _environment, "environment"),
+    Page("optics", "Optics", "The beam, and what stands in its way.", _optics),
+    Page("reflector", "Reflectors", "Rough places from the J1 axis; ±20 mm are enough.", lambda _: ()),
+    Page("measurement", "Measurement", "Nodes of the maps, and timing.", _measurement),
+    Page("more", "More", "What not every bench has.", _more, "io"),
+    Page("summary", "Summary", "What is written, and what is still to be found out.", lambda _: ()),
+)

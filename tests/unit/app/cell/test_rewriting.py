@@ -1,0 +1,86 @@
+"""Cell files with other values: exactly these values, and the comments of what stays."""
+
+import tomllib
+from typing import Any
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from app.cell.rewriting import CommentsLostError, plain, rewritten, toml_value
+from app.cell.template import TEMPLATE
+
+TEXTS = st.text(st.characters(codec="utf-8"), max_size=12)
+SCALARS = TEXTS | st.booleans() | st.integers(-(10**12), 10**12) | st.floats(allow_nan=False)
+VALUES = st.recursive(SCALARS, lambda inner: st.lists(inner, max_size=3), max_leaves=6)
+TABLES = st.dictionaries(TEXTS, VALUES, max_size=4)
+
+
+@settings(max_examples=60, deadline=None)
+@given(VALUES | TABLES)
+def test_a_value_is_read_as_it_was(value: Any) -> None:
+    assert tomllib.loads(f"key = {toml_value(value)}")["key"] == value
+
+
+@settings(max_examples=40, deadline=None)
+@given(st.dictionaries(TEXTS, VALUES | TABLES | st.lists(TABLES, min_size=1, max_size=3), max_size=5))
+def test_a_file_without_comments_has_the_wanted_values(data: dict[str, Any]) -> None:
+    assert tomllib.loads(plain(data)) == data
+
+
+@settings(max_examples=40, deadline=None)
+@given(st.data())
+def test_any_change_of_values_in_the_template_gives_exactly_these_values(data: st.DataObject) -> None:
+    wanted = tomllib.loads(TEMPLATE)
+    for section in data.draw(
+        st.lists(st.sampled_from([k for k, v in wanted.items() if isinstance(v, dict)]), max_size=4)
+    ):
+        table = wanted.get(section)
+        if table is None or data.draw(st.booleans()):
+            wanted.pop(section, None)
+            continue
+        if section != "uncertainty":  # its list has no header of its own
+            table[data.draw(st.sampled_from(["new_key", *table]))] = data.draw(SCALARS)
+    wanted["reflector"] = data.draw(
+        st.permutations(wanted["reflector"]).flatmap(lambda all_: st.integers(1, 3).map(lambda n: all_[:n]))
+    )
+    wanted["device"] = data.draw(st.lists(TABLES, min_size=1, max_size=2))
+    assert tomllib.loads(rewritten(TEMPLATE, wanted)) == wanted
+
+
+def test_what_stays_keeps_its_line_and_what_changes_its_comment() -> None:
+    wanted = tomllib.loads(TEMPLATE)
+    wanted["robot"]["override_cap_percent"] = 5
+    new = rewritten(TEMPLATE, wanted).splitlines()
+    changed = [(old, line) for old, line in zip(TEMPLATE.splitlines(), new, strict=True) if old != line]
+    assert changed == [
+        (
+            "override_cap_percent = 20               # the program never drives faster",
+            "override_cap_percent = 5                # the program never drives faster",
+        )
+    ]
+
+
+def test_a_hash_in_a_text_is_no_comment() -> None:
+    assert rewritten('name = "a#b"  # kept # too\n', {"name": "c#d"}).split("  ")[0] == 'name = "c#d"'
+    assert rewritten('name = "a#b"  # kept # too\n', {"name": "c#d"}).endswith("# kept # too\n")
+
+
+def test_values_over_several_lines_are_replaced_whole() -> None:
+    text = "[m]\nnodes = [\n  1,\n  2,\n]  # deg\nmore = 1\n"
+    new = rewritten(text, {"m": {"nodes": [1, 3], "more": 1}})
+    assert new == f"[m]\n{'nodes = [1, 3]':<39} # deg\nmore = 1\n"
+
+
+def test_a_removed_reflector_takes_its_lines_and_leaves_those_of_others() -> None:
+    text = '# above\n[[reflector]]  # one\nname = "A"\nx = 1  # mm\n\n# two\n[[reflector]]\nname = "B"\nx = 2  # mm\n'
+    assert rewritten(text, {"reflector": [{"name": "B", "x": 3}]}) == (
+        f'# above\n\n# two\n[[reflector]]\nname = "B"\n{"x = 3":<39} # mm\n'
+    )
+
+
+def test_forms_that_cannot_be_changed_are_told() -> None:
+    with pytest.raises(CommentsLostError, match="comments"):
+        rewritten("robot.limits.j1 = [1, 2]\n", {"robot": {"limits": {"j1": [1, 3]}}})
+    with pytest.raises(CommentsLostError, match="comments"):
+        rewritten('reflector = [{ name = "A" }]\n', {"reflector": [{"name": "B"}]})
