@@ -1,0 +1,322 @@
+"""Engines whose clients move the arm by hand: the log of the controller's emulator tells what it does, and when."""
+
+import contextlib
+import json
+import signal
+import subprocess
+import sys
+import tempfile
+import time
+from collections.abc import Callable, Iterator
+from typing import Any
+
+import pytest
+
+from tests.system.command import Emulated, emulated, environment, start
+from tests.system.feeder import FEED_S
+from tests.system.socket_client import Lines
+
+NARROW = {"j1 = [-170.0, 170.0]": "j1 = [-170.0, 10.0]"}
+_LIMIT_S = 60
+
+
+@pytest.fixture(scope="module")
+def bench(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Emulated]:
+    with (
+        tempfile.TemporaryDirectory(dir="/tmp") as runtime,
+        pytest.MonkeyPatch.context() as patch,
+        emulated(tmp_path_factory.mktemp("by-hand"), "--speed", "1", edit=NARROW) as running,
+    ):
+        patch.setenv("XDG_RUNTIME_DIR", runtime)
+        yield running
+
+
+class Engine:
+    """An idle engine as a process, and one client of it that holds no control yet."""
+
+    def __init__(self, bench: Emulated) -> None:
+        self.bench = bench
+        # An engine that was killed leaves them on.
+        bench.ask(op="fault", name="servo_off")
+        self.process = start("engine", "--cell", bench.cell, cwd=bench.cell.parent)
+        assert self.process.stdout is not None
+        self.path = str(json.loads(self.process.stdout.readline())["socket"])
+        self.client = self.joined("Ben")
+        self.begun_s = self.now_s()
+
+    def joined(self, who: str) -> Lines:
+        client = Lines(self.path)
+        assert client.ask("hello", client="test", who=who)["ok"]
+        return client
+
+    def steering(self, percent: float = 5.0) -> Lines:
+        """Have the client take control and begin to jog."""
+        assert self.client.ask("control")["ok"]
+        begun = self.client.ask("jog", on=True, percent=percent)
+        assert begun["ok"], begun
+        assert begun["override_percent"] <= percent
+        return self.client
+
+    def now_s(self) -> float:
+        """Return the time of the emulators, which runs as fast as this one."""
+        return float(self.bench.ask(op="state")["time_s"])
+
+    def joints(self) -> list[float]:
+        found: list[float] = self.bench.ask(op="state")["joints"]
+        return found
+
+    def moving(self) -> bool:
+        return bool(self.bench.ask(op="state")["moving"])
+
+    def log(self, *kinds: str) -> list[tuple[float, str]]:
+        """Return times and texts of what the controller was told and did since this engine began."""
+        entries = self.bench.ask(op="log", device="robot")["entries"]
+        return [
+            (e["time_s"], e["text"]) for e in entries if e["kind"] in kinds and e["time_s"] > self.begun_s
+        ]
+
+    def requests(self, word: str) -> list[float]:
+        return [time_s for time_s, text in self.log("request") if text.partition(";1;")[2].startswith(word)]
+
+    def rest_s(self) -> float:
+        """Wait for the standstill; return when the last motion ended."""
+        until(lambda: not self.moving())
+        return self.log("motion")[-1][0]
+
+    def drives_off(self) -> bool:
+        """Return whether the drives were switched off after they had been switched on."""
+        off = self.requests("SRVOFF")
+        return bool(off) and off[-1] > self.requests("SRVON")[-1]
+
+    def end(self) -> None:
+        self.client.close()
+        self.process.kill()
+        self.process.communicate(timeout=_LIMIT_S)
+
+
+@pytest.fixture
+def engine(bench: Emulated) -> Iterator[Engine]:
+    with contextlib.ExitStack() as stack:
+        made = Engine(bench)
+        stack.callback(made.end)
+        yield made
+
+
+@contextlib.contextmanager
+def feeder(engine: Engine, joint: str) -> Iterator["subprocess.Popen[str]"]:
+    """Have a program of its own hold a jog key; it is killed at the end."""
+    process = subprocess.Popen(
+        [sys.executable, "-m", "tests.system.feeder", engine.path, joint],
+        env=environment(),
+        stdout=subprocess.PIPE,
+        text=True,
+    )
+    try:
+        assert process.stdout is not None
+        assert process.stdout.readline() == "moving\n"
+        until(engine.moving)
+        yield process
+    finally:
+        process.kill()
+        process.communicate(timeout=_LIMIT_S)
+
+
+def until(holds: Callable[[], bool]) -> None:
+    end_s = time.monotonic() + _LIMIT_S
+    while not holds():
+        assert time.monotonic() < end_s
+        time.sleep(0.005)
+
+
+def fed(client: Lines, joint: str, direction: int, duration_s: float) -> dict[str, Any]:
+    """Feed for a time, or until it is refused; return the last answer."""
+    end_s = time.monotonic() + duration_s
+    answer: dict[str, Any] = {"ok": True}
+    while answer["ok"] and time.monotonic() < end_s:
+        answer = client.ask("jog-hold", joint=joint, direction=direction)
+        time.sleep(FEED_S)
+    return answer
+
+
+def test_a_joint_moves_while_it_is_fed_and_stands_soon_after(engine: Engine) -> None:
+    client = engine.steering()
+    before = engine.joints()
+    assert fed(client, "j2", 1, 1.0)["ok"]
+    last_s = engine.now_s()
+    assert client.ask("jog-hold", joint="j2", direction=1)["ok"]
+    rest_s = engine.rest_s()
+    assert 0.1 < rest_s - last_s < 0.4
+    after = engine.joints()
+    # The emulated jog turns J2 with 10 % of 720 deg/s at an override of 100 %: 3.6 deg/s at 5 %.
+    assert 3.0 < after[1] - before[1] < 6.0
+    assert [after[0], *after[2:]] == pytest.approx([before[0], *before[2:]], abs=0.01)
+    # Neither the arm's dead-man alone, nor a stop from somewhere else.
+    assert 0.1 < engine.requests("STOP")[0] - last_s < 0.3
+    assert client.ask("jog", on=False)["ok"]
+    assert engine.drives_off()
+
+
+def test_a_key_that_is_let_go_stops_the_joint_at_once(engine: Engine) -> None:
+    client = engine.steering()
+    assert fed(client, "j2", -1, 0.5)["ok"]
+    asked_s = engine.now_s()
+    assert client.ask("jog-hold", joint="j2", direction=0)["ok"]
+    assert engine.rest_s() - asked_s < 0.15
+    # The link stays in step: nothing was opened anew.
+    assert len(engine.requests("OPEN")) == 2
+
+
+def test_a_client_that_is_killed_leaves_an_arm_that_stands(engine: Engine) -> None:
+    with feeder(engine, "j4") as client:
+        killed_s = engine.now_s()
+        client.kill()
+        assert engine.rest_s() - killed_s < 0.4
+    assert (
+        engine.client.until(event="jog", on=False)["reason"]
+        == "Ada (feeder-2) does not hold control any more"
+    )
+    assert engine.drives_off()
+    # The bench is free again for whoever comes next.
+    assert engine.steering().ask("jog-step", joint="j4", by=-1.0)["ok"]
+
+
+def test_a_stop_of_somebody_else_stops_the_arm(engine: Engine) -> None:
+    with feeder(engine, "j2") as client:
+        asked_s = engine.now_s()
+        assert engine.client.ask("stop")["ok"]
+        assert engine.requests("STOP")[0] - asked_s < 0.1
+        assert engine.rest_s() - asked_s < 0.2
+        assert engine.client.until(event="jog", on=False)["reason"] == "Ben (test-1) stopped it"
+        # The feeder goes on asking, and nothing moves: its next feed is refused, which ends it.
+        client.wait(_LIMIT_S)
+    assert engine.drives_off()
+    assert not [time_s for time_s in engine.requests("JOG") if time_s > engine.requests("STOP")[0]]
+
+
+def test_a_joint_is_stopped_ahead_of_the_limit_of_the_cell(engine: Engine) -> None:
+    client = engine.steering()
+    start_deg = engine.joints()[0]
+    if start_deg > 3.0:
+        assert client.ask("jog-step", joint="j1", by=1.0 - start_deg)["ok"]
+    refused = fed(client, "j1", 1, 30.0)
+    assert "J1 is too near to its limit of 10 deg" in refused["error"]
+    assert refused["exit_code"] == 5
+    at_deg = engine.joints()[0]
+    # 1 deg to spare; 2.1 deg/s, doubted, for at most 0.25 s.
+    assert 7.5 < at_deg < 9.0
+    beyond = client.ask("jog-step", joint="j1", by=11.0 - at_deg)
+    assert "deg is outside -170 … 10 deg" in beyond["error"]
+    assert beyond["exit_code"] == 5
+    assert client.ask("jog-step", joint="j1", by=9.9 - at_deg)["joints"][0] == pytest.approx(9.9, abs=0.02)
+    assert client.ask("jog-step", joint="j1", by=-9.9)["ok"]
+
+
+def test_a_step_whose_client_falls_silent_is_stopped(engine: Engine) -> None:
+    client = engine.steering(1.0)
+    asked_s = engine.now_s()
+    # 3000 deg/s at 1 %: 3 s.
+    stopped = client.ask("jog-step", joint="j4", by=-90.0)
+    assert "no sign of life for 0.5 s" in stopped["error"]
+    assert 0.45 < engine.requests("STOP")[0] - asked_s < 0.9
+    assert not engine.moving()
+    # The error was told, and the end of the jog; then the arm is ready for another one.
+    until(lambda: bool(client.ask("jog", on=True)["ok"]))
+    assert client.ask("jog", on=False)["ok"]
+    assert engine.drives_off()
+
+
+def test_the_beam_is_stepped_at_a_reflector(engine: Engine) -> None:
+    client = engine.steering()
+    here = engine.joints()
+    # At J1 = J2 = 0 the beam of J4 = 0 looks along +X at P2 = (680, 0) from (550, 0).
+    for joint, at_deg, most_deg in (("j1", here[0], 8.0), ("j2", here[1], 14.0), ("j4", here[3], 60.0)):
+        # A client that gives no sign of life meanwhile makes steps that are over within 0.5 s.
+        while abs(at_deg) > 0.005:
+            by_deg = max(-most_deg, min(most_deg, -at_deg))
+            assert client.ask("jog-step", joint=joint, by=by_deg)["ok"]
+            at_deg += by_deg
+    stepped = client.ask("jog-step", joint="beam", by=1.0, aim="P2")
+    # atan(1 / 130) = 0.4407 deg.
+    assert stepped["joints"] == pytest.approx([0.0, 0.0, 50.0, 0.44], abs=0.015)
+
+
+def test_an_emergency_stop_ends_the_jog_and_is_told(engine: Engine) -> None:
+    try:
+        with feeder(engine, "j2"):
+            engine.bench.ask(op="fault", name="emergency_stop", on=True)
+            told = engine.client.until(event="error")
+            assert told["exit_code"] == 5
+            assert engine.client.until(event="jog", on=False)["reason"] in told["text"]
+            assert not engine.moving()
+        assert engine.client.ask("control")["ok"]
+        assert engine.client.ask("jog", on=True)["exit_code"] == 5
+    finally:
+        engine.bench.ask(op="fault", name="clear_faults")
+    assert engine.client.ask("jog", on=True)["ok"]
+
+
+@pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGINT])
+def test_an_engine_that_is_ended_leaves_an_arm_that_stands(engine: Engine, number: signal.Signals) -> None:
+    with feeder(engine, "j2"):
+        asked_s = engine.now_s()
+        engine.process.send_signal(number)
+        assert engine.process.wait(_LIMIT_S) == {signal.SIGTERM: 143, signal.SIGINT: 130}[number]
+        assert engine.rest_s() - asked_s < 0.3
+        assert engine.drives_off()
+
+
+def test_an_engine_that_is_killed_leaves_the_arm_to_the_controllers_dead_man(engine: Engine) -> None:
+    with feeder(engine, "j2"):
+        killed_s = engine.now_s()
+        engine.process.kill()
+        assert engine.rest_s() - killed_s < 0.3
+        assert engine.requests("STOP") == []
+
+
+def test_no_run_during_a_jog_and_no_jog_of_somebody_without_control(engine: Engine) -> None:
+    client = engine.steering()
+    refused = client.ask("start", procedure="open-loop")
+    assert "moves the arm by hand: end that first" in refused["error"]
+    with contextlib.closing(engine.joined("Eve")) as other:
+        assert "needs control" in other.ask("jog-step", joint="j1", by=-1.0)["error"]
+        assert other.ask("jog", on=False)["ok"] is False
+        late = other.ask("hello", client="test", who="Eve")
+        assert late["ok"] is False
+    with contextlib.closing(Lines(engine.path)) as third:
+        assert third.ask("hello", client="test", who="Eve")["snapshot"]["jog"]["on"] is True
+
+
+def test_raw_bytes_get_an_answer_and_the_driver_comes_back(engine: Engine) -> None:
+    client = engine.client
+    assert client.ask("control")["ok"]
+    assert client.ask("traffic")["ok"]
+    assert client.ask("raw", device="interferometer")["ok"]
+    assert client.ask("send", device="interferometer", hex=b"I\r".hex())["ok"]
+    seen = b""
+    while b"EMULATOR" not in seen:
+        lines = client.until(event="wire")["lines"]
+        seen += b"".join(
+            bytes.fromhex(line["hex"])
+            for line in lines
+            if (line["device"], line["dir"]) == ("interferometer", "rx")
+        )
+    assert "give it back first" in client.ask("jog", on=True)["error"]
+    assert client.ask("raw", device="interferometer", on=False)["ok"]
+    # The interferometer's driver has its link back, without which nothing is moved by hand.
+    assert engine.steering().ask("jog-step", joint="j4", by=-1.0)["ok"]
+
+
+def test_raw_bytes_to_a_robot_need_the_cells_name_until_it_is_known_to_be_emulated(engine: Engine) -> None:
+    client = engine.client
+    assert client.ask("control")["ok"]
+    refused = client.ask("raw", device="robot")
+    assert "--arm lab-1" in refused["error"]
+    assert client.ask("raw", device="robot", arm="lab-1")["ok"]
+    assert client.ask("send", device="robot", hex=b"1;1;STATE\r".hex())["ok"]
+    until(lambda: len(engine.requests("STATE")) > 0)
+    # Whoever took it is gone: the robot is stopped as soon as its driver has the link back.
+    stopped = len(engine.requests("STOP"))
+    client.close()
+    until(lambda: len(engine.requests("STOP")) > stopped)
+    engine.client = engine.joined("Ben")
+    until(lambda: engine.client.ask("control")["ok"] and engine.client.ask("jog", on=True)["ok"])
