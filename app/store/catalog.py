@@ -62,9 +62,14 @@ def resolve_run(root: Path, text: str) -> Path:
     raise UsageError(f"no run {text!r} in {root}; {_nearest(text, names, ids)}")
 
 
+def run_name(name: str) -> re.Match[str] | None:
+    """Return the parts of a run's name (started, procedure, id); None when it is the name of something else."""
+    return _NAME.fullmatch(name)
+
+
 def _named(root: Path) -> list[tuple[Path, re.Match[str]]]:
     paths = sorted(root.iterdir()) if root.is_dir() else []
-    return [(path, match) for path in paths if path.is_dir() and (match := _NAME.fullmatch(path.name))]
+    return [(path, match) for path in paths if path.is_dir() and (match := run_name(path.name))]
 
 
 def _summary(path: Path, match: re.Match[str]) -> RunSummary:

@@ -18,6 +18,21 @@ Status = Literal["complete", "stopped", "aborted", "failed", "running", "died"]
 _ENDINGS: tuple[Status, ...] = ("complete", "stopped", "aborted", "failed")
 
 
+def ending(last: sqlite3.Row | None) -> Status | None:
+    """Return how a run ended, from the last record of its being opened or ended; None when that is no end.
+
+    Raises:
+        StorageError: it ended in a way that only a newer program knows.
+    """
+    if last is None or last["kind"] != "run-ended":
+        return None
+    name = json.loads(last["data"])["status"]
+    found = next((one for one in _ENDINGS if one == name), None)
+    if found is None:
+        raise StorageError(f"it ended as {name!r}, which this program does not know; install a newer catseye")
+    return found
+
+
 @dataclass(frozen=True)
 class StoredStep:
     """A step that is done.
@@ -87,10 +102,8 @@ class RunReader:
             "SELECT kind, data FROM events WHERE kind IN ('run-opened', 'run-reopened', 'run-ended') "
             "ORDER BY seq DESC LIMIT 1"
         )
-        if last and last[0]["kind"] == "run-ended":
-            name = json.loads(last[0]["data"])["status"]
-            return next(ending for ending in _ENDINGS if ending == name)
-        return "running" if is_being_written(self.path) else "died"
+        ended = ending(last[0]) if last else None
+        return ended or ("running" if is_being_written(self.path) else "died")
 
     @property
     def exit_code(self) -> int | None:

@@ -1,0 +1,193 @@
+"""The runs of a folder with what a list of them shows, read anew only where something changed."""
+
+import json
+import os
+import sqlite3
+from collections.abc import Iterator
+from contextlib import closing
+from dataclasses import dataclass
+from datetime import datetime
+from pathlib import Path
+from typing import Final, Literal
+
+from app.errors import StorageError
+from app.store.catalog import run_name
+from app.store.lock import is_being_written
+from app.store.reader import Status, ending
+from app.store.schema import open_reader
+from app.store.seal import DATABASE
+
+_Stamp = tuple[tuple[int, int], ...]
+"""Time of change and size of a run's files."""
+
+_OPEN: Final = frozenset({"running", "died"})
+"""What a living or dead writer makes of the same files."""
+
+_TABLES: Final = ("points", "path", "search", "records")
+
+
+@dataclass(frozen=True)
+class RunLine:
+    """One line of the history.
+
+    Attributes:
+        path: the run's directory.
+        id: six hexadecimal digits.
+        procedure: what was run.
+        started_utc: when it began.
+        status: how it ended; damaged when it cannot be read.
+        duration_s: from its first record to its last, interruptions included; None when it has none.
+        rows: measured points; of a run without them the rows of its path, search or other records.
+        simulated: every device is an emulator; None when the devices are not known.
+        cell: name of the cell; empty when it is not known.
+        fault: why a damaged one cannot be read.
+    """
+
+    path: Path
+    id: str
+    procedure: str
+    started_utc: datetime
+    status: Status | Literal["damaged"]
+    duration_s: float | None = None
+    rows: int = 0
+    simulated: bool | None = None
+    cell: str = ""
+    fault: str = ""
+
+    @property
+    def name(self) -> str:
+        """The run's name."""
+        return self.path.name
+
+
+class RunHistory:
+    """The runs of a folder.
+
+    Args:
+        root: folder of all runs.
+    """
+
+    def __init__(self, root: Path) -> None:
+        self._root = root
+        self._known: dict[str, tuple[_Stamp, RunLine]] = {}
+
+    @property
+    def lines(self) -> list[RunLine]:
+        """What is known, newest first."""
+        return [self._known[name][1] for name in sorted(self._known, reverse=True)]
+
+    def changes(self) -> Iterator[RunLine]:
+        """Look at the folder, and yield each run that is new or has changed, newest first.
+
+        Runs that are gone are forgotten before the first is yielded.
+        """
+        names = _names(self._root)
+        for gone in self._known.keys() - set(names):
+            del self._known[gone]
+        for name in names:
+            known = self._known.get(name)
+            stamp = _stamp(self._root / name)
+            if known is not None and known[0] == stamp and not _writer_changed(known[1]):
+                continue
+            line = _line(self._root / name)
+            self._known[name] = stamp, line
+            yield line
+
+
+def _names(root: Path) -> list[str]:
+    try:
+        with os.scandir(root) as entries:
+            found = [entry.name for entry in entries if _is_run(entry.name) and entry.is_dir()]
+    except OSError:
+        return []
+    return sorted(found, reverse=True)
+
+
+def _is_run(name: str) -> bool:
+    try:
+        _parts(name)
+    except ValueError:
+        return False
+    return True
+
+
+def _parts(name: str) -> tuple[datetime, str, str]:
+    """Return when a run began, its procedure, and its id.
+
+    Raises:
+        ValueError: it is the name of something else.
+    """
+    match = run_name(name)
+    if match is None:
+        raise ValueError(f"{name} is no name of a run")
+    started = datetime.strptime(match["started"] + "+0000", "%Y%m%dT%H%M%SZ%z")
+    return started, match["procedure"], match["id"]
+
+
+def _stamp(path: Path) -> _Stamp:
+    found = []
+    for name in (DATABASE, f"{DATABASE}-wal"):
+        try:
+            facts = os.stat(path / name)
+        except OSError:
+            continue
+        # A reader leaves an empty log beside the file of a dead writer.
+        if facts.st_size:
+            found.append((facts.st_mtime_ns, facts.st_size))
+    return tuple(found)
+
+
+def _writer_changed(line: RunLine) -> bool:
+    """Return whether a run that has no end yet is written by somebody now and was not, or the other way round."""
+    if line.status not in _OPEN:
+        return False
+    try:
+        return is_being_written(line.path) != (line.status == "running")
+    except OSError:
+        return True
+
+
+def _line(path: Path) -> RunLine:
+    started, procedure, id_ = _parts(path.name)
+    try:
+        with closing(open_reader(path / DATABASE)) as connection:
+            return _read(connection, path, id_, procedure, started)
+    except (StorageError, sqlite3.Error, OSError, ValueError, KeyError) as error:
+        return RunLine(path, id_, procedure, started, "damaged", fault=str(error))
+
+
+def _read(connection: sqlite3.Connection, path: Path, id_: str, procedure: str, started: datetime) -> RunLine:
+    meta = {
+        row["key"]: json.loads(row["value"])
+        for row in connection.execute("SELECT key, value FROM meta WHERE key IN ('simulated', 'cell')")
+    }
+    times = [
+        datetime.fromisoformat(row["time_utc"])
+        for order in ("ASC", "DESC")
+        for row in connection.execute(f"SELECT time_utc FROM events ORDER BY seq {order} LIMIT 1")
+    ]
+    tables = {row[0] for row in connection.execute("SELECT name FROM sqlite_master WHERE type = 'table'")}
+    counts = (
+        int(connection.execute(f"SELECT count(*) FROM {name}").fetchone()[0])
+        for name in _TABLES
+        if name in tables
+    )
+    return RunLine(
+        path=path,
+        id=id_,
+        procedure=procedure,
+        started_utc=started,
+        status=_status(connection, path),
+        duration_s=(times[-1] - times[0]).total_seconds() if times else None,
+        rows=next((count for count in counts if count), 0),
+        simulated=meta.get("simulated"),
+        cell=str(meta.get("cell") or ""),
+    )
+
+
+def _status(connection: sqlite3.Connection, path: Path) -> Status:
+    last = connection.execute(
+        "SELECT kind, data FROM events WHERE kind IN ('run-opened', 'run-reopened', 'run-ended') "
+        "ORDER BY seq DESC LIMIT 1"
+    ).fetchone()
+    return ending(last) or ("running" if is_being_written(path) else "died")
