@@ -19,6 +19,7 @@ from drivers.melfa.datalink.robot import DatalinkSettings, MelfaDatalink
 from drivers.melfa.robot import MelfaR3
 from drivers.melfa.settings import MelfaSettings
 from drivers.readings import Joints
+from procedures.devices import JogRobot
 from tests.unit.drivers.melfa_bench import Controller
 from tests.unit.drivers.peers import Peer, StepClock, until
 
@@ -292,3 +293,28 @@ async def test_ways_that_cannot_be_are_refused(way: tuple[Joints, ...]) -> None:
 def test_a_missing_data_link_endpoint_is_named() -> None:
     with pytest.raises(LinkError, match="datalink_endpoint"):
         MelfaDatalink.at("tcp://127.0.0.1:1", StepClock())
+
+
+async def test_a_jog_stops_the_program_that_has_the_arm_and_the_next_way_starts_it_again() -> None:
+    async with linked() as bench:
+        async with bench.robot.jogging({"J1": 1}) as jog:
+            # A controller refuses JOG while a program runs.
+            assert any(b"STOP" in request for request in bench.aside.requests)
+            jog.feed()
+            await until(lambda: any(b"JOG00;00;00;01;00" in request for request in bench.main.requests))
+        assert not any(b"RUN" in request for request in bench.main.requests)
+        await bench.robot.follow(WAY)
+        assert any(b"RUNCATSDL;1" in request for request in bench.main.requests)
+        assert bench.program.driven == [pytest.approx(target) for target in WAY]
+
+
+async def test_a_jog_while_no_program_runs_needs_no_stop_before_it() -> None:
+    async with linked(flags="A0060") as bench:
+        async with bench.robot.jogging({"J4": -1}):
+            assert not any(b"STOP" in request for request in bench.aside.requests)
+        assert any(b"STOP" in request for request in bench.aside.requests)
+
+
+def test_it_jogs_by_shape() -> None:
+    assert issubclass(MelfaDatalink, JogRobot)
+    assert issubclass(MelfaR3, JogRobot)

@@ -351,6 +351,23 @@ async def test_a_refused_telegram_ends_the_jog_with_its_reason() -> None:
         assert asyncio.current_task().cancelling() == 0  # type: ignore[union-attr]  # a test runs in a task
 
 
+def test_a_jog_that_ends_in_the_middle_of_a_telegram_keeps_the_link_in_step() -> None:
+    """Its answer is waited for while STOP goes past it; nothing is opened anew."""
+
+    async def end_early() -> None:
+        async with bench(quiet_s=0.02) as b:
+            async with b.robot.controller.jog({"J1": 1}) as jog:
+                jog.feed()
+                await until(lambda: jogs(b) > 0)
+                # The answer has no terminator: it is over after 0.02 s of silence.
+            assert "STOP" in b.said_aside
+            await b.robot.status()
+            assert jogs(b) == 1
+            assert sum(command.startswith("OPEN") for command in b.said) == 1
+
+    run(end_early())
+
+
 @pytest.mark.parametrize("how", ["error", "cancel"])
 async def test_whatever_ends_a_jog_stops_the_robot(how: str) -> None:
     async with bench() as b:
