@@ -57,6 +57,17 @@ def rehearsal_of(meta: dict[str, Any], root: Path) -> tuple[str, ...]:
     return () if max(map(len, words)) > _LONGEST_WORD else tuple(words)
 
 
+def rehearsal_words(path: Path) -> tuple[str, ...]:
+    """Return the words of `catseye` that rehearse a stored run; empty when its record cannot tell. Opens files."""
+    from app.errors import StorageError
+    from app.store.reader import RunReader
+
+    try:
+        return rehearsal_of(dict(RunReader(path).meta), path.parent)
+    except StorageError:
+        return ()
+
+
 def _row(row: Event) -> Event:
     """Return a stored row as the engine tells one: with the step that it belongs to."""
     return {**row, "step": row["step_id"]}

@@ -1,16 +1,344 @@
-"""The screen Run."""
+"""The screen Run: steps, instruction, live value, question, residuals, log; and what comes after the end."""
 
-from textual.app import ComposeResult
-from textual.widgets import Static
+import asyncio
+from collections.abc import Iterable, Sequence
+from functools import partial
+from pathlib import Path
+from typing import Any, ClassVar
 
+from textual.app import ComposeResult, SystemCommand
+from textual.binding import Binding, BindingType
+from textual.containers import Horizontal, Vertical
+from textual.content import Content
+
+from app.guidance.after_run import Advice, after_run
+from app.tui.dialogs.override_dialog import OverrideDialog
+from app.tui.dialogs.start_dialog import Permission, StartDialog
+from app.tui.picture import Picture
+from app.tui.record import rehearsal_words
+from app.tui.run_picture import RunPicture
 from app.tui.screens.base import MainScreen
+from app.tui.session import Session
+from app.tui.widgets.live_panel import LivePanel
+from app.tui.widgets.progress_line import ProgressLine
+from app.tui.widgets.prompt_panel import PromptPanel
+from app.tui.widgets.run_end import RunEnd
+from app.tui.widgets.run_log import RunLog
+from app.tui.widgets.run_plots import MapPlot, ResidualPlot
+from app.tui.widgets.step_list import PlannedStep, StepList
+from app.tui.widgets.told import Told
+
+_PLOTS = ("residuals", "maps")
 
 
 class RunScreen(MainScreen):
-    """Under construction by its own commit."""
+    """What is under way, or how it ended."""
 
     PLACE = "run"
+    AUTO_FOCUS = ""
+
+    DEFAULT_CSS = """
+    RunScreen #instruction { height: auto; max-height: 2; padding: 0 1; text-style: bold; }
+    RunScreen #middle { height: 1fr; }
+    RunScreen StepList { width: 34; height: 1fr; }
+    RunScreen #right { width: 1fr; }
+    RunScreen RunLog { height: 5; }
+    RunScreen.-high RunLog { height: 9; }
+    RunScreen.log #middle { display: none; }
+    RunScreen.log RunLog { height: 1fr; }
+    RunScreen.-low.asked RunLog { display: none; }
+    RunScreen.-low.asked RunPlot { display: none; }
+    RunScreen.-low.asked.log RunLog { display: block; }
+    RunScreen.-low #maps { display: none; }
+    RunScreen.-low.maps #maps { display: block; }
+    RunScreen.-low.maps #residuals { display: none; }
+    RunScreen.-low.asked #maps { display: none; }
+    RunScreen.-narrow StepList { display: none; }
+    """
+
+    BINDINGS: ClassVar[list[BindingType]] = [
+        Binding("f8", "move", "let the arm move", id="run.move", tooltip="the answer that lets the arm move"),
+        Binding("y", "yes", "yes", show=False, id="run.yes", tooltip="answer yes where no motion follows"),
+        Binding("n", "no", "no", show=False, id="run.no", tooltip="answer no"),
+        *(
+            Binding(str(k), f"choose({k})", f"choice {k}", show=False, id=f"run.choice-{k}")
+            for k in range(1, 10)
+        ),
+        Binding("c", "control", "control", id="run.control", tooltip="take control, or give it back"),
+        Binding("o", "override", "override", id="run.override", tooltip="lower the speed override"),
+        Binding("v", "view", "plot", id="run.view", tooltip="innovations, or uncertainty of the maps"),
+        Binding("l", "log", "log", id="run.log", tooltip="the log on the whole screen, and back"),
+        Binding(
+            "w", "level", "level", show=False, id="run.level", tooltip="all of the log, warnings, errors"
+        ),
+        Binding("pageup", "earlier", "earlier steps", show=False, id="run.earlier"),
+        Binding("pagedown", "later", "later steps", show=False, id="run.later"),
+        Binding("i", "after('identify')", "identify", show=False, id="run.identify", tooltip="after the end"),
+        Binding(
+            "p", "after('report')", "report", show=False, id="run.report", tooltip="a page about the run"
+        ),
+        Binding(
+            "e", "after('resume')", "resume", show=False, id="run.resume", tooltip="go on where it ended"
+        ),
+        Binding("x", "after('clear')", "clear", show=False, id="run.clear", tooltip="clear an abort"),
+        Binding(
+            "escape", "back", "back", show=False, id="run.back", tooltip="end a command that was begun here"
+        ),
+    ]  # fmt: skip - a key a line
+
+    def __init__(self, session: Session) -> None:
+        super().__init__(session)
+        self.HORIZONTAL_BREAKPOINTS = [(0, "-narrow"), (66, "-wide")]
+        self.VERTICAL_BREAKPOINTS = [(0, "-low"), (32, "-high")]
+        self._planned: list[PlannedStep] = []
+        self._planned_for = ""
+        self._doing = ""
 
     def body(self) -> ComposeResult:
-        """Return nothing yet."""
-        yield Static("Run")
+        """Put the parts together."""
+        yield ProgressLine()
+        yield Told(id="instruction")
+        with Horizontal(id="middle"):
+            yield StepList()
+            with Vertical(id="right"):
+                yield LivePanel()
+                yield ResidualPlot()
+                yield MapPlot()
+        yield PromptPanel()
+        yield RunEnd()
+        yield RunLog()
+
+    def commands(self) -> Iterable[SystemCommand]:
+        """Return what this screen can do."""
+        yield SystemCommand("Answer: let the arm move", "as F8 does", self.action_move)
+        yield SystemCommand("Answer: yes", "where no motion follows", self.action_yes)
+        yield SystemCommand("Answer: no", "to a question of yes or no", self.action_no)
+        yield SystemCommand("Take or give back control", "of the engine", self.action_control)
+        yield SystemCommand("Lower the speed override", "before the next motion", self.action_override)
+        yield SystemCommand("Innovations or maps", "the other plot", self.action_view)
+        yield SystemCommand("Log on the whole screen", "and back", self.action_log)
+        yield SystemCommand("Level of the log", "all, warnings, errors", self.action_level)
+        yield SystemCommand("Earlier steps", "move the list", self.action_earlier)
+        yield SystemCommand("Later steps", "move the list", self.action_later)
+        for kind in ("identify", "report", "resume", "clear"):
+            yield SystemCommand(
+                f"After the run: {kind}", "where it is sensible", partial(self.action_after, kind)
+            )
+
+    def show_picture(self, picture: Picture, now_s: float) -> None:
+        """Show the run."""
+        run = picture.run
+        self._plan_of(run)
+        asked = run is not None and run.prompt is not None
+        ended = run is not None and not run.active
+        self.set_class(asked or ended, "asked")
+        skipped = picture.missed.get("points and steps", 0)
+        self.query_one(ProgressLine).show(run, len(self._planned), skipped)
+        self.query_one("#instruction", Told).tell(_instruction(picture))
+        self.query_one(StepList).show(run, self._planned)
+        self.query_one(LivePanel).show(run, now_s)
+        self.query_one(ResidualPlot).show(run)
+        self.query_one(MapPlot).show(run)
+        self.query_one(RunLog).show(run, _holder(picture))
+        self.query_one(RunEnd).show(run, self._advice(run), self._doing)
+        prompt, at_s = (None, 0.0) if run is None else (run.prompt, run.prompt_at_s)
+        note = (
+            ""
+            if picture.in_control or picture.control is None
+            else f"{_holder(picture)} answers; c takes control"
+        )
+        layout = (picture.bench or {}).get("layout") or {}
+        self.query_one(PromptPanel).show(
+            prompt, at_s, now_s, self.session.speed, note, layout.get("reflectors", [])
+        )
+
+    def action_move(self) -> None:
+        """Agree to the motion of the open question."""
+        self._panel.move()
+
+    def action_yes(self) -> None:
+        """Answer yes."""
+        self._panel.yes()
+
+    def action_no(self) -> None:
+        """Answer no."""
+        self._panel.no()
+
+    def action_choose(self, number: int) -> None:
+        """Choose an answer by its number."""
+        self._panel.choose(number)
+
+    def action_control(self) -> None:
+        """Take control, or give it back."""
+        if self.session.link.picture.in_control:
+            self.catseye.action_release()
+        else:
+            self.catseye.action_take_control()
+
+    def action_override(self) -> None:
+        """Ask for a lower override."""
+        robot = (self.session.link.picture.bench or {}).get("robot") or {}
+        self.app.push_screen(OverrideDialog(robot.get("override_percent")), self._lower)
+
+    def action_view(self) -> None:
+        """Show the other plot; where both have room nothing changes."""
+        self.toggle_class("maps")
+
+    def action_log(self) -> None:
+        """Show the log on the whole screen, or not."""
+        self.toggle_class("log")
+        self.call_after_refresh(self.show_now)
+
+    def action_level(self) -> None:
+        """Show fewer levels of the log, or all again."""
+        self.query_one(RunLog).next_level()
+        self.show_now()
+
+    def action_earlier(self) -> None:
+        """Show earlier steps."""
+        self._move_steps(-1)
+
+    def action_later(self) -> None:
+        """Show later steps."""
+        self._move_steps(1)
+
+    def action_after(self, kind: str) -> None:
+        """Do what is sensible after the end."""
+        run = self.session.link.picture.run
+        found = next((each for each in self._advice(run) if each.kind == kind), None)
+        if run is None or found is None:
+            self.notify(f"{kind}: not now", severity="warning")
+        elif kind == "resume":
+            self._ask_to_resume(run)
+        elif kind == "clear":
+            self.catseye.action_clear()
+        else:
+            self.run_worker(self._do(found), group="after", exclusive=True, exit_on_error=False)
+
+    def action_back(self) -> None:
+        """End a command that was begun here."""
+        self.workers.cancel_group(self, "after")
+
+    def on_prompt_panel_answered(self, event: PromptPanel.Answered) -> None:
+        """Give the answer to the engine."""
+        self.run_worker(
+            self._answer(event.prompt, event.text), group="answer", exclusive=True, exit_on_error=False
+        )
+
+    @property
+    def _panel(self) -> PromptPanel:
+        return self.query_one(PromptPanel)
+
+    def _move_steps(self, pages: int) -> None:
+        steps = self.query_one(StepList)
+        steps.move(pages * max(steps.size.height - 1, 1), self.session.link.picture.run)
+        self.show_now()
+
+    async def _answer(self, prompt: str, text: str) -> None:
+        from app.service.errors import RefusedError, ServiceError
+
+        link = self.session.link
+        try:
+            if link.picture.control is None:
+                await link.request("control", take=True)
+            await link.request("answer", prompt=prompt, text=text)
+        except (RefusedError, ServiceError) as error:
+            self._panel.refuse(prompt, str(error))
+
+    def _lower(self, percent: float | None) -> None:
+        if percent is not None:
+            done = f"override at most {percent:g} % from the next motion on"
+            self.catseye.order(
+                "override", "The override is not lowered", control=True, done=done, percent=percent
+            )
+
+    def _advice(self, run: RunPicture | None) -> list[Advice]:
+        if run is None or run.active or run.ended is None:
+            return []
+        return after_run(run.procedure, str(run.ended["status"]), run.name, self.session.root)
+
+    def _ask_to_resume(self, run: RunPicture) -> None:
+        bench = self.session.link.picture.bench or {}
+        text = f"{run.name}\nSteps that are done are not repeated. What may have changed meanwhile is asked first."
+        simulated = run.simulated if run.simulated is not None else bench.get("simulated")
+        dialog = StartDialog(f"Go on: {run.title}", text, str(bench.get("cell") or ""), simulated=simulated)
+        self.app.push_screen(dialog, partial(self._resume, run.name))
+
+    def _resume(self, name: str, permission: Permission | None) -> None:
+        if permission is not None:
+            self.catseye.order("resume", "The run does not go on", control=True, run=name, arm=permission.arm)
+
+    async def _do(self, advice: Advice) -> None:
+        """Run a command; what it says last is shown meanwhile."""
+
+        def hear(text: str) -> None:
+            said = [line for line in text.replace("\r", "\n").splitlines() if line.strip()]
+            self._doing = said[-1] if said else self._doing
+
+        self._doing = f"{advice.kind} …  Esc ends it"
+        try:
+            if advice.writes is not None:
+                await asyncio.to_thread(advice.writes.parent.mkdir, parents=True, exist_ok=True)
+            done = await self.session.work.do(*advice.command, talk=hear)
+        finally:
+            self._doing = ""
+        if done.code:
+            self.catseye.tell_error(f"{advice.kind} failed", done.fault)
+        else:
+            self._doing = f"written: {advice.writes}"
+            self.notify(f"{advice.writes}", title=f"{advice.kind}: written")
+
+    def _plan_of(self, run: RunPicture | None) -> None:
+        """Rehearse the run that is shown, once, to know the steps to come."""
+        if run is None or run.name == self._planned_for:
+            return
+        self._planned_for, self._planned, self._doing = run.name, [], ""
+        if run.active:
+            self.run_worker(self._rehearse(run), group="plan", exclusive=True, exit_on_error=False)
+
+    async def _rehearse(self, run: RunPicture) -> None:
+        path = Path(run.path) if run.path else self.session.root / run.name
+        words: Sequence[str] = run.command or await asyncio.to_thread(rehearsal_words, path)
+        if not words:
+            return
+        done = await self.session.work.do(*words)
+        if done.code == 0:
+            self._planned = _planned(done.data())
+
+
+def _planned(facts: dict[str, Any]) -> list[PlannedStep]:
+    return [
+        PlannedStep(str(step["step"]), str(step["title"]), float(step["duration_s"]))
+        for step in facts["steps"]
+    ]
+
+
+def _holder(picture: Picture) -> str:
+    if picture.control is None:
+        return "nobody"
+    return "you" if picture.in_control else f"{picture.control.get('who')} ({picture.control.get('client')})"
+
+
+def _instruction(picture: Picture) -> Content:
+    """Return what to do now, in one sentence."""
+    run = picture.run
+    if run is None:
+        return Content("Start a procedure on Procedures (F3).")
+    if not run.active:
+        return Content("")
+    if run.prompt is not None:
+        return Content.styled("Answer the question below.", "$warning")
+    match run.state:
+        case "HELD" | "HOLDING":
+            return Content.styled(
+                f"Press g to go on; {run.reason}" if run.reason else "Press g to go on.", "$warning"
+            )
+        case "SUSPENDED":
+            return Content.styled(f"Suspended: {run.reason}", "$warning")
+        case "STOPPING" | "ABORTING":
+            return Content.styled(f"Wait for standstill: {run.reason}", "$error")
+        case "STARTING" | "IDLE":
+            return Content("Wait while the devices are connected.")
+    return Content(
+        "Keep out of the arm's reach." if run.current is None else f"Keep clear: {run.current.title}"
+    )

@@ -1,0 +1,48 @@
+"""What is sensible after a run has ended. Light: nothing is imported for it."""
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Literal
+
+Kind = Literal["identify", "report", "resume", "clear", "next"]
+
+
+@dataclass(frozen=True)
+class Advice:
+    """One thing that can be done.
+
+    Attributes:
+        kind: which.
+        text: what it is good for.
+        command: words of `catseye`; empty where it is no command.
+        writes: what the command writes; None where it writes nothing.
+    """
+
+    kind: Kind
+    text: str
+    command: tuple[str, ...] = ()
+    writes: Path | None = None
+
+
+def after_run(procedure: str, status: str, run: str, root: Path) -> list[Advice]:
+    """Return what is sensible, the most sensible first.
+
+    Results and reports go to `results` below the folder of runs: a run's own folder is sealed.
+
+    Args:
+        procedure: that was run.
+        status: complete, stopped, aborted or failed.
+        run: its name.
+        root: folder of all runs.
+    """
+    page = root / "results" / f"{run}.html"
+    words = ("report", run, "--runs", str(root), "-o", str(page))
+    report = Advice("report", "one page about this run", words, page)
+    if status != "complete":
+        first = [Advice("clear", "when the cause is found and removed")] if status == "aborted" else []
+        return [*first, Advice("resume", "go on where it ended", ("resume", run)), report]
+    if procedure != "open-loop":
+        return [Advice("next", "Procedures (F3) shows what comes next"), report]
+    result = root / "results" / f"{run}-error-map.json"
+    words = ("identify", run, "--runs", str(root), "-o", str(result))
+    return [Advice("identify", "error maps with their uncertainty", words, result), report]

@@ -1,0 +1,70 @@
+"""The value that is watched, big, with its acceptance band."""
+
+from textual.app import ComposeResult
+from textual.containers import Horizontal
+from textual.content import Content
+from textual.widgets import Digits
+
+from app.tui.run_picture import LiveValue, RunPicture
+from app.tui.widgets.band_bar import band_bar, band_text, value_text
+from app.tui.widgets.status_bar import STALE_S, age_style
+from app.tui.widgets.told import Told, lines
+
+
+class LivePanel(Horizontal):
+    """Shows the newest live value; an old one is greyed and says its age."""
+
+    DEFAULT_CSS = """
+    LivePanel { height: 5; }
+    LivePanel Digits { width: auto; height: 3; margin-right: 2; }
+    LivePanel #band { width: 1fr; }
+    LivePanel .stale { color: $text-disabled; }
+    """
+
+    def __init__(self) -> None:
+        super().__init__(id="live", classes="panel")
+        self.border_title = "Live value"
+
+    def compose(self) -> ComposeResult:
+        """The number, then band and what to do."""
+        yield Digits("")
+        yield Told(id="band")
+
+    def show(self, run: RunPicture | None, now_s: float) -> None:
+        """Show the newest value.
+
+        Args:
+            run: that is shown.
+            now_s: monotonic time, s.
+        """
+        live = None if run is None else run.live.get(run.newest_live)
+        number, band = self.query_one(Digits), self.query_one("#band", Told)
+        if live is None or run is None:
+            number.update("")
+            band.tell(Content.styled("nothing is watched now", "dim"))
+            self.border_title = "Live value"
+            return
+        since_s = now_s - live.at_s
+        stale = run.active and since_s > STALE_S
+        text = value_text(live.value)
+        if number.value != text:
+            number.update(text)
+        number.set_class(stale, "stale")
+        self.border_title = f"{live.name}{f' / {live.unit}' if live.unit else ''}"
+        age = age_style(0.0, since_s)[1] if run.active else " (the last one)"
+        band.tell(_band(live, band.size.width, age, stale=stale))
+
+
+def _band(live: LiveValue, width: int, age: str, *, stale: bool) -> Content:
+    accepted = band_text(live.low, live.high, live.unit)
+    if not accepted:
+        return Content(live.text + age)
+    word, style = ("IN", "$success") if live.accepted else ("OUT", "bold $error")
+    style = "dim" if stale else style
+    told = [
+        Content.styled(band_bar(live, width), style),
+        Content.assemble((word, style), f"  accepted {accepted}{age}"),
+    ]
+    if live.text and not live.accepted:
+        told.append(Content(live.text))
+    return lines(*told)

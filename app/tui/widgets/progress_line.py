@@ -1,0 +1,62 @@
+"""How far a run is: a bar, percent, steps, time passed and left."""
+
+from textual.content import Content
+
+from app.tui.run_picture import RunPicture
+from app.tui.widgets.told import Told
+from app.tui.words import duration_text
+
+_EIGHTHS = " ▏▎▍▌▋▊▉█"
+
+
+class ProgressLine(Told):
+    """One line."""
+
+    DEFAULT_CSS = """
+    ProgressLine { height: 1; padding: 0 1; text-wrap: nowrap; text-overflow: ellipsis; }
+    """
+
+    def show(self, run: RunPicture | None, planned: int, skipped: int) -> None:
+        """Show what is known.
+
+        Args:
+            run: that is shown.
+            planned: steps of the whole run; 0 where that is not known.
+            skipped: updates that did not reach this client.
+        """
+        if run is None:
+            self.tell(Content.styled("no run yet: start one on Procedures (F3)", "dim"))
+            return
+        parts: list[Content | str | tuple[str, str]] = []
+        if run.progress is not None:
+            share = _share(run.progress)
+            parts += [(bar(share, max(10, self.size.width // 5)), "$primary"), f" {100.0 * share:3.0f} %  "]
+        done = sum(step.status == "done" for step in run.steps.values())
+        parts.append(f"{done} of {planned} steps" if planned >= done > 0 else f"{done} steps")
+        if run.progress is not None:
+            passed_s, left_s = (float(run.progress[key]) for key in ("elapsed_s", "remaining_s"))
+            parts.append(f"  passed {duration_text(passed_s)}")
+            if run.active:
+                parts.append(f"  left {duration_text(left_s)}")
+            if run.progress.get("text"):
+                parts.append((f"  {run.progress['text']}", "$text-muted"))
+        if skipped:
+            parts.append((f"  {skipped} updates skipped here, all are in the record", "dim"))
+        self.tell(Content.assemble(*parts))
+
+
+def bar(share: float, width: int) -> str:
+    """Return a bar of block characters.
+
+    Args:
+        share: 0…1 of it is full.
+        width: in characters.
+    """
+    eighths = round(min(max(share, 0.0), 1.0) * width * 8)
+    full, rest = divmod(eighths, 8)
+    return ("█" * full + (_EIGHTHS[rest] if rest else "")).ljust(width, "░")
+
+
+def _share(progress: dict[str, float]) -> float:
+    total = float(progress["total"])
+    return float(progress["done"]) / total if total > 0.0 else 0.0

@@ -1,0 +1,280 @@
+"""The open question: what is asked, what to do, and how to answer. Nothing is answered by leaning on a key."""
+
+import math
+from collections.abc import Mapping, Sequence
+from typing import Any, Final
+
+from textual.app import ComposeResult
+from textual.containers import Horizontal, Vertical
+from textual.content import Content
+from textual.message import Message
+from textual.widgets import Button, Input, Label
+
+from app.tui.widgets.task_picture import task_picture
+from app.tui.widgets.told import Told, lines
+from app.tui.words import duration_text
+
+SETTLE_S: Final = 0.5
+"""A key that was meant for something else, pressed as the question came up, answers nothing."""
+
+Prompt = Mapping[str, Any]
+
+
+class PromptPanel(Vertical):
+    """Docked above the log while a question is open; gone otherwise."""
+
+    DEFAULT_CSS = """
+    PromptPanel { height: auto; max-height: 14; border: heavy $warning; padding: 0 1; display: none; }
+    PromptPanel.open { display: block; }
+    PromptPanel #question { text-style: bold; height: auto; }
+    PromptPanel #task, PromptPanel #motion, PromptPanel #ways, PromptPanel #refused { height: auto; }
+    PromptPanel #motion { color: $warning; }
+    PromptPanel #refused { color: $error; }
+    PromptPanel #answers { height: 1; }
+    PromptPanel Button { height: 1; min-width: 10; border: none; margin-right: 2; }
+    PromptPanel Input { height: 1; width: 1fr; background: $boost; }
+    PromptPanel Input.short { width: 24; }
+    PromptPanel #unit { width: 1fr; }
+    """
+
+    class Answered(Message):
+        """A person has decided.
+
+        Args:
+            prompt: id of the question.
+            text: the answer.
+        """
+
+        def __init__(self, prompt: str, text: str) -> None:
+            super().__init__()
+            self.prompt = prompt
+            self.text = text
+
+    def __init__(self) -> None:
+        super().__init__(id="prompt")
+        self._prompt: Prompt | None = None
+        self._at_s = 0.0
+        self._now_s = 0.0
+
+    def compose(self) -> ComposeResult:
+        """Question, task, motion, ways to answer, refusal."""
+        yield Told(id="question")
+        yield Told(id="task")
+        yield Told(id="motion")
+        yield Told(id="ways")
+        yield Horizontal(id="answers")
+        yield Told(id="refused")
+
+    @property
+    def prompt(self) -> Prompt | None:
+        """The open question."""
+        return self._prompt
+
+    def show(
+        self,
+        prompt: Prompt | None,
+        at_s: float,
+        now_s: float,
+        speed: float,
+        note: str,
+        reflectors: Sequence[Mapping[str, Any]],
+    ) -> None:
+        """Show the open question, or nothing.
+
+        Args:
+            prompt: as the engine told it.
+            at_s: when it came, monotonic s.
+            now_s: monotonic time, s.
+            speed: bench seconds in one real second; the time to answer is bench time.
+            note: who may answer, when that is not this client.
+            reflectors: of the bench, as the engine tells them.
+        """
+        self._now_s = now_s
+        if (prompt or {}).get("id") != (self._prompt or {}).get("id") or at_s != self._at_s:
+            self._prompt, self._at_s = prompt, at_s
+            self.set_class(prompt is not None, "open")
+            self.run_worker(self._lay_out(prompt), group="prompt", exclusive=True, exit_on_error=False)
+        if prompt is not None:
+            drawn = task_picture(prompt.get("task"), reflectors)
+            self.query_one("#task", Told).tell(Content("\n".join(drawn)))
+            self.border_title = f"Question {prompt['id']}" + (f"  ({note})" if note else "")
+            self.border_subtitle = _time_left(prompt, now_s - at_s, speed)
+
+    def refuse(self, prompt: str, text: str) -> None:
+        """Say beside the question why an answer was refused.
+
+        Args:
+            prompt: id of the question that was answered.
+            text: why it was refused.
+        """
+        if self._prompt is not None and self._prompt["id"] == prompt:
+            self.query_one("#refused", Told).tell(Content(f"✗ {text}"))
+
+    def yes(self) -> None:
+        """Answer yes where no motion follows."""
+        if self._kind() == "confirm" and self._motion():
+            self._say("the arm moves after this: F8 confirms it, n refuses")
+        elif self._kind() == "confirm":
+            self._answer("yes")
+
+    def no(self) -> None:
+        """Answer no."""
+        if self._kind() == "confirm":
+            self._answer("no")
+
+    def choose(self, number: int) -> None:
+        """Choose by number, from 1."""
+        choices = self._choices()
+        if self._kind() != "choice" or not 1 <= number <= len(choices):
+            return
+        if number == 1 and self._motion():
+            self._say(f"the arm moves after {choices[0]}: F8 confirms it")
+        else:
+            self._answer(choices[number - 1])
+
+    def move(self) -> None:
+        """Agree to a motion."""
+        if not self._motion():
+            return
+        match self._kind():
+            case "confirm":
+                self._answer("yes")
+            case "choice":
+                self._answer(self._choices()[0])
+
+    def on_button_pressed(self, event: Button.Pressed) -> None:
+        """Take the answer of a button."""
+        event.stop()
+        self._answer(str(event.button.name))
+
+    def on_input_changed(self, event: Input.Changed) -> None:
+        """Judge a number as it is typed."""
+        event.stop()
+        self.query_one("#refused", Told).tell(Content(""))
+        if self._kind() == "number" and event.value.strip() and not _is_number(event.value):
+            self._say(f"{event.value!r} is no number{self._in_unit()}")
+
+    def on_input_submitted(self, event: Input.Submitted) -> None:
+        """Take what was typed; an empty line answers nothing."""
+        event.stop()
+        text = event.value.strip()
+        if not text:
+            self._say(f"type a {'number' if self._kind() == 'number' else 'line of text'}{self._in_unit()}")
+        elif self._kind() == "number" and not _is_number(text):
+            self._say(f"{text!r} is no number{self._in_unit()}")
+        else:
+            self._answer(text)
+
+    def _answer(self, text: str) -> None:
+        if self._prompt is None or self._now_s - self._at_s < SETTLE_S:
+            return
+        self.query_one("#refused", Told).tell(Content(""))
+        self.post_message(self.Answered(str(self._prompt["id"]), text))
+
+    def _say(self, text: str) -> None:
+        self.query_one("#refused", Told).tell(Content(f"✗ {text}"))
+
+    def _kind(self) -> str:
+        return "" if self._prompt is None else str(self._prompt["kind"])
+
+    def _motion(self) -> bool:
+        return self._prompt is not None and self._prompt.get("motion") is True
+
+    def _choices(self) -> list[str]:
+        return [] if self._prompt is None else [str(choice) for choice in self._prompt.get("choices") or ()]
+
+    def _in_unit(self) -> str:
+        unit = "" if self._prompt is None else str(self._prompt.get("unit") or "")
+        return f" in {unit}" if unit else ""
+
+    async def _lay_out(self, prompt: Prompt | None) -> None:
+        for name in ("question", "task", "motion", "ways", "refused"):
+            self.query_one(f"#{name}", Told).tell(Content(""))
+        answers = self.query_one("#answers")
+        await answers.remove_children()
+        if prompt is None:
+            return
+        self.query_one("#question", Told).tell(Content(str(prompt["text"])))
+        self.query_one("#motion", Told).tell(_motion_text(prompt))
+        self.query_one("#ways", Told).tell(_ways(prompt, self._choices()))
+        await answers.mount_all(_answers(prompt))
+        focused = [each for each in answers.children if each.has_class("first")]
+        if focused and self.screen.is_current:
+            focused[0].focus()
+
+
+def _answers(prompt: Prompt) -> list[Button | Input | Label]:
+    """Return what the keyboard's focus can be on; the safe answer has it first."""
+    match prompt["kind"]:
+        case "confirm" if prompt.get("motion") is True:
+            # No focus on either: Enter moves nothing and refuses nothing.
+            return [_unfocused(Button("n  no", name="no", compact=True))]
+        case "confirm":
+            safe = str(prompt.get("safe_answer") or "no")
+            buttons = [Button("n  no", name="no", compact=True), Button("y  yes", name="yes", compact=True)]
+            for button in buttons:
+                button.set_class(button.name == safe, "first")
+            return list(buttons)
+        case "number":
+            field = Input(placeholder="number", compact=True, classes="first short")
+            return [field, Label(str(prompt.get("unit") or ""), id="unit", markup=False)]
+        case "text":
+            return [Input(placeholder="text, then Enter", compact=True, classes="first")]
+    return []
+
+
+def _unfocused(button: Button) -> Button:
+    button.can_focus = False
+    return button
+
+
+def _ways(prompt: Prompt, choices: list[str]) -> Content:
+    motion = prompt.get("motion") is True
+    match prompt["kind"]:
+        case "confirm" if motion:
+            return Content.styled("F8  done: the arm may move        n  no", "bold")
+        case "confirm":
+            return Content("y  yes        n  no")
+        case "choice":
+            keys = [
+                f"{'F8' if motion and number == 1 else number}  {text}"
+                for number, text in enumerate(choices, 1)
+            ]
+            safe = prompt.get("safe_answer")
+            return Content("      ".join(keys) + (f"      (safe: {safe})" if safe else ""))
+    return Content("type it, then Enter")
+
+
+def _motion_text(prompt: Prompt) -> Content:
+    """Say where the arm goes, how fast, at which override."""
+    if prompt.get("motion") is not True:
+        return Content("")
+    target, percent, speeds = (prompt.get(key) for key in ("target", "override_percent", "speed_deg_s"))
+    where = "to the next pose of the plan"
+    if target:
+        one, two, three, four = target
+        where = f"to J1 {one:.2f}°, J2 {two:.2f}°, J3 {three:.1f} mm, J4 {four:.2f}°"
+    told = [Content(f"THE ARM MOVES then, {where}")]
+    if percent is not None:
+        fast = (
+            ""
+            if not speeds
+            else "; joints up to " + ", ".join(f"{speed:.0f}" for speed in speeds) + " deg/s (J1, J2, J4)"
+        )
+        told.append(Content(f"at {percent:g} % override{fast}"))
+    return lines(*told)
+
+
+def _time_left(prompt: Prompt, open_s: float, speed: float) -> str:
+    timeout_s, safe = prompt.get("timeout_s"), prompt.get("safe_answer")
+    if timeout_s is None:
+        return ""
+    left_s = max(float(timeout_s) / speed - open_s, 0.0)
+    return f"{duration_text(left_s)} left, then " + (f"{safe}" if safe else "the run ends")
+
+
+def _is_number(text: str) -> bool:
+    try:
+        return math.isfinite(float(text))
+    except ValueError:
+        return False

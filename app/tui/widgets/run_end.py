@@ -1,0 +1,56 @@
+"""How a run ended, and what is sensible now."""
+
+from collections.abc import Sequence
+from typing import Final
+
+from textual.content import Content
+
+from app.guidance.after_run import Advice
+from app.tui.run_picture import RunPicture
+from app.tui.widgets.told import Told, lines
+
+KEYS: Final = {"identify": "i", "report": "p", "resume": "e", "clear": "x", "next": "F3"}
+
+
+class RunEnd(Told):
+    """Stands where questions stand while a run is under way."""
+
+    DEFAULT_CSS = """
+    RunEnd { height: auto; border: round $primary; padding: 0 1; display: none; }
+    RunEnd.open { display: block; }
+    """
+
+    def __init__(self) -> None:
+        super().__init__(id="end")
+        self.border_title = "The run has ended"
+
+    def show(self, run: RunPicture | None, advice: Sequence[Advice], doing: str) -> None:
+        """Show the end of a run, or nothing.
+
+        Args:
+            run: that is shown.
+            advice: what is sensible now.
+            doing: what a command that was begun here says.
+        """
+        ended = run is not None and not run.active
+        self.set_class(ended, "open")
+        if run is None or not ended:
+            return
+        told = [_outcome(run)]
+        told += [
+            Content.assemble((f"{KEYS[each.kind]:>3}  ", "bold $accent"), f"{each.kind:<9} {each.text}")
+            for each in advice
+        ]
+        if doing:
+            told.append(Content.styled(doing, "$text-muted"))
+        self.tell(lines(*told))
+
+
+def _outcome(run: RunPicture) -> Content:
+    if run.ended is None:
+        return Content("it ended while nobody here was connected: Runs (F7) has its record")
+    status, text = str(run.ended["status"]), str(run.ended.get("text") or "")
+    done = sum(step.status == "done" for step in run.steps.values())
+    facts = f"  {done} steps, {run.points_seen} distances"
+    style = "bold $success" if status == "complete" else "bold $error"
+    return Content.assemble((status.upper(), style), facts + (f": {text}" if text else ""))

@@ -1,0 +1,54 @@
+"""What happened in a run, newest below."""
+
+from typing import Final
+
+from textual.content import Content
+
+from app.tui.run_picture import LogLine, RunPicture
+from app.tui.widgets.told import Told, lines
+
+LEVELS: Final = ("info", "warning", "error")
+_SIGNS: Final = {"info": " ", "warning": "!", "error": "✗"}
+_STYLES: Final = {"info": "", "warning": "$warning", "error": "bold $error"}
+
+
+class RunLog(Told):
+    """The last lines that have room, from a chosen level upwards."""
+
+    DEFAULT_CSS = """
+    RunLog { text-wrap: nowrap; text-overflow: ellipsis; }
+    """
+
+    def __init__(self) -> None:
+        super().__init__(id="log", classes="panel")
+        self.border_title = "Log"
+        self.least = 0
+        """Position in `LEVELS` of what is shown at least."""
+
+    def next_level(self) -> None:
+        """Show fewer levels, or all again."""
+        self.least = (self.least + 1) % len(LEVELS)
+        self.border_title = "Log" if self.least == 0 else f"Log: {LEVELS[self.least]} and worse"
+
+    def show(self, run: RunPicture | None, control: str) -> None:
+        """Show the last lines.
+
+        Args:
+            run: that is shown.
+            control: who holds control.
+        """
+        self.border_subtitle = f"control: {control}"
+        wanted = LEVELS[self.least :]
+        found: list[Content] = []
+        for line in reversed(run.log if run is not None else ()):
+            if line.level in wanted:
+                found.append(_told(line))
+            if len(found) >= max(self.size.height, 1):
+                break
+        self.tell(lines(*reversed(found)))
+
+
+def _told(line: LogLine) -> Content:
+    return Content.assemble(
+        (line.t[11:19], "dim"), (f" {_SIGNS[line.level]} {line.text}", _STYLES[line.level])
+    )

@@ -1,0 +1,89 @@
+"""The steps of a run: done, under way, and those to come."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import islice
+from typing import Final
+
+from textual.content import Content
+
+from app.tui.run_picture import RunPicture
+from app.tui.widgets.told import Told, lines
+from app.tui.words import duration_text
+
+DONE: Final = "✓"
+STORED: Final = "↺"
+CURRENT: Final = "▶"
+NEXT: Final = "·"
+
+
+@dataclass(frozen=True)
+class PlannedStep:
+    """A step of the rehearsal.
+
+    Attributes:
+        id: of the step.
+        title: one line.
+        duration_s: expected time.
+    """
+
+    id: str
+    title: str
+    duration_s: float
+
+
+class StepList(Told):
+    """As many steps around the one under way as there is room for; it can be moved to earlier and later ones."""
+
+    DEFAULT_CSS = """
+    StepList { height: 1fr; text-wrap: nowrap; text-overflow: ellipsis; }
+    """
+
+    def __init__(self) -> None:
+        super().__init__(id="steps", classes="panel")
+        self.border_title = "Steps"
+        self.moved = 0
+        """Lines by which the view is moved from the step under way."""
+
+    def show(self, run: RunPicture | None, planned: Sequence[PlannedStep]) -> None:
+        """Show the steps.
+
+        Args:
+            run: that is shown.
+            planned: all steps of its rehearsal, in order; empty where there is none.
+        """
+        if run is None:
+            self.tell(Content(""))
+            return
+        rows = max(self.size.height, 1)
+        following = [] if not run.active else [step for step in planned if step.id not in run.steps]
+        done, count = len(run.steps), len(run.steps) + len(following)
+        # Two thirds of the room for what is done, the rest for what comes.
+        room_after = min(len(following), rows // 3)
+        start = min(max(done + room_after - rows + self.moved, 0), max(count - rows, 0))
+        shown = [_begun(run, step_id) for step_id in islice(run.steps, start, start + rows)]
+        first = max(start - done, 0)
+        shown += [_to_come(step) for step in following[first : first + rows - len(shown)]]
+        self.tell(lines(*shown) if shown else Content.styled("none yet", "dim"))
+        self.border_subtitle = f"{NEXT} {len(following)} to come" if following else ""
+
+    def move(self, by: int, run: RunPicture | None) -> None:
+        """Move the view by lines; beyond the newest it is back at the step under way."""
+        most = 0 if run is None else len(run.steps)
+        self.moved = max(min(self.moved + by, most), -most)
+
+
+def _begun(run: RunPicture, step_id: str) -> Content:
+    step = run.steps[step_id]
+    if step.status == "current" and run.active:
+        return Content.styled(f"{CURRENT} {step.title}", "bold $primary")
+    if step.status == "current":
+        return Content.styled(f"✗ {step.title}", "$error")
+    sign = STORED if step.stored else DONE
+    return Content.assemble(
+        (sign, "$success"), (f" {step.title}" + (" (done before)" if step.stored else ""), "")
+    )
+
+
+def _to_come(step: PlannedStep) -> Content:
+    return Content.styled(f"{NEXT} {step.title}  {duration_text(step.duration_s)}", "dim")

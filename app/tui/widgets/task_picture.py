@@ -1,0 +1,41 @@
+"""What hands have to do, as a small picture of characters."""
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+
+def task_picture(task: Mapping[str, Any] | None, reflectors: Sequence[Mapping[str, Any]] = ()) -> list[str]:
+    """Return lines that show a task; none for a mere question.
+
+    Args:
+        task: of the prompt.
+        reflectors: of the bench, as the engine tells them.
+    """
+    match dict(task or {}):
+        case {"do": "turn-screw", "turns": int() | float() as turns, **rest}:
+            return _screw(float(turns), str(rest.get("screw", "")))
+        case {"do": "place-reflector", "reflector": name}:
+            return _nests(str(name), reflectors)
+        case {"do": "clear-beam"}:
+            return ["▣━━━━━━━ ╳ ━━━━━━━◗   nothing may stand in the beam"]
+    return []
+
+
+def _screw(turns: float, screw: str) -> list[str]:
+    """Draw the head of a screw from above, arrows the way it turns; clockwise is positive."""
+    above, below = ("▶", "◀") if turns > 0.0 else ("◀", "▶")
+    way = "clockwise ↻" if turns > 0.0 else "anticlockwise ↺"
+    return [
+        f"╭──{above}──╮",
+        f"│  ✚  │   {abs(turns):.2f} turns {way}",
+        f"╰──{below}──╯   {360.0 * abs(turns):.0f}° of the {screw} screw",
+    ]
+
+
+def _nests(name: str, reflectors: Sequence[Mapping[str, Any]]) -> list[str]:
+    names = [str(each["name"]) for each in reflectors] or [name]
+    line = "   ".join(f"[◗] {each}" if each == name else f"[ ] {each}" for each in names)
+    places = [
+        f"x {each['x_mm']:.0f} mm, y {each['y_mm']:.0f} mm" for each in reflectors if each["name"] == name
+    ]
+    return [line + (f"      {name}: {places[0]}" if places else "")]
