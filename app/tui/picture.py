@@ -51,6 +51,8 @@ class Picture:
         strip_at_s: when the last columns came.
         jog: last message about jogging.
         wire: raw traffic, oldest first.
+        wire_seen: lines of it ever.
+        raw: who has taken a device's link from its driver, by device.
         missed: messages of each kind that the engine or this client replaced or dropped.
         log: what happened outside of a run.
         revision: grows with every message.
@@ -73,6 +75,8 @@ class Picture:
     strip_at_s: float = 0.0
     jog: Event | None = None
     wire: deque[Event] = field(default_factory=lambda: deque(maxlen=WIRE_LINES))
+    wire_seen: int = 0
+    raw: dict[str, str] = field(default_factory=dict)
     missed: dict[str, int] = field(default_factory=dict)
     log: deque[LogLine] = field(default_factory=lambda: deque(maxlen=500))
     revision: int = 0
@@ -114,6 +118,7 @@ class Picture:
         self.reason = str(snapshot.get("reason") or "")
         self.aborted = str(snapshot.get("aborted") or "")
         self.jog = snapshot.get("jog")
+        self.raw = {}
         # Nobody knows how much time has passed unseen.
         self.strip.clear()
         if snapshot.get("run") is not None:
@@ -127,7 +132,7 @@ class Picture:
         """The engine is gone, or was never there."""
         self.connected, self.trouble = False, trouble
         self.control, self.jog, self.bench = None, None, None
-        self.clients = []
+        self.clients, self.raw = [], {}
         self.revision += 1
 
     def take(self, event: Event, now_s: float) -> None:
@@ -145,9 +150,12 @@ class Picture:
                 self._samples(event, now_s)
             case "wire":
                 self.wire.extend(event["lines"])
+                self.wire_seen += len(event["lines"])
                 self._count("wire", event.get("missed"))
             case "jog":
                 self.jog = event
+            case "raw":
+                self._raw(event)
             case "control":
                 self._control(event)
             case "dropped":
@@ -184,6 +192,14 @@ class Picture:
         self.strip_seen += missed + len(event["low"])
         self.strip_period_s, self.strip_at_s = float(event["period_s"]), now_s
         self._count("samples", event.get("missed"))
+
+    def _raw(self, event: Event) -> None:
+        device, by = str(event["device"]), str(event.get("by") or "")
+        if event["on"]:
+            self.raw[device] = by
+        else:
+            self.raw.pop(device, None)
+            self._say(event, "info", f"{device} has its link again: {event.get('reason') or by}")
 
     def _control(self, event: Event) -> None:
         who = event.get("by")
