@@ -6,7 +6,7 @@ from typing import Any
 
 from app.bench.jogging import Jogging
 from app.bench.lending import HandBench
-from app.bench.raw_link import RawLink
+from app.bench.raw_link import ROBOT, RawLink
 from app.service.errors import RefusedError
 from app.service.hub import Hub, Member
 from app.service.messages import JogHold, JogMode, JogStep, Message, Raw, Send
@@ -80,18 +80,22 @@ class ByHand:
         return self._later(self._raw[request.device].send(bytes.fromhex(request.hex)))
 
     def stop(self, reason: str) -> bool:
-        """Stop an arm that is moved by hand; return whether there is such a one."""
-        if self._jog is None:
+        """Stop an arm that is moved by hand, or by raw bytes; return whether there is such a one."""
+        if self._jog is not None:
+            self._jog.end(reason)
+        elif (link := self._raw.get(ROBOT)) is not None:
+            # Its driver, which can stop it, has to have the link back.
+            link.end(reason)
+        else:
             return False
-        self._jog.end(reason)
         return True
 
     def abort(self, reason: str) -> bool:
         """Stop an arm that is moved by hand and let nothing move until it is cleared; return whether there is one."""
-        if self._jog is None:
-            return False
-        self._jog.abort(reason)
-        return True
+        if self._jog is not None:
+            self._jog.abort(reason)
+            return True
+        return self.stop(reason)
 
     async def end(self, reason: str) -> None:
         """End everything that is done by hand; the arm stands when this returns."""

@@ -14,7 +14,7 @@ from app.engine.waiting import uncancelled, within
 from app.errors import InterruptedRunError, SafetyError
 from app.service.errors import RefusedError, refusal_of
 from app.service.messages import JogHold, JogMode, JogStep, Message
-from procedures.devices import Robot
+from procedures.devices import DeviceIdentity, Robot
 
 _LOOK_S: Final = 0.25
 """Between two looks at an arm that stands."""
@@ -51,7 +51,6 @@ class Jogging:
         self._reason = ""
         self._failure: Exception | None = None
         self._ended = asyncio.Event()
-        self._told = False
         self._task = asyncio.create_task(self._serve())
 
     def add_done_callback(self, done: Callable[["Jogging"], None]) -> None:
@@ -120,7 +119,7 @@ class Jogging:
 
     async def _jog(self, devices: Devices) -> None:
         facts = await self._bench.facts()
-        simulated = require_permission(dict(self._bench.identities()), facts.cell, self._request.arm)
+        simulated = require_permission(self._identities(devices), facts.cell, self._request.arm)
         gate = JogGate(devices, facts, self._request.percent)
         self._percent = gate.percent
         robot, clock = devices.robot, self._bench.clock
@@ -130,7 +129,6 @@ class Jogging:
             self._arm = HandArm(robot, facts.bench, gate, clock, self._limits, self)
             self.begun.set_result({"override_percent": override_percent, "simulated": simulated})
             self._tell(moving=None)
-            self._told = True
             await self._stand_by(robot, self._arm)
         except Exception as error:
             self._failure = self._failure or error
@@ -138,6 +136,11 @@ class Jogging:
             raise
         finally:
             await uncancelled(self._leave(robot, drives_on))
+
+    def _identities(self, devices: Devices) -> dict[str, DeviceIdentity]:
+        """Return who answers of those that a run has: what else stands in the cell file moves nothing."""
+        known = self._bench.identities()
+        return {name: known[name] for name in devices.named() if name in known}
 
     async def _stand_by(self, robot: Robot, arm: HandArm) -> None:
         """Look at the arm while it stands, until the end.
@@ -176,8 +179,7 @@ class Jogging:
             self.begun.set_exception(refusal_of(error))
         elif error is not None:
             self._bench.tell("error", text=str(error), exit_code=int(refusal_of(error).code))
-        if self._told:
-            self._told = False
+        if self._arm is not None:
             self._bench.tell(
                 "jog", on=False, by=self.who, percent=self._percent, moving=None, reason=self._reason
             )

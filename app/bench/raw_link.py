@@ -16,7 +16,7 @@ from drivers.errors import DeviceError, LinkError
 from drivers.transport import Transport
 
 _WRITE_S: Final = 2.0
-_ROBOT = "robot"
+ROBOT: Final = "robot"
 
 
 class RawLink:
@@ -96,7 +96,7 @@ class RawLink:
             self.begun.set_exception(refusal_of(error))
             return
         self._bench.tell("raw", device=self.device, on=False, by=self._who, reason=self._reason)
-        if self.device == _ROBOT and not self._given_back:
+        if self.device == ROBOT and not self._given_back:
             await self._stop_robot()
 
     async def _pass_bytes(self) -> None:
@@ -124,7 +124,7 @@ class RawLink:
                 f"arm names {self._arm!r} and the cell is {facts.cell!r}: nothing was opened; check which robot it is"
             )
         identity = self._bench.identities().get(device.name)
-        moves = device.name == _ROBOT or device.driver.startswith("melfa-")
+        moves = device.name == ROBOT or device.driver.startswith("melfa-")
         if moves and self._arm is None and (identity is None or not identity.simulated):
             raise UsageError(
                 f"what is sent to {device.name} may move the arm: type the cell's name to let it pass, "

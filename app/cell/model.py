@@ -60,7 +60,8 @@ class Robot(Section):
     j3_mm: Finite = 0.0
     j3_range_mm: Range | None = None
     override_cap_percent: Annotated[float, Field(ge=1.0, le=100.0, allow_inf_nan=False)] = 20.0
-    # The sheet gives the speeds of J1, J2, J4 from memory of a catalogue: they serve the time estimate only.
+    # The sheet gives the speeds of J1, J2, J4 from memory of a catalogue: they serve estimates of time, and of the
+    # way that a joint needs to stop as long as a jog by hand has not shown its speed.
     speed_deg_s: Triple = Field(default=[420.0, 720.0, 3000.0])
     acceleration_deg_s2: Triple = Field(default=[2000.0, 4000.0, 15000.0])
     # Only where set points are streamed: the fastest joint on the way from node to node.

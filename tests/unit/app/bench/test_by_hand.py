@@ -319,6 +319,19 @@ def test_a_robot_whose_client_is_gone_is_stopped_when_its_driver_has_it_back(
     assert engine.fixture.events("warning") == []
 
 
+@pytest.mark.parametrize("word", ["stop", "abort"])
+def test_a_stop_reaches_a_robot_that_is_sent_raw_bytes(monkeypatch: pytest.MonkeyPatch, word: str) -> None:
+    async def script(engine: Engine) -> None:
+        await engine.raw("interferometer")
+        assert not engine.by_hand.stop("Ben stopped it")
+        await engine.raw("robot")
+        assert getattr(engine.by_hand, word)("Ben stopped it")
+        await asyncio.sleep(1.0)
+        assert engine.fixture.parked_now == ["interferometer"]
+
+    assert played(script, monkeypatch).arm.said("stop") == ["stop"]
+
+
 def test_a_robot_that_cannot_be_stopped_after_that_is_warned_about(monkeypatch: pytest.MonkeyPatch) -> None:
     async def script(engine: Engine) -> None:
         await engine.raw("robot")
