@@ -261,8 +261,13 @@ class RunPicture:
         data = event.get("data") or {}
         if event["kind"] == "map-known":
             self.map_known.append(data)
-        text = str(data.get("text") or "")
-        self._say(event, "info", f"{event['kind']}: {text}" if text else str(event["kind"]))
+        # The first screen is painted before this is imported.
+        from app.store.reader import StoredEvent
+        from app.story.words import event_text
+
+        text = event_text(StoredEvent(0, str(event.get("t") or ""), str(event["kind"]), data))
+        if text:
+            self._say(event, "info", text)
 
     def _warning(self, event: Event) -> None:
         if isinstance(data := event.get("data"), dict) and data.get("simulated"):

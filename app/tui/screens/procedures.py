@@ -309,8 +309,10 @@ class ProceduresScreen(MainScreen):
 
     def _ready_to_go(self) -> bool:
         faults = self.query_one(ParameterForm).faults
-        if not self._chosen or self.session.cell is None:
+        if self.session.cell is None:
             self.notify("there is no cell file yet: set one up (F10)", severity="warning")
+        elif not self._chosen:
+            self.notify("cell and runs are being looked at: wait a moment", severity="warning")
         elif faults:
             self.notify("\n".join(faults), title="not possible", severity="error")
         else:
@@ -389,6 +391,7 @@ class ProceduresScreen(MainScreen):
 
     def _say(self, text: str) -> None:
         self.query_one("#doing", Told).tell(Content(text))
+        self.query_one("#list-panel").border_subtitle = "wait …" if text else ""
 
 
 def _totals(rehearsal: Rehearsal) -> Content:

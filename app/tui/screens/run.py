@@ -53,6 +53,7 @@ class RunScreen(MainScreen):
     RunScreen.-low.maps #maps { display: block; }
     RunScreen.-low.maps #residuals { display: none; }
     RunScreen.-low.asked #maps { display: none; }
+    RunScreen.-low.ended LivePanel { display: none; }
     RunScreen.-narrow StepList { display: none; }
     """
 
@@ -131,10 +132,15 @@ class RunScreen(MainScreen):
         self._plan_of(run)
         asked = run is not None and run.prompt is not None
         ended = run is not None and not run.active
-        self.set_class(asked or ended, "asked")
+        self.set_class(asked, "asked")
+        self.set_class(ended, "ended")
         skipped = picture.missed.get("points and steps", 0)
-        self.query_one(ProgressLine).show(run, len(self._planned), skipped)
-        self.query_one("#instruction", Told).tell(_instruction(picture))
+        self.query_one(ProgressLine).show(
+            run, len(self._planned), skipped, fast=picture.simulated and self.session.speed != 1.0
+        )
+        instruction = self.query_one("#instruction", Told)
+        instruction.tell(_instruction(picture))
+        instruction.display = not ended
         self.query_one(StepList).show(run, self._planned)
         self.query_one(LivePanel).show(run, now_s)
         self.query_one(ResidualPlot).show(run)

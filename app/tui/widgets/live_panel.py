@@ -1,5 +1,7 @@
 """The value that is watched, big, with its acceptance band."""
 
+from typing import Final
+
 from textual.app import ComposeResult
 from textual.containers import Horizontal
 from textual.content import Content
@@ -9,6 +11,9 @@ from app.tui.run_picture import LiveValue, RunPicture
 from app.tui.widgets.band_bar import band_bar, band_text, value_text
 from app.tui.widgets.status_bar import STALE_S, age_style
 from app.tui.widgets.told import Told, lines
+
+_NUMBER_ROOM: Final = 28
+"""Cells beside the bar: the number, and margins."""
 
 
 class LivePanel(Horizontal):
@@ -52,7 +57,7 @@ class LivePanel(Horizontal):
         number.set_class(stale, "stale")
         self.border_title = f"{live.name}{f' / {live.unit}' if live.unit else ''}"
         age = age_style(0.0, since_s)[1] if run.active else " (the last one)"
-        band.tell(_band(live, band.size.width, age, stale=stale))
+        band.tell(_band(live, self.size.width - _NUMBER_ROOM, age, stale=stale))
 
 
 def _band(live: LiveValue, width: int, age: str, *, stale: bool) -> Content:
@@ -63,7 +68,7 @@ def _band(live: LiveValue, width: int, age: str, *, stale: bool) -> Content:
     style = "dim" if stale else style
     told = [
         Content.styled(band_bar(live, width), style),
-        Content.assemble((word, style), f"  accepted {accepted}{age}"),
+        Content.assemble((word, style), f"  {accepted}{age}"),
     ]
     if live.text and not live.accepted:
         told.append(Content(live.text))

@@ -16,19 +16,20 @@ class ProgressLine(Told):
     ProgressLine { height: 1; padding: 0 1; text-wrap: nowrap; text-overflow: ellipsis; }
     """
 
-    def show(self, run: RunPicture | None, planned: int, skipped: int) -> None:
+    def show(self, run: RunPicture | None, planned: int, skipped: int, *, fast: bool) -> None:
         """Show what is known.
 
         Args:
             run: that is shown.
             planned: steps of the whole run; 0 where that is not known.
             skipped: updates that did not reach this client.
+            fast: bench time runs faster than real time.
         """
         if run is None:
             self.tell(Content.styled("no run yet: start one on Procedures (F3)", "dim"))
             return
         parts: list[Content | str | tuple[str, str]] = []
-        if run.progress is not None:
+        if run.progress is not None and run.active:
             share = _share(run.progress)
             parts += [(bar(share, max(10, self.size.width // 5)), "$primary"), f" {100.0 * share:3.0f} %  "]
         done = sum(step.status == "done" for step in run.steps.values())
@@ -38,7 +39,9 @@ class ProgressLine(Told):
             parts.append(f"  passed {duration_text(passed_s)}")
             if run.active:
                 parts.append(f"  left {duration_text(left_s)}")
-            if run.progress.get("text"):
+            if fast:
+                parts.append(" bench time")
+            if run.active and run.progress.get("text"):
                 parts.append((f"  {run.progress['text']}", "$text-muted"))
         if skipped:
             parts.append((f"  {skipped} updates skipped here, all are in the record", "dim"))

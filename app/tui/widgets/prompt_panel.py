@@ -27,8 +27,9 @@ class PromptPanel(Vertical):
     PromptPanel { height: auto; max-height: 14; border: heavy $warning; padding: 0 1; display: none; }
     PromptPanel.open { display: block; }
     PromptPanel #question { text-style: bold; height: auto; }
-    PromptPanel #task, PromptPanel #motion, PromptPanel #ways, PromptPanel #refused { height: auto; }
-    PromptPanel #motion { color: $warning; }
+    PromptPanel #task, PromptPanel #motion, PromptPanel #refused { height: auto; }
+    PromptPanel #motion, PromptPanel .motion { color: $warning; }
+    PromptPanel .motion { text-style: bold; margin-right: 2; }
     PromptPanel #refused { color: $error; }
     PromptPanel #answers { height: 1; }
     PromptPanel Button { height: 1; min-width: 10; border: none; margin-right: 2; }
@@ -57,11 +58,10 @@ class PromptPanel(Vertical):
         self._now_s = 0.0
 
     def compose(self) -> ComposeResult:
-        """Question, task, motion, ways to answer, refusal."""
+        """Question, task, motion, answers, refusal."""
         yield Told(id="question")
         yield Told(id="task")
         yield Told(id="motion")
-        yield Told(id="ways")
         yield Horizontal(id="answers")
         yield Told(id="refused")
 
@@ -96,7 +96,7 @@ class PromptPanel(Vertical):
             self.run_worker(self._lay_out(prompt), group="prompt", exclusive=True, exit_on_error=False)
         if prompt is not None:
             drawn = task_picture(prompt.get("task"), reflectors)
-            self.query_one("#task", Told).tell(Content("\n".join(drawn)))
+            self._tell("task", Content("\n".join(drawn)))
             self.border_title = f"Question {prompt['id']}" + (f"  ({note})" if note else "")
             self.border_subtitle = _time_left(prompt, now_s - at_s, speed)
 
@@ -108,7 +108,7 @@ class PromptPanel(Vertical):
             text: why it was refused.
         """
         if self._prompt is not None and self._prompt["id"] == prompt:
-            self.query_one("#refused", Told).tell(Content(f"✗ {text}"))
+            self._tell("refused", Content(f"✗ {text}"))
 
     def yes(self) -> None:
         """Answer yes where no motion follows."""
@@ -150,7 +150,7 @@ class PromptPanel(Vertical):
     def on_input_changed(self, event: Input.Changed) -> None:
         """Judge a number as it is typed."""
         event.stop()
-        self.query_one("#refused", Told).tell(Content(""))
+        self._tell("refused", Content(""))
         if self._kind() == "number" and event.value.strip() and not _is_number(event.value):
             self._say(f"{event.value!r} is no number{self._in_unit()}")
 
@@ -168,11 +168,17 @@ class PromptPanel(Vertical):
     def _answer(self, text: str) -> None:
         if self._prompt is None or self._now_s - self._at_s < SETTLE_S:
             return
-        self.query_one("#refused", Told).tell(Content(""))
+        self._tell("refused", Content(""))
         self.post_message(self.Answered(str(self._prompt["id"]), text))
 
+    def _tell(self, name: str, text: Content) -> None:
+        """Show a part; an empty one takes no room."""
+        part = self.query_one(f"#{name}", Told)
+        part.tell(text)
+        part.display = bool(text.plain)
+
     def _say(self, text: str) -> None:
-        self.query_one("#refused", Told).tell(Content(f"✗ {text}"))
+        self._tell("refused", Content(f"✗ {text}"))
 
     def _kind(self) -> str:
         return "" if self._prompt is None else str(self._prompt["kind"])
@@ -188,61 +194,53 @@ class PromptPanel(Vertical):
         return f" in {unit}" if unit else ""
 
     async def _lay_out(self, prompt: Prompt | None) -> None:
-        for name in ("question", "task", "motion", "ways", "refused"):
-            self.query_one(f"#{name}", Told).tell(Content(""))
+        for name in ("question", "task", "motion", "refused"):
+            self._tell(name, Content(""))
         answers = self.query_one("#answers")
         await answers.remove_children()
         if prompt is None:
             return
-        self.query_one("#question", Told).tell(Content(str(prompt["text"])))
-        self.query_one("#motion", Told).tell(_motion_text(prompt))
-        self.query_one("#ways", Told).tell(_ways(prompt, self._choices()))
-        await answers.mount_all(_answers(prompt))
+        self._tell("question", Content(str(prompt["text"])))
+        self._tell("motion", _motion_text(prompt))
+        await answers.mount_all(_answers(prompt, self._choices()))
         focused = [each for each in answers.children if each.has_class("first")]
         if focused and self.screen.is_current:
             focused[0].focus()
 
 
-def _answers(prompt: Prompt) -> list[Button | Input | Label]:
-    """Return what the keyboard's focus can be on; the safe answer has it first."""
-    match prompt["kind"]:
-        case "confirm" if prompt.get("motion") is True:
-            # No focus on either: Enter moves nothing and refuses nothing.
-            return [_unfocused(Button("n  no", name="no", compact=True))]
-        case "confirm":
-            safe = str(prompt.get("safe_answer") or "no")
-            buttons = [Button("n  no", name="no", compact=True), Button("y  yes", name="yes", compact=True)]
-            for button in buttons:
-                button.set_class(button.name == safe, "first")
-            return list(buttons)
-        case "number":
-            field = Input(placeholder="number", compact=True, classes="first short")
-            return [field, Label(str(prompt.get("unit") or ""), id="unit", markup=False)]
-        case "text":
-            return [Input(placeholder="text, then Enter", compact=True, classes="first")]
-    return []
-
-
-def _unfocused(button: Button) -> Button:
-    button.can_focus = False
-    return button
-
-
-def _ways(prompt: Prompt, choices: list[str]) -> Content:
+def _answers(prompt: Prompt, choices: list[str]) -> list[Button | Input | Label]:
+    """Return what an answer is given by; the safe one has the keyboard's focus, so Enter moves nothing."""
     motion = prompt.get("motion") is True
     match prompt["kind"]:
-        case "confirm" if motion:
-            return Content.styled("F8  done: the arm may move        n  no", "bold")
         case "confirm":
-            return Content("y  yes        n  no")
+            safe = str(prompt.get("safe_answer") or ("" if motion else "no"))
+            agree = (
+                Label("F8  done: the arm may move", classes="motion")
+                if motion
+                else _button("y", "yes", "yes", safe)
+            )
+            return [_button("n", "no", "no", safe), agree]
         case "choice":
-            keys = [
-                f"{'F8' if motion and number == 1 else number}  {text}"
-                for number, text in enumerate(choices, 1)
+            safe = str(prompt.get("safe_answer") or "")
+            return [
+                Label(f"F8  {choice}: the arm moves", classes="motion", markup=False)
+                if motion and number == 1
+                else _button(str(number), choice, choice, safe)
+                for number, choice in enumerate(choices, 1)
             ]
-            safe = prompt.get("safe_answer")
-            return Content("      ".join(keys) + (f"      (safe: {safe})" if safe else ""))
-    return Content("type it, then Enter")
+        case "number":
+            unit = Label(str(prompt.get("unit") or ""), id="unit", markup=False)
+            return [Input(placeholder="number", compact=True, classes="first short"), unit]
+    return [Input(placeholder="text, then Enter", compact=True, classes="first")]
+
+
+def _button(key: str, label: str, answer: str, safe: str) -> Button:
+    """Return a button; without a safe answer none has the focus, and Enter answers nothing."""
+    button = Button(
+        Content(f"{key}  {label}"), name=answer, compact=True, classes="first" if answer == safe else ""
+    )
+    button.can_focus = bool(safe)
+    return button
 
 
 def _motion_text(prompt: Prompt) -> Content:

@@ -7,7 +7,7 @@ from textual.app import RenderResult
 from textual.content import Content
 from textual.widget import Widget
 
-from app.tui.run_picture import RunPicture, Seen
+from app.tui.run_picture import LiveValue, RunPicture, Seen
 from app.tui.widgets.inks import Line, painted
 
 if TYPE_CHECKING:
@@ -63,26 +63,27 @@ class RunPlot(Widget):
 
 
 class ResidualPlot(RunPlot):
-    """Innovations, newest at the right; what lies outside ±3u is marked."""
+    """Innovations, newest at the right, what lies outside its band marked; before the first, another live value."""
 
     def __init__(self) -> None:
-        super().__init__("Innovation / µm, band ±3u", id="residuals")
+        super().__init__("Innovation", id="residuals")
 
     def key_of(self, run: RunPicture | None) -> object:
-        """Return the newest innovation."""
-        live = None if run is None else run.live.get(INNOVATION)
+        """Return the newest value."""
+        live = _watched(run)
         return None if live is None else live.history[-1]
 
     def drawn(self, run: RunPicture | None) -> Content:
-        """Return the innovations that have room."""
-        live = None if run is None else run.live.get(INNOVATION)
+        """Return the values that have room."""
+        live = _watched(run)
         if live is None:
-            return Content.styled("none yet: it is told while distances are measured", "dim")
+            return Content.styled("nothing yet", "dim")
+        unit = f" / {live.unit}" if live.unit else ""
+        self.border_title = f"Innovation{unit}, band ±3u" if live.name == INNOVATION else f"{live.name}{unit}"
         width = max(self.size.width - _AXIS, 1)
-        seen = list(live.history)[-width:]
         outliers = sum(not each.accepted for each in live.history)
-        self.border_subtitle = f"× {outliers} of {len(live.history)} outside" if outliers else "none outside"
-        return painted(_innovations(seen, width, max(self.size.height, 1)), _STYLES)
+        self.border_subtitle = f"× {outliers} of {len(live.history)} outside" if outliers else ""
+        return painted(_values(list(live.history)[-width:], width, max(self.size.height, 1)), _STYLES)
 
 
 class MapPlot(RunPlot):
@@ -108,30 +109,49 @@ class MapPlot(RunPlot):
         return painted(drawn, _STYLES) if drawn else Content(str(last.get("text", "")))
 
 
-def _innovations(seen: Sequence[Seen], width: int, rows: int) -> list[Line]:
-    """Draw one cell a point: dots within their bands, a cross for what is outside."""
+def _watched(run: RunPicture | None) -> LiveValue | None:
+    if run is None:
+        return None
+    return run.live.get(INNOVATION) or run.live.get(run.newest_live)
+
+
+def _values(seen: Sequence[Seen], width: int, rows: int) -> list[Line]:
+    """Draw one cell a value: dots within their bands, a cross for what is outside."""
     from app.tui.widgets.braille import DOTS_DOWN, Canvas
 
     canvas = Canvas(width, rows)
-    reach = max(*(max(abs(each.value), each.high or 0.0) for each in seen), 1e-9)
-    # One wild point shall not flatten all others: the scale ends at three bands.
-    widest = max((each.high or 0.0) for each in seen)
-    reach = min(reach, 3.0 * widest) if widest > 0.0 else reach
-    middle = (canvas.height - 1) / 2.0
-    per_unit = middle / reach
-    first = width - len(seen)
-    for column, each in enumerate(seen, first):
-        x = 2.0 * column
+    low, high = _scale(seen)
+    per_unit = (canvas.height - 1) / (high - low)
+    for column, each in enumerate(seen, width - len(seen)):
         for limit in (each.low, each.high):
-            if limit is not None and abs(limit) <= reach:
-                canvas.points(x, middle - limit * per_unit, "band")
+            if limit is not None and low <= limit <= high:
+                canvas.points(2.0 * column, (high - limit) * per_unit, "band")
+        y = (high - each.value) * per_unit
         if each.accepted:
-            canvas.points(x, middle - each.value * per_unit, "in")
-            canvas.points(x + 1.0, middle - each.value * per_unit, "in")
+            canvas.points(2.0 * column, y, "in")
+            canvas.points(2.0 * column + 1.0, y, "in")
         else:
-            row = round((middle - each.value * per_unit) / DOTS_DOWN)
-            canvas.text(column, min(max(row, 0), rows - 1), "×", "out")
-    return _with_numbers(canvas, {0: f"{reach:+.3g}", rows // 2: "0", rows - 1: f"{-reach:+.3g}"})
+            canvas.text(column, min(max(round(y / DOTS_DOWN), 0), rows - 1), "×", "out")
+    return _with_numbers(canvas, {0: f"{high:.3g}", rows - 1: f"{low:.3g}"})
+
+
+def _scale(seen: Sequence[Seen]) -> tuple[float, float]:
+    """Return the ends of the upright axis; one wild value does not flatten the others, a far limit is left out."""
+    widths = [each.high - each.low for each in seen if each.low is not None and each.high is not None]
+    values = [each.value for each in seen if each.accepted or not widths] or [seen[-1].value]
+    low, high = min(values), max(values)
+    near = 2.0 * max(high - low, 1e-12)
+    for each in seen:
+        limits = [limit for limit in (each.low, each.high) if limit is not None]
+        low, high = (
+            min([low, *(x for x in limits if x >= low - near)]),
+            max([high, *(x for x in limits if x <= high + near)]),
+        )
+    wild = [each.value for each in seen if not each.accepted]
+    if widths and wild:
+        room = max(widths)
+        low, high = min(low, max(min(wild), low - room)), max(high, min(max(wild), high + room))
+    return (low, high) if high > low else (low - 0.5, high + 0.5)
 
 
 def _uncertainties(known: Sequence[dict[str, Any]], width: int, rows: int) -> list[Line]:
