@@ -1,16 +1,439 @@
-"""The screen Runs."""
+"""The screen Runs: history with filter; story, resume, verify, report, export, identify, attach."""
 
-from textual.app import ComposeResult
-from textual.widgets import Static
+import asyncio
+from collections.abc import Iterable
+from functools import partial
+from itertools import islice
+from pathlib import Path
+from typing import TYPE_CHECKING, ClassVar, Final
 
-from app.tui.screens.base import MainScreen
+from rich.text import Text
+from textual.app import ComposeResult, SystemCommand
+from textual.binding import Binding, BindingType
+from textual.containers import Horizontal, VerticalScroll
+from textual.content import Content
+from textual.timer import Timer
+from textual.widgets import DataTable, Input
+
+from app.tui.dialogs.form_dialog import Answers, Field, FormDialog
+from app.tui.dialogs.start_dialog import Permission, StartDialog
+from app.tui.dialogs.text_dialog import TextDialog
+from app.tui.run_rows import STATES, cells, columns, passes
+from app.tui.screens.working import WorkScreen
+from app.tui.session import Session
+from app.tui.widgets.task_line import TaskLine
+from app.tui.widgets.told import Told
+from app.tui.work import Done, command_line
+
+if TYPE_CHECKING:
+    # The first screen is painted before the store is imported.
+    from app.store.history import RunHistory, RunLine
+
+_LOOK_S: Final = 2.0
+"""Between two looks at the folder while the screen is shown."""
+
+_BATCH: Final = 100
+"""Runs that are read, or put into the table, before the screen is painted again."""
+
+_WIDE: Final = 100
+_HIGH: Final = 34
+_NOT_RESUMED: Final = {
+    "complete": "it is complete: start a new run",
+    "running": "it is under way: a attaches to it",
+    "damaged": "it cannot be read: v tells what is wrong",
+}
 
 
-class RunsScreen(MainScreen):
-    """Under construction by its own commit."""
+class RunsScreen(WorkScreen):
+    """A table of all runs; below it, or in its place where there is little room, the story of one."""
 
     PLACE = "runs"
+    AUTO_FOCUS = "#table"
+
+    DEFAULT_CSS = """
+    RunsScreen #line { height: 1; padding: 0 1; }
+    RunsScreen #filter { width: 30; background: $boost; }
+    RunsScreen #filter:focus { background: $primary-muted; }
+    RunsScreen #count { width: 1fr; margin-left: 2; color: $text-muted; }
+    RunsScreen #table { height: 1fr; background: $background; scrollbar-size: 1 1; padding: 0 0 0 1; }
+    RunsScreen #story-panel { height: 1fr; display: none; scrollbar-size-vertical: 1; }
+    RunsScreen.story #story-panel { display: block; }
+    RunsScreen.story.-low #table { display: none; }
+    """
+
+    BINDINGS: ClassVar[list[BindingType]] = [
+        Binding("slash", "filter", "filter", key_display="/", id="runs.filter", tooltip="words of a row"),
+        Binding(
+            "f", "state", "state", id="runs.state", tooltip="show one state only, the next one each time"
+        ),
+        Binding("space", "mark", "mark", id="runs.mark", tooltip="for identifying from several runs"),
+        Binding("r", "resume", "resume", id="runs.resume", tooltip="go on where it stopped; F8 there begins"),
+        Binding("v", "verify", "verify", id="runs.verify", tooltip="is the record what was written?"),
+        Binding("i", "identify", "identify", id="runs.identify", tooltip="from this run or the marked ones"),
+        Binding("p", "report", "page", id="runs.report", tooltip="write the report, one HTML page"),
+        Binding("o", "open_page", "open", id="runs.open", tooltip="show the last report in the browser"),
+        Binding("e", "export", "export", id="runs.export", tooltip="rows for other programs"),
+        Binding("a", "attach", "attach", id="runs.attach", tooltip="watch a run under way"),
+        Binding(
+            "escape", "back", "back", show=False, id="runs.back", tooltip="leave filter or story; cancel"
+        ),
+    ]
+
+    def __init__(self, session: Session) -> None:
+        super().__init__(session)
+        self.VERTICAL_BREAKPOINTS = [(0, "-low"), (_HIGH, "-high")]
+        self._history: RunHistory | None = None
+        self._timer: Timer | None = None
+        self._lines: dict[str, RunLine] = {}
+        self._looking = False
+        self._looked = False
+        self._marked: set[str] = set()
+        self._state = ""
+        self._wide = True
 
     def body(self) -> ComposeResult:
-        """Return nothing yet."""
-        yield Static("Runs")
+        """Filter, table, story."""
+        with Horizontal(id="line"):
+            yield Input(id="filter", compact=True, placeholder="/ filter: words of a row")
+            yield Told(id="count")
+        yield DataTable[Text](id="table", cursor_type="row", cell_padding=0, zebra_stripes=False)
+        with VerticalScroll(id="story-panel", classes="panel"):
+            yield Told(id="story")
+        yield TaskLine(self.session.now_s)
+
+    def commands(self) -> Iterable[SystemCommand]:
+        """Return what this screen can do."""
+        yield SystemCommand("Filter the runs", "by words of a row", self.action_filter)
+        yield SystemCommand("Runs of one state", "complete, stopped, died, …", self.action_state)
+        yield SystemCommand("Story of the run", "what happened, in order", self.action_story)
+        yield SystemCommand("Mark the run", "for identifying from several", self.action_mark)
+        yield SystemCommand("Resume the run", "go on where it stopped", self.action_resume)
+        yield SystemCommand("Verify the run", "is the record what was written?", self.action_verify)
+        yield SystemCommand("Identify from runs", "this one, or the marked ones", self.action_identify)
+        yield SystemCommand("Report of the run", "one HTML page", self.action_report)
+        yield SystemCommand("Open the report", "in the system's browser", self.action_open_page)
+        yield SystemCommand("Export the run", "CSV, JSON or Parquet", self.action_export)
+        yield SystemCommand("Attach to the run", "that is under way", self.action_attach)
+        yield SystemCommand("Cancel the work", "that is under way on this screen", self.action_cancel)
+
+    def on_mount(self) -> None:
+        """Make the columns; the rows come from a thread."""
+        self._set_columns()
+        self._timer = self.set_interval(_LOOK_S, self._look)
+
+    def on_screen_resume(self) -> None:
+        """Look at the folder."""
+        if self._timer is not None:
+            self._timer.resume()
+        self._look()
+
+    def on_screen_suspend(self) -> None:
+        """Do not look while nobody sees it."""
+        if self._timer is not None:
+            self._timer.pause()
+
+    def on_resize(self) -> None:
+        """Show dates in full where there is room."""
+        if self.size.width and (self.size.width >= _WIDE) != self._wide:
+            self._set_columns()
+            self._fill()
+
+    def on_input_changed(self) -> None:
+        """Show the rows that the filter leaves."""
+        self._fill()
+
+    def on_input_submitted(self) -> None:
+        """Go to the rows."""
+        self.query_one("#table").focus()
+
+    def on_data_table_row_selected(self) -> None:
+        """Tell the story of the run."""
+        self.action_story()
+
+    def action_filter(self) -> None:
+        """Type a filter."""
+        self.remove_class("story")
+        self.query_one("#filter").focus()
+
+    def action_state(self) -> None:
+        """Show runs of the next state only; after the last one all."""
+        states = ["", *STATES]
+        self._state = states[(states.index(self._state) + 1) % len(states)]
+        self._fill()
+
+    def action_mark(self) -> None:
+        """Mark or unmark the run under the cursor, and go on to the next."""
+        line = self._chosen()
+        if line is None:
+            return
+        self._marked ^= {line.name}
+        self._show_line(line)
+        self._count()
+        self._table.action_cursor_down()
+
+    def action_back(self) -> None:
+        """Leave the filter, else the story, else cancel the work."""
+        if self.query_one("#filter").has_focus:
+            self.query_one("#table").focus()
+        elif self.has_class("story"):
+            self.remove_class("story")
+            self.query_one("#table").focus()
+        else:
+            self.action_cancel()
+
+    def action_cancel(self) -> None:
+        """Cancel the work."""
+        self.cancel_work()
+
+    def action_story(self) -> None:
+        """Tell what happened in the run."""
+        line = self._chosen()
+        if line is not None:
+            self.run_worker(self._tell_story(line), group="story", exclusive=True, exit_on_error=False)
+
+    def action_resume(self) -> None:
+        """Show what would go on; F8 there goes on."""
+        line = self._chosen()
+        if line is None:
+            return
+        if line.status in _NOT_RESUMED:
+            self.catseye.tell_error(f"{line.name} cannot go on", _NOT_RESUMED[line.status])
+            return
+        text = (
+            f"{line.name}\n{line.status}, {line.rows} points stored\n\n"
+            "It goes on with the next step that is not done. Before anything moves the devices are compared, and "
+            "it is asked whether a reflector was moved."
+        )
+        dialog = StartDialog("Go on with an interrupted run", text, line.cell, simulated=line.simulated)
+        self.app.push_screen(dialog, partial(self._resume, line.name))
+
+    def action_verify(self) -> None:
+        """Check the record."""
+        if (line := self._chosen()) is not None:
+            self.let_work(
+                f"verify {line.id}",
+                f"{line.name} is not what was written",
+                *("verify", line.name, "--runs", self.session.root),
+                done=lambda done: self.notify(done.talk.strip(), title="sound", markup=False),
+            )
+
+    def action_report(self) -> None:
+        """Write the report."""
+        if (line := self._chosen()) is not None:
+            page = self._folder / f"report-{line.id}.html"
+            self.let_work(
+                f"report {line.id}",
+                "The report was not written",
+                *("report", line.name, "--runs", self.session.root, "-o", page),
+                done=lambda _: self.tell_written(page, "report"),
+            )
+
+    def action_export(self) -> None:
+        """Ask for a file, and write the rows."""
+        if (line := self._chosen()) is not None:
+            file = self._folder / f"{line.procedure}-{line.id}.csv"
+            fields = [Field("file", "file", str(file))]
+            text = f"{line.name}: the file ends in .csv, .json or .parquet"
+            dialog = FormDialog("Export", fields, text, lambda answers: _taken(answers["file"]))
+            self.app.push_screen(dialog, partial(self._export, line))
+
+    def action_identify(self) -> None:
+        """Ask how, and identify the arm from the marked runs, or this one."""
+        lines = self._marked_lines() or [line for line in (self._chosen(),) if line is not None]
+        if not lines:
+            return
+        fields = [
+            Field("model", "model", "error-map", ("error-map", "conventional")),
+            Field(
+                "uncertainty", "uncertainty", "jacobian", ("jacobian", "monte-carlo"), "monte-carlo: slower"
+            ),
+            Field("draws", "draws", "10000", hint="Monte Carlo only, 2000 or more"),
+            Field("file", "result file", str(self._folder / f"result-{lines[0].id}.json")),
+        ]
+        text = "from " + ", ".join(line.name for line in lines)
+        dialog = FormDialog("Identify", fields, text, _identify_fault)
+        self.app.push_screen(dialog, partial(self._identify, [line.name for line in lines]))
+
+    def action_attach(self) -> None:
+        """Watch the run under the cursor, if it is under way."""
+        line, picture = self._chosen(), self.session.link.picture
+        if line is None:
+            return
+        if picture.running and picture.run is not None and picture.run.name == line.name:
+            self.catseye.action_go("run")
+        elif line.status == "running":
+            typed = command_line(("attach", line.name, "--runs", str(self.session.root)))
+            text = f"{line.name} belongs to another engine. In another terminal:\n\n{typed}"
+            self.app.push_screen(TextDialog("Attach", text))
+        else:
+            self.notify(f"{line.name} is {line.status}: nothing to attach to", markup=False)
+
+    @property
+    def _table(self) -> "DataTable[Text]":
+        return self.query_one("#table", DataTable)
+
+    @property
+    def _folder(self) -> Path:
+        """Where results and pages go: beside the folder of runs."""
+        return self.session.root.parent
+
+    def _chosen(self) -> "RunLine | None":
+        table = self._table
+        if not table.row_count:
+            self.notify("there is no run in the list")
+            return None
+        return self._lines.get(str(table.coordinate_to_cell_key(table.cursor_coordinate).row_key.value))
+
+    def _marked_lines(self) -> "list[RunLine]":
+        return [line for name, line in sorted(self._lines.items()) if name in self._marked]
+
+    def _resume(self, name: str, permission: Permission | None) -> None:
+        if permission is None:
+            return
+        arm = {} if permission.arm is None else {"arm": permission.arm}
+        self.catseye.order(
+            "resume", f"{name} does not go on", control=True, then=self._resumed, run=name, **arm
+        )
+
+    def _resumed(self, answer: object) -> None:
+        del answer
+        self.catseye.action_go("run")
+
+    def _export(self, line: "RunLine", answers: Answers | None) -> None:
+        if answers is not None:
+            file = Path(answers["file"]).expanduser()
+            self.let_work(
+                f"export {line.id}",
+                "Nothing was exported",
+                *("export", line.name, "--runs", self.session.root, "-o", file),
+                done=lambda _: self.tell_written(file, "export"),
+            )
+
+    def _identify(self, names: list[str], answers: Answers | None) -> None:
+        if answers is None:
+            return
+        file = Path(answers["file"]).expanduser()
+        how: list[str | Path] = ["--model", answers["model"], "--uncertainty", answers["uncertainty"]]
+        if answers["uncertainty"] == "monte-carlo":
+            how += ["--draws", answers["draws"]]
+        self.let_work(
+            "identify",
+            "The arm was not identified",
+            *("identify", *names, *how, "--runs", self.session.root, "-o", file),
+            done=partial(self._identified, file),
+        )
+
+    def _identified(self, file: Path, done: Done) -> None:
+        del done
+        self._marked.clear()
+        self._fill()
+        self.tell_written(file, "identified; F6 shows it")
+
+    async def _tell_story(self, line: "RunLine") -> None:
+        panel, story = self.query_one("#story-panel"), self.query_one("#story", Told)
+        panel.border_title = f"Story of {line.id}"
+        self.add_class("story")
+        story.tell(Content("…"))
+        done = await self.session.work.do("show", line.name, "--runs", self.session.root)
+        if done.code:
+            story.tell(Content.styled(f"✗ {done.fault}", "$error"))
+        else:
+            story.tell(Content(done.out.rstrip()))
+        panel.focus()
+
+    def _set_columns(self) -> None:
+        self._wide = not self.size.width or self.size.width >= _WIDE
+        self._table.clear(columns=True)
+        for name, width in columns(wide=self._wide):
+            self._table.add_column("" if name == "mark" else name, width=width, key=name)
+
+    def _look(self) -> None:
+        if not self._looking:
+            self.run_worker(self._look_at_folder(), group="look", exit_on_error=False)
+
+    async def _look_at_folder(self) -> None:
+        from app.store.history import RunHistory
+
+        self._looking = True
+        try:
+            self._history = self._history or RunHistory(self.session.root)
+            changes = self._history.changes()
+            while lines := await asyncio.to_thread(lambda: list(islice(changes, _BATCH))):
+                self._take(lines)
+            gone = self._lines.keys() - {line.name for line in self._history.lines}
+            for name in gone:
+                del self._lines[name]
+                self._marked.discard(name)
+        finally:
+            self._looking = False
+        if gone or not self._looked:
+            self._looked = True
+            self._fill()
+
+    def _take(self, lines: "list[RunLine]") -> None:
+        """Take runs that are new or have changed."""
+        new = [line for line in lines if line.name not in self._lines]
+        states = [line for line in lines if line not in new and self._lines[line.name].status != line.status]
+        self._lines |= {line.name: line for line in lines}
+        for line in lines:
+            self._show_line(line)
+        if new or states:
+            self._fill()
+
+    def _show_line(self, line: "RunLine") -> None:
+        """Show what has changed of a run in its row, where it has one."""
+        table = self._table
+        if line.name not in table.rows:
+            return
+        row = cells(line, marked=line.name in self._marked, wide=self._wide)
+        for (name, _), cell in zip(columns(wide=self._wide), row, strict=True):
+            table.update_cell(line.name, name, cell)
+
+    def _fill(self) -> None:
+        self.run_worker(self._filled(), group="fill", exclusive=True, exit_on_error=False)
+
+    async def _filled(self) -> None:
+        """Fill the table anew, newest first; the cursor stays on its run."""
+        table, typed = self._table, self.query_one("#filter", Input).value
+        newest_first = sorted(self._lines.values(), key=lambda line: line.name, reverse=True)
+        shown = [line for line in newest_first if passes(line, typed, self._state)]
+        names = [line.name for line in shown]
+        present = [str(key.value) for key in table.rows]
+        chosen = present[table.cursor_row] if 0 <= table.cursor_row < len(present) else ""
+        if names[: len(present)] != present:
+            table.clear()
+            present = []
+        for first in range(len(present), len(shown), _BATCH):
+            for line in shown[first : first + _BATCH]:
+                row = cells(line, marked=line.name in self._marked, wide=self._wide)
+                table.add_row(*row, key=line.name)
+            await asyncio.sleep(0)
+        if chosen in names and not (table.cursor_row < len(names) and names[table.cursor_row] == chosen):
+            table.move_cursor(row=names.index(chosen))
+        self._count()
+
+    def _count(self) -> None:
+        shown, known = self._table.row_count, len(self._lines)
+        parts = [f"{shown} of {known} runs"]
+        if self._state:
+            sign, _ = STATES[self._state]
+            parts.append(f"only {sign} {self._state}")
+        if self._marked:
+            parts.append(f"{len(self._marked)} marked")
+        if not known:
+            parts = [f"no runs in {self.session.root}" if self._looked else "looking …"]
+        self.query_one("#count", Told).tell(Content(" · ".join(parts)))
+
+
+def _taken(text: str) -> str:
+    """Return why a file cannot be written, empty when it can be."""
+    file = Path(text).expanduser()
+    if not text:
+        return "a file is needed"
+    return f"{file.name} is there already: give another name" if file.exists() else ""
+
+
+def _identify_fault(answers: Answers) -> str:
+    if answers["uncertainty"] == "monte-carlo" and not answers["draws"].isdigit():
+        return "draws is a whole number"
+    return _taken(answers["file"])

@@ -1,0 +1,121 @@
+"""A few questions at once."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import ClassVar
+
+from textual.app import ComposeResult
+from textual.binding import Binding, BindingType
+from textual.containers import Horizontal, Vertical
+from textual.screen import ModalScreen
+from textual.widgets import Footer, Input, Label, Select, Static
+
+
+@dataclass(frozen=True)
+class Field:
+    """One question.
+
+    Attributes:
+        name: of the answer.
+        label: what is asked.
+        value: answer to begin with.
+        choices: answers to choose from; empty where something is typed.
+        hint: stands beside the answer.
+    """
+
+    name: str
+    label: str
+    value: str
+    choices: tuple[str, ...] = ()
+    hint: str = ""
+
+
+Answers = dict[str, str]
+
+
+class FormDialog(ModalScreen[Answers | None]):
+    """Asks; Enter in a field answers, None goes back.
+
+    Args:
+        title: what the answers are for.
+        fields: questions.
+        text: stands above them.
+        fault: returns what is wrong with answers, empty when nothing is.
+    """
+
+    DEFAULT_CSS = """
+    FormDialog { align: center middle; }
+    FormDialog > Vertical {
+        width: 76; max-width: 96%; height: auto; max-height: 92%;
+        border: heavy $primary; background: $surface; padding: 0 1;
+    }
+    FormDialog .title { text-style: bold; width: 100%; }
+    FormDialog #text { height: auto; max-height: 6; color: $text-muted; }
+    FormDialog Horizontal { height: 1; }
+    FormDialog .label { width: 16; }
+    FormDialog Input { width: 1fr; min-width: 12; background: $boost; }
+    FormDialog Input:focus { background: $primary-muted; }
+    FormDialog Select { width: 20; }
+    FormDialog .hint { width: auto; max-width: 36; margin-left: 1; color: $text-muted; }
+    FormDialog #fault { color: $error; height: auto; margin-top: 1; }
+    """
+
+    BINDINGS: ClassVar[list[BindingType]] = [
+        Binding("ctrl+s", "answer", "go", id="form.go", tooltip="Enter in a field does it too"),
+        Binding("escape", "back", "back", id="form.back"),
+    ]
+
+    def __init__(
+        self,
+        title: str,
+        fields: Sequence[Field],
+        text: str = "",
+        fault: Callable[[Answers], str] = lambda _: "",
+    ) -> None:
+        super().__init__()
+        self._title = title
+        self._fields = tuple(fields)
+        self._text = text
+        self._fault = fault
+
+    def compose(self) -> ComposeResult:
+        """Title, a line each, and what is wrong."""
+        with Vertical():
+            yield Label(self._title, classes="title", markup=False)
+            if self._text:
+                yield Static(self._text, id="text", markup=False)
+            for field in self._fields:
+                with Horizontal():
+                    yield Label(field.label, classes="label", markup=False)
+                    if field.choices:
+                        options = [(choice, choice) for choice in field.choices]
+                        yield Select(
+                            options, value=field.value, allow_blank=False, compact=True, id=field.name
+                        )
+                    else:
+                        yield Input(field.value, id=field.name, compact=True, select_on_focus=False)
+                    yield Label(field.hint, classes="hint", markup=False)
+            yield Static("", id="fault", markup=False)
+            yield Footer(compact=True)
+
+    def on_input_submitted(self) -> None:
+        """Answer."""
+        self.action_answer()
+
+    def action_answer(self) -> None:
+        """Take the answers, if nothing is wrong with them."""
+        answers = {field.name: self._value(field) for field in self._fields}
+        fault = self._fault(answers)
+        if fault:
+            self.query_one("#fault", Static).update(f"✗ {fault}")
+        else:
+            self.dismiss(answers)
+
+    def action_back(self) -> None:
+        """Go back."""
+        self.dismiss(None)
+
+    def _value(self, field: Field) -> str:
+        if field.choices:
+            return str(self.query_one(f"#{field.name}", Select).value)
+        return self.query_one(f"#{field.name}", Input).value.strip()

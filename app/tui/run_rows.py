@@ -1,0 +1,76 @@
+"""Runs as rows of a table: what each column says, and which rows a filter leaves."""
+
+from typing import TYPE_CHECKING, Final
+
+from rich.text import Text
+
+if TYPE_CHECKING:
+    # The first screen is painted before the store is imported.
+    from app.store.history import RunLine
+
+STATES: Final = {
+    "complete": ("✓", "green"),
+    "stopped": ("■", "yellow"),
+    "aborted": ("✗", "bold red"),
+    "failed": ("✗", "bold red"),
+    "running": ("▶", "bold cyan"),
+    "died": ("†", "bold red"),
+    "damaged": ("!", "bold red"),
+}
+"""Sign and style of each state."""
+
+MARK: Final = "●"
+
+_WIDTHS: Final = {
+    "mark": 1,
+    "started": 11,
+    "procedure": 16,
+    "state": 10,
+    "h:min:s": 8,
+    "points": 6,
+    "sim": 3,
+    "cell": 8,
+    "id": 6,
+}
+_WIDE_STARTED: Final = 16
+_WIDE_CELL: Final = 24
+
+
+def columns(*, wide: bool) -> list[tuple[str, int]]:
+    """Return name and width of each column; a cell of blank between two is part of the width."""
+    wider = {"started": _WIDE_STARTED, "cell": _WIDE_CELL} if wide else {}
+    return [(name, wider.get(name, width) + 1) for name, width in _WIDTHS.items()]
+
+
+def cells(line: "RunLine", *, marked: bool, wide: bool) -> list[Text]:
+    """Return what the row of a run says."""
+    sign, style = STATES[line.status]
+    when = f"{line.started_utc:%Y-%m-%d %H:%M}"
+    return [
+        Text(MARK if marked else " ", "bold cyan"),
+        Text(when if wide else when[5:]),
+        Text(line.procedure),
+        Text(f"{sign} {line.status}", style),
+        Text(f"{clock_text(line.duration_s):>8}"),
+        Text(f"{line.rows or '':>6}"),
+        Text({True: "SIM", False: "", None: "?"}[line.simulated], "yellow"),
+        Text(line.cell),
+        Text(line.id, "dim"),
+    ]
+
+
+def clock_text(duration_s: float | None) -> str:
+    """Return a duration as h:min:s; empty for none."""
+    if duration_s is None:
+        return ""
+    minutes, seconds = divmod(round(duration_s), 60)
+    return f"{minutes // 60}:{minutes % 60:02d}:{seconds:02d}"
+
+
+def passes(line: "RunLine", words: str, state: str) -> bool:
+    """Return whether a run has every word somewhere in its row, and the state; an empty state is any."""
+    if state and line.status != state:
+        return False
+    simulated = {True: "simulated", False: "real", None: ""}[line.simulated]
+    row = f"{line.name} {line.started_utc:%Y-%m-%d} {line.status} {line.cell} {simulated}".casefold()
+    return all(word in row for word in words.casefold().split())

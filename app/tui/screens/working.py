@@ -1,0 +1,111 @@
+"""A screen that lets commands of catseye work: one at a time, with progress, and a key that ends it."""
+
+import asyncio
+from collections.abc import Callable
+from pathlib import Path
+
+from textual.worker import Worker
+
+from app.tui.opening import can_open, open_page
+from app.tui.screens.base import MainScreen
+from app.tui.session import Session
+from app.tui.widgets.task_line import TaskLine
+from app.tui.work import Done
+
+_INTERRUPTED = frozenset({130, 143})
+
+
+class WorkScreen(MainScreen):
+    """A main screen whose body holds a `TaskLine`."""
+
+    def __init__(self, session: Session) -> None:
+        super().__init__(session)
+        self._page: Path | None = None
+        self._work: Worker[None] | None = None
+
+    @property
+    def working(self) -> bool:
+        """A command is under way."""
+        return self._work is not None and not self._work.is_finished
+
+    def let_work(
+        self,
+        title: str,
+        failure: str,
+        *arguments: str | Path,
+        done: Callable[[Done], None],
+        accepted: frozenset[int] = frozenset({0}),
+    ) -> None:
+        """Have a command do something; an error is shown with its remedy. Returns at once.
+
+        Args:
+            title: what is under way.
+            failure: title of the error when it fails.
+            arguments: of the command.
+            done: is given how it ended, when it ended well.
+            accepted: exit codes that count as well.
+        """
+        if self.working:
+            self.notify("one thing at a time: Esc cancels what is under way", severity="warning")
+            return
+        work = self._let_work(title, failure, arguments, done, accepted)
+        self._work = self.run_worker(work, group="work", exit_on_error=False)
+
+    def cancel_work(self) -> bool:
+        """End the command under way; return whether there was one."""
+        if self._work is None or self._work.is_finished:
+            return False
+        self.query_one(TaskLine).ending()
+        self._work.cancel()
+        return True
+
+    def tell_written(self, path: Path, text: str = "") -> None:
+        """Say which file was written; a page can be opened with `action_open_page`."""
+        page = path.suffix == ".html"
+        if page:
+            self._page = path
+        how = "\no opens it in the browser" if page and can_open() else ""
+        self.notify(f"{path}{how}", title=text or "written", timeout=12.0, markup=False)
+
+    def action_open_page(self) -> None:
+        """Show the last report in the system's browser."""
+        if self._page is None:
+            self.notify("no report was written yet: p writes one", severity="warning")
+        elif not can_open():
+            self.notify(f"there is no display here; the page is {self._page}", markup=False, timeout=12.0)
+        else:
+            uri = self._page.absolute().as_uri()
+            self.run_worker(self._open(uri), group="open", exit_on_error=False)
+
+    async def _open(self, uri: str) -> None:
+        fault = await open_page(uri)
+        if fault:
+            self.catseye.tell_error("The page is not shown", f"{uri}: {fault}")
+
+    async def _let_work(
+        self,
+        title: str,
+        failure: str,
+        arguments: tuple[str | Path, ...],
+        done: Callable[[Done], None],
+        accepted: frozenset[int],
+    ) -> None:
+        line = self.query_one(TaskLine)
+        line.begin(title)
+        try:
+            ended = await self.session.work.do(*arguments, talk=line.hear)
+        except asyncio.CancelledError:
+            if self.is_attached:
+                self.notify(f"{title}: cancelled; nothing was written", markup=False)
+            raise
+        except OSError as error:
+            self.catseye.tell_error(failure, f"catseye could not be started: {error}")
+            return
+        finally:
+            line.end()
+        if ended.code in accepted:
+            done(ended)
+        elif ended.code in _INTERRUPTED:
+            self.notify(f"{title}: interrupted from outside; nothing was written", markup=False)
+        else:
+            self.catseye.tell_error(failure, ended.fault)

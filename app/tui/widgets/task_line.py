@@ -1,0 +1,86 @@
+"""One line about a command under way: bar, time left, and the key that ends it."""
+
+from collections.abc import Callable
+
+from textual.content import Content
+
+from app.tui.command_progress import CommandProgress, ProgressReader
+from app.tui.widgets.progress_line import bar
+from app.tui.widgets.told import Told
+from app.tui.words import duration_text
+
+_REFRESH_S = 0.5
+_SHORTEST_BAR = 8
+
+
+class TaskLine(Told):
+    """Hidden while nothing is under way.
+
+    Args:
+        now_s: monotonic time, s.
+    """
+
+    DEFAULT_CSS = """
+    TaskLine { dock: bottom; height: 1; padding: 0 1; background: $boost; display: none; }
+    TaskLine { text-wrap: nowrap; text-overflow: ellipsis; }
+    TaskLine.busy { display: block; }
+    """
+
+    def __init__(self, now_s: Callable[[], float]) -> None:
+        super().__init__()
+        self._now_s = now_s
+        self._title = ""
+        self._begun_s = 0.0
+        self._reader = ProgressReader()
+        self._progress: CommandProgress | None = None
+        self._progress_s = 0.0
+
+    def on_mount(self) -> None:
+        """Count the time."""
+        self.set_interval(_REFRESH_S, self._show)
+
+    def begin(self, title: str) -> None:
+        """Show that something has begun."""
+        self._title, self._begun_s = title, self._now_s()
+        self._reader, self._progress = ProgressReader(), None
+        self.add_class("busy")
+        self._show()
+
+    def hear(self, piece: str) -> None:
+        """Take what the command says."""
+        progress = self._reader.take(piece)
+        if progress is not None:
+            self._progress, self._progress_s = progress, self._now_s()
+            self._show()
+
+    def ending(self) -> None:
+        """Show that it is being cancelled."""
+        self._title, self._progress = f"{self._title}: cancelling", None
+        self._show()
+
+    def end(self) -> None:
+        """Show nothing."""
+        self._title = ""
+        self.remove_class("busy")
+
+    def _show(self) -> None:
+        if not self._title:
+            return
+        passed_s = self._now_s() - self._begun_s
+        parts: list[Content | str | tuple[str, str]] = [(f"{self._title} ", "bold")]
+        if self._progress is None:
+            parts.append(f"… {passed_s:.0f} s")
+        else:
+            width = max(_SHORTEST_BAR, self.size.width // 6)
+            share = self._progress.share
+            parts += [(bar(share, width), "$primary"), f" {100.0 * share:.0f} %"]
+            parts.append(f"  {self._left()}  {self._progress.text}")
+        parts.append(("   Esc cancels", "$text-muted"))
+        self.tell(Content.assemble(*parts))
+
+    def _left(self) -> str:
+        """Return the time left: what the command said, less the time since."""
+        if self._progress is None or self._progress.left_s is None:
+            return "time left not known yet"
+        left_s = self._progress.left_s - (self._now_s() - self._progress_s)
+        return f"{duration_text(round(max(left_s, 0.0)))} left"
