@@ -262,7 +262,10 @@ class CatseyeApp(App[int]):
 
     def _show_changes(self) -> None:
         """Paint the screen; ages grow also when nothing comes."""
-        screen = self.screen_stack[0] if self.screen_stack else None
+        # Screens go before the timer at the end of the program.
+        if not self.is_running or not self.screen_stack:
+            return
+        screen = self.screen_stack[0]
         if isinstance(screen, MainScreen):
             screen.show_now()
         if isinstance(self.screen, QuitDialog) and not self.session.link.picture.running:

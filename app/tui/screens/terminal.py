@@ -1,16 +1,364 @@
-"""The screen Terminal."""
+"""The screen Terminal: raw traffic of each link, and bytes sent by hand."""
 
-from textual.app import ComposeResult
-from textual.widgets import Static
+import asyncio
+from collections.abc import Iterable
+from contextlib import suppress
+from pathlib import Path
+from typing import Any, ClassVar, Final
 
+from textual.app import ComposeResult, SystemCommand
+from textual.binding import Binding, BindingType
+from textual.containers import Horizontal, Vertical
+from textual.content import Content
+from textual.widgets import Input
+
+from app.tui.dialogs.name_dialog import NameDialog
+from app.tui.dialogs.start_dialog import Permission, StartDialog
+from app.tui.picture import Picture
 from app.tui.screens.base import MainScreen
+from app.tui.session import Session
+from app.tui.widgets.told import Told
+from app.tui.widgets.wire_view import WireView
+from app.tui.wire_lines import saved_line
+
+_ENDS: Final = ("crlf", "cr", "lf", "none")
+_HISTORY: Final = 100
 
 
 class TerminalScreen(MainScreen):
-    """Under construction by its own commit."""
+    """Shows what goes over the wires while it is shown; sends only between runs."""
 
     PLACE = "terminal"
+    AUTO_FOCUS = "WireView"
+
+    DEFAULT_CSS = """
+    TerminalScreen #top { height: 1; }
+    TerminalScreen #facts { width: 1fr; }
+    TerminalScreen #filter { width: 24; background: $boost; }
+    TerminalScreen #sender { height: 2; background: $surface; }
+    TerminalScreen #how { height: 1; }
+    TerminalScreen #line { background: $boost; }
+    TerminalScreen #line:focus, TerminalScreen #filter:focus { background: $primary-muted; }
+    """
+
+    BINDINGS: ClassVar[list[BindingType]] = [
+        Binding("d", "device", "device", id="terminal.device", tooltip="show the next device, or all"),
+        Binding("slash", "filter", "filter", id="terminal.filter", tooltip="by text or hex digits"),
+        Binding("p,space", "follow", "pause", id="terminal.follow", tooltip="stand still, or follow again"),
+        Binding("r", "link", "take link", id="terminal.link", tooltip="from its driver, or give it back"),
+        Binding("i", "type", "type", id="terminal.type", tooltip="bytes to send; needs the link"),
+        Binding("e", "end", "line end", show=False, id="terminal.end", tooltip="CR LF, CR, LF, none"),
+        Binding("x", "hex", "hex", show=False, id="terminal.hex", tooltip="type text, or hex bytes"),
+        Binding("f8", "send", "send", show=False, id="terminal.send", tooltip="to the robot only F8 sends"),
+        Binding("c", "copy", "copy", show=False, id="terminal.copy", tooltip="the lines in sight"),
+        Binding("s", "save", "save", show=False, id="terminal.save", tooltip="all lines that are shown"),
+        Binding("delete", "clear", "clear", show=False, id="terminal.clear", tooltip="forget all lines"),
+        Binding("escape", "leave", "back to the lines", show=False, id="terminal.leave"),
+        Binding("up", "older", "older input", show=False, id="terminal.older"),
+        Binding("down", "newer", "newer input", show=False, id="terminal.newer"),
+    ]
+
+    def __init__(self, session: Session) -> None:
+        super().__init__(session)
+        self._device = ""
+        self._end = "crlf"
+        self._hex = False
+        self._history: list[str] = []
+        self._recalled = 0
+        self._subscribed: object = None
 
     def body(self) -> ComposeResult:
-        """Return nothing yet."""
-        yield Static("Terminal")
+        """Put facts, lines and the line to send together."""
+        with Horizontal(id="top"):
+            yield Told(id="facts")
+            yield Input(id="filter", compact=True, placeholder="/ filter: text or hex")
+        yield WireView(id="wire")
+        with Vertical(id="sender"):
+            yield Told(id="how")
+            yield Input(id="line", compact=True, disabled=True)
+
+    def commands(self) -> Iterable[SystemCommand]:
+        """Return every action of this screen."""
+        yield SystemCommand("Traffic: next device", "one device, or all", self.action_device)
+        yield SystemCommand("Traffic: filter", "by text or hex digits", self.action_filter)
+        yield SystemCommand("Traffic: pause or follow", "stand still while you read", self.action_follow)
+        yield SystemCommand("Traffic: copy", "the lines in sight", self.action_copy)
+        yield SystemCommand("Traffic: save", "all lines that are shown", self.action_save)
+        yield SystemCommand("Traffic: clear", "forget all lines", self.action_clear)
+        yield SystemCommand("Send: take the link, or give it back", "between runs", self.action_link)
+        yield SystemCommand("Send: type", "bytes to send", self.action_type)
+        yield SystemCommand("Send: line end", "CR LF, CR, LF, none", self.action_end)
+        yield SystemCommand("Send: text or hex", "how you type", self.action_hex)
+        yield SystemCommand("Send: older input", "that was sent before", self.action_older)
+        yield SystemCommand("Send: newer input", "that was sent after it", self.action_newer)
+        yield SystemCommand("Send to the robot", "what is typed; the arm may move", self.action_send)
+        yield SystemCommand("Back to the lines", "leave the input", self.action_leave)
+
+    def on_screen_suspend(self) -> None:
+        """Ask for no more traffic when another screen is shown; a dialog above this one changes nothing."""
+        if self.app.current_mode != self.PLACE and self._subscribed is not None:
+            self._subscribed = None
+            self.run_worker(self._ask_for_traffic(on=False), exit_on_error=False)
+
+    def show_picture(self, picture: Picture, now_s: float) -> None:
+        """Show what is new, and whether something may be sent."""
+        del now_s
+        self._subscribe(picture)
+        view = self.query_one(WireView)
+        view.take(picture.wire, picture.wire_seen)
+        self.query_one("#facts", Told).tell(self._facts(picture, view))
+        self.query_one("#how", Told).tell(self._how(picture))
+        line = self.query_one("#line", Input)
+        line.disabled = not self._is_mine(picture)
+        if line.disabled and line.has_focus:
+            view.focus()
+
+    def action_device(self) -> None:
+        """Show the next device; all after the last."""
+        names = ["", *self._devices()]
+        at = names.index(self._device) if self._device in names else 0
+        self._device = names[(at + 1) % len(names)]
+        self._choose()
+
+    def action_filter(self) -> None:
+        """Type what the lines have to hold."""
+        self.query_one("#filter", Input).focus()
+
+    def action_follow(self) -> None:
+        """Stand still, or follow again."""
+        view = self.query_one(WireView)
+        view.follow(not view.following)
+        self.show_now()
+
+    def action_clear(self) -> None:
+        """Forget all lines."""
+        self.query_one(WireView).clear()
+        self.show_now()
+
+    def action_copy(self) -> None:
+        """Put the lines in sight on the clipboard."""
+        self.app.copy_to_clipboard(self.query_one(WireView).visible_text)
+        self.notify("copied: the lines in sight")
+
+    def action_save(self) -> None:
+        """Ask where, then write all lines that pass the filter."""
+        self.app.push_screen(NameDialog("Save these lines to", "traffic.log"), self._save)
+
+    def action_end(self) -> None:
+        """Take the next line end."""
+        self._end = _ENDS[(_ENDS.index(self._end) + 1) % len(_ENDS)]
+        self.show_now()
+
+    def action_hex(self) -> None:
+        """Type text or hex bytes; behind hex bytes nothing is put unless it is chosen."""
+        self._hex = not self._hex
+        self._end = "none" if self._hex else "crlf"
+        self.show_now()
+
+    def action_type(self) -> None:
+        """Go to the line that is sent."""
+        line = self.query_one("#line", Input)
+        if line.disabled:
+            self.notify(self._why_not() or "take the link first: r", severity="warning")
+        else:
+            line.focus()
+
+    def action_leave(self) -> None:
+        """Go back to the lines."""
+        self.query_one(WireView).focus()
+
+    def action_link(self) -> None:
+        """Take the device's link from its driver, or give it back."""
+        picture = self.session.link.picture
+        if self._is_mine(picture):
+            self.catseye.order("raw", "The link was not given back", device=self._device, on=False)
+        elif reason := self._why_not():
+            self.notify(reason, severity="warning")
+        elif self._moves(self._device):
+            self._ask_to_arm(picture)
+        else:
+            self._take(None)
+
+    def action_send(self) -> None:
+        """Send what is typed; this key sends to every device, also to those that move."""
+        line = self.query_one("#line", Input)
+        if line.disabled:
+            self.action_type()
+        elif line.value:
+            self._send(line.value)
+
+    def action_older(self) -> None:
+        """Show what was sent before."""
+        self._recall(-1)
+
+    def action_newer(self) -> None:
+        """Show what was sent after it."""
+        self._recall(1)
+
+    def on_input_changed(self, event: Input.Changed) -> None:
+        """Filter as it is typed."""
+        if event.input.id == "filter":
+            self._choose()
+
+    def on_input_submitted(self, event: Input.Submitted) -> None:
+        """Send to instruments; what could move the arm is sent by F8 alone."""
+        if event.input.id == "filter":
+            self.action_leave()
+        elif self._moves(self._device):
+            self.notify("it may move the arm: F8 sends", severity="warning")
+        elif event.value:
+            self._send(event.value)
+
+    def _choose(self) -> None:
+        self.query_one(WireView).choose(self._device, self.query_one("#filter", Input).value)
+        self.show_now()
+
+    def _subscribe(self, picture: Picture) -> None:
+        """Ask for traffic; again when the connection is another."""
+        if not picture.connected:
+            self._subscribed = None
+        elif self._subscribed is not picture.facts and self.app.current_mode == self.PLACE:
+            self._subscribed = picture.facts
+            self.run_worker(self._ask_for_traffic(on=True), exit_on_error=False)
+
+    async def _ask_for_traffic(self, *, on: bool) -> None:
+        from app.service.errors import RefusedError, ServiceError
+
+        # An engine that is gone tells nothing; the status line says so.
+        with suppress(RefusedError, ServiceError):
+            await self.session.link.request("traffic", on=on)
+
+    def _bench_devices(self) -> list[dict[str, Any]]:
+        bench = self.session.link.picture.bench
+        return list(bench.get("devices") or []) if bench else []
+
+    def _devices(self) -> list[str]:
+        """Return the names of all devices, those of the cell file first."""
+        told = [str(device["name"]) for device in self._bench_devices()]
+        passed = {line.device for line in self.query_one(WireView).lines}
+        return told + sorted(passed - set(told))
+
+    def _moves(self, name: str) -> bool:
+        driver = next((str(d.get("driver")) for d in self._bench_devices() if d["name"] == name), "")
+        return name == "robot" or driver.startswith("melfa-")
+
+    def _is_mine(self, picture: Picture) -> bool:
+        by = picture.raw.get(self._device)
+        return by is not None and by.endswith(f"({picture.you})")
+
+    def _why_not(self) -> str:
+        """Return why nothing can be sent now; empty when the link can be taken."""
+        picture = self.session.link.picture
+        if not picture.connected:
+            return "nothing can be sent: no engine is connected"
+        if picture.running:
+            return "nothing can be sent while a run is under way: its driver has the link"
+        if picture.jogging:
+            return "nothing can be sent during a jog: end it first (F5, Esc)"
+        if not self._device:
+            return "choose a device first: d"
+        by = picture.raw.get(self._device)
+        return f"{by} has the link of {self._device}" if by and not self._is_mine(picture) else ""
+
+    def _facts(self, picture: Picture, view: WireView) -> Content:
+        missed = picture.missed.get("wire", 0)
+        state = "following" if view.following else f"PAUSED, {view.waiting} new"
+        return Content.assemble(
+            (f"{self._device or 'all devices'}  ", "bold"),
+            (f"{state}  ", "" if view.following else "$warning bold"),
+            (f"{missed} lines missed  " if missed else "", "$warning"),
+            ("UTC", "dim"),
+        )
+
+    def _how(self, picture: Picture) -> Content:
+        form = "hex bytes" if self._hex else r"text, \r \n \xNN"
+        if self._is_mine(picture):
+            key = "F8 sends: it may move the arm" if self._moves(self._device) else "Enter sends"
+            return Content.assemble(
+                (f"→ {self._device}  ", "bold $accent"),
+                f"{form}  end: {self._end}  ",
+                (f"{key}  r gives back", "dim"),
+            )
+        reason = self._why_not()
+        return Content.assemble(
+            ("not sending  ", "dim"), reason or f"r takes the link of {self._device} from its driver"
+        )
+
+    def _ask_to_arm(self, picture: Picture) -> None:
+        bench = picture.bench or {}
+        device = next(d for d in self._bench_devices() if d["name"] == self._device)
+        simulated = (device.get("identity") or {}).get("simulated")
+        text = (
+            "What is sent to it may move the arm, past every check of this program. Nobody inside; a hand on the "
+            "emergency stop. What was started by hand goes on when the link is given back."
+        )
+        dialog = StartDialog(
+            f"Bytes to the {self._device} by hand", text, str(bench.get("cell")), simulated=simulated
+        )
+        self.app.push_screen(dialog, self._armed)
+
+    def _armed(self, permission: Permission | None) -> None:
+        if permission is not None:
+            self._take(permission.arm)
+
+    def _take(self, arm: str | None) -> None:
+        fields = {} if arm is None else {"arm": arm}
+        self.catseye.order(
+            "raw",
+            f"The link of {self._device} was not taken",
+            control=True,
+            then=self._taken,
+            device=self._device,
+            on=True,
+            **fields,
+        )
+
+    def _taken(self, _answer: dict[str, Any]) -> None:
+        self.call_after_refresh(self._begin_typing)
+
+    def _begin_typing(self) -> None:
+        self.show_now()
+        line = self.query_one("#line", Input)
+        if not line.disabled:
+            line.focus()
+
+    def _send(self, text: str) -> None:
+        from app.commands.terminal import encoded
+
+        try:
+            data = encoded(text, self._end, as_hex=self._hex)  # type: ignore[arg-type]  # one of _ENDS
+        except ValueError as error:
+            self.notify(f"not sent: {error}", severity="error")
+            return
+        if not data:
+            return
+        self._history = [*(old for old in self._history if old != text), text][-_HISTORY:]
+        self._recalled = 0
+        self.query_one("#line", Input).value = ""
+        self.catseye.order("send", "The bytes were not sent", device=self._device, hex=data.hex())
+
+    def _recall(self, by: int) -> None:
+        line = self.query_one("#line", Input)
+        if not line.has_focus:
+            return
+        self._recalled = min(max(self._recalled - by, 0), len(self._history))
+        line.value = self._history[-self._recalled] if self._recalled else ""
+        line.cursor_position = len(line.value)
+
+    def _save(self, name: str | None) -> None:
+        if name:
+            text = "".join(f"{saved_line(line)}\n" for line in self.query_one(WireView).lines)
+            self.run_worker(self._write(Path(name).expanduser(), text), exit_on_error=False)
+
+    async def _write(self, path: Path, text: str) -> None:
+        from app.errors import CatseyeError, UsageError
+        from app.files.atomic import write_atomically
+
+        try:
+            if await asyncio.to_thread(path.exists):
+                raise UsageError(f"{path} exists already: choose another name")
+            await asyncio.to_thread(write_atomically, path, text)
+        except CatseyeError as error:
+            self.catseye.tell_error("The lines were not saved", str(error))
+            return
+        self.notify(f"saved: {path}")

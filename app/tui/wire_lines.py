@@ -1,0 +1,115 @@
+"""Raw traffic as lines: time, device, direction, bytes in hex and as text."""
+
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
+from typing import Any, Final
+
+_PRINTABLE: Final = bytes(byte if 32 <= byte < 127 else ord(".") for byte in range(256))
+_TIME: Final = slice(11, 23)
+_DEVICE_CELLS: Final = 8
+_FIXED_CELLS: Final = 12 + 1 + _DEVICE_CELLS + 1 + 2 + 2
+"""Time, device, arrow and the bars around the text, with the spaces between them."""
+
+_SHORT: Final = {"interferometer": "interfer", "environment": "environm"}
+
+
+@dataclass(frozen=True, slots=True)
+class WireLine:
+    """What passed at once.
+
+    Attributes:
+        time: of day, UTC, to the millisecond.
+        device: its name in the cell file.
+        sent: to the device; else it came from there.
+        data: the bytes.
+        left_out: bytes beyond those.
+    """
+
+    time: str
+    device: str
+    sent: bool
+    data: bytes
+    left_out: int = 0
+
+    @property
+    def text(self) -> str:
+        """The bytes as text; what is no character is a dot."""
+        return self.data.translate(_PRINTABLE).decode("ascii")
+
+    @property
+    def arrow(self) -> str:
+        """Which way it went."""
+        return "→" if self.sent else "←"
+
+    def fits(self, device: str, part: str) -> bool:
+        """Tell whether it passes a filter.
+
+        Args:
+            device: name; empty for all.
+            part: of its text or hex digits, in small letters; empty for all.
+        """
+        if device and device != self.device:
+            return False
+        return not part or part in self.text.lower() or part.replace(" ", "") in self.data.hex()
+
+
+@dataclass(frozen=True, slots=True)
+class Row:
+    """A part of a line that is as wide as the screen.
+
+    Attributes:
+        head: time and device; spaces behind the first part.
+        arrow: which way it went.
+        sent: to the device.
+        hex: bytes in hex.
+        text: bytes as text, and what was left out.
+    """
+
+    head: str
+    arrow: str
+    sent: bool
+    hex: str
+    text: str
+
+    @property
+    def plain(self) -> str:
+        """The whole row."""
+        return f"{self.head} {self.arrow} {self.hex} {self.text}".rstrip()
+
+
+def wire_line(told: dict[str, Any]) -> WireLine:
+    """Return a line of a `wire` event."""
+    data = bytes.fromhex(told["hex"])
+    left_out = max(int(told.get("bytes") or 0) - len(data), 0)
+    return WireLine(str(told["t"])[_TIME].ljust(12), str(told["device"]), told["dir"] == "tx", data, left_out)
+
+
+def bytes_a_row(width: int) -> int:
+    """Return how many bytes stand in a row: a multiple of four, at least four, at most 32."""
+    return max(4, min(32, (width - _FIXED_CELLS) // 4 // 4 * 4))
+
+
+def rows_of(lines: Iterable[WireLine], per_row: int) -> Iterator[Row]:
+    """Return the rows that lines take.
+
+    Args:
+        lines: oldest first.
+        per_row: bytes in each row.
+    """
+    for line in lines:
+        name = _SHORT.get(line.device, line.device)[:_DEVICE_CELLS]
+        head = f"{line.time} {name:<{_DEVICE_CELLS}}"
+        for start in range(0, max(len(line.data), 1), per_row):
+            part = line.data[start : start + per_row]
+            text = line.text[start : start + per_row]
+            last = start + per_row >= len(line.data)
+            more = f" +{line.left_out} bytes" if line.left_out and last else ""
+            shown_hex = f"{part.hex(' '):<{3 * per_row - 1}}"
+            yield Row(head, line.arrow, line.sent, shown_hex, f"│{text}│{more}")
+            head = " " * len(head)
+
+
+def saved_line(line: WireLine) -> str:
+    """Return a line as it stands in a saved file: nothing is shortened but what never came."""
+    more = f" +{line.left_out} bytes" if line.left_out else ""
+    return f"{line.time} {line.device} {line.arrow} {line.data.hex(' ')} |{line.text}|{more}"

@@ -1,0 +1,299 @@
+"""The screen Terminal: every key, and when nothing may be sent."""
+
+from pathlib import Path
+from typing import Any
+
+import pytest
+from textual.pilot import Pilot
+from textual.widgets import Input
+
+from app.tui.app import CatseyeApp
+from app.tui.dialogs.error_dialog import ErrorDialog
+from app.tui.dialogs.name_dialog import NameDialog
+from app.tui.dialogs.start_dialog import StartDialog
+from app.tui.widgets.wire_view import WireView
+from tests.unit.app.tui.scripted import ScriptedLink, compare, make_app, shown
+from tests.unit.app.tui.told_bench import BENCH
+
+RUN = {
+    "run": "20261121T090000Z_open-loop_abc123",
+    "procedure": "open-loop",
+    "title": "Open loop",
+    "state": "EXECUTE",
+}
+
+
+def wire(second: float, device: str, direction: str, data: bytes, **more: object) -> dict[str, Any]:
+    stamp = f"2026-11-21T09:00:{second:09.6f}+00:00"
+    return {"t": stamp, "device": device, "dir": direction, "hex": data.hex(), **more}
+
+
+LINES = [
+    wire(1.0, "robot", "tx", b"1;1;STATE"),
+    wire(1.012, "robot", "rx", b"QoK0;10;0;0100000;000,000,000,000;\xff"),
+    wire(1.1, "interferometer", "tx", b"R\r\n"),
+    wire(1.104, "interferometer", "rx", b"+743.123456 mm\r\n"),
+    wire(1.2, "environment", "rx", bytes(range(64)), bytes=300),
+]
+
+
+def told(run: dict[str, Any] | None = None) -> ScriptedLink:
+    link = ScriptedLink(run)
+    link.tell("bench", **BENCH)
+    link.tell("wire", lines=LINES, missed=3)
+    return link
+
+
+def asked(link: ScriptedLink, op: str) -> list[dict[str, Any]]:
+    return [{k: v for k, v in one.items() if k != "op"} for one in link.asked if one["op"] == op]
+
+
+def view_of(app: CatseyeApp) -> WireView:
+    return app.screen_stack[0].query_one(WireView)
+
+
+async def to_device(app: CatseyeApp, pilot: Pilot[Any], name: str) -> None:
+    for _ in range(6):
+        if name in await shown(app, pilot) and view_of(app)._device == name:  # noqa: SLF001  # what is filtered
+            return
+        await pilot.press("d")
+    raise AssertionError(name)
+
+
+async def take_link(app: CatseyeApp, pilot: Pilot[Any], link: ScriptedLink, device: str) -> None:
+    await to_device(app, pilot, device)
+    await pilot.press("r")
+    await pilot.pause()
+    link.tell("raw", device=device, on=True, by="Ada (tui-1)")
+    await shown(app, pilot)
+
+
+@pytest.mark.parametrize("size", [(80, 24), (120, 40)])
+async def test_screen(size: tuple[int, int]) -> None:
+    link = told()
+    app = make_app(link, "terminal")
+    async with app.run_test(size=size) as pilot:
+        compare(f"terminal_{size[0]}x{size[1]}", await shown(app, pilot))
+
+
+@pytest.mark.parametrize("size", [(60, 20), (100, 30), (200, 60)])
+async def test_other_sizes(size: tuple[int, int]) -> None:
+    app = make_app(told(), "terminal")
+    async with app.run_test(size=size) as pilot:
+        assert "30 31 32" in await shown(app, pilot)
+
+
+async def test_traffic_is_asked_for_while_it_is_shown() -> None:
+    link = told()
+    app = make_app(link, "terminal")
+    async with app.run_test(size=(80, 24)) as pilot:
+        await shown(app, pilot)
+        assert asked(link, "traffic") == [{"on": True}]
+        await pilot.press("f2")
+        await shown(app, pilot)
+        assert asked(link, "traffic") == [{"on": True}, {"on": False}]
+        await pilot.press("f9")
+        await shown(app, pilot)
+        assert asked(link, "traffic")[2:] == [{"on": True}]
+
+
+async def test_traffic_is_asked_for_anew_of_another_engine() -> None:
+    link = told()
+    app = make_app(link, "terminal")
+    async with app.run_test(size=(80, 24)) as pilot:
+        await shown(app, pilot)
+        link.picture.lost("gone")
+        await shown(app, pilot)
+        link.picture.met(dict(link.picture.facts), 0.0)
+        await shown(app, pilot)
+        assert asked(link, "traffic") == [{"on": True}, {"on": True}]
+
+
+async def test_filters_by_device_and_text() -> None:
+    link = told()
+    app = make_app(link, "terminal")
+    async with app.run_test(size=(80, 24)) as pilot:
+        await to_device(app, pilot, "interferometer")
+        assert len(view_of(app).lines) == 2
+        await pilot.press("slash", *"743.1")
+        await shown(app, pilot)
+        assert [line.text for line in view_of(app).lines] == ["+743.123456 mm.."]
+        await pilot.press("enter")
+        assert app.focused is view_of(app)
+
+
+async def test_stands_still_and_follows_again() -> None:
+    link = told()
+    app = make_app(link, "terminal")
+    async with app.run_test(size=(80, 24)) as pilot:
+        await shown(app, pilot)
+        await pilot.press("p")
+        link.tell("wire", lines=[wire(2.0, "robot", "tx", b"LATER")], missed=0)
+        text = await shown(app, pilot)
+        assert "PAUSED, 1 new" in text
+        assert "LATER" not in text
+        await pilot.press("space")
+        assert "LATER" in await shown(app, pilot)
+
+
+async def test_arrow_keys_scroll_and_pause() -> None:
+    link = told()
+    app = make_app(link, "terminal")
+    async with app.run_test(size=(80, 24)) as pilot:
+        link.tell("wire", lines=[wire(3.0, "robot", "tx", b"%d" % i) for i in range(60)], missed=0)
+        await shown(app, pilot)
+        await shown(app, pilot)
+        low = view_of(app).scroll_offset.y
+        assert low > 0
+        await pilot.press("up", "up")
+        assert "PAUSED" in await shown(app, pilot)
+        assert view_of(app).scroll_offset.y == low - 2
+        await pilot.press("down")
+        await shown(app, pilot)
+        assert view_of(app).scroll_offset.y == low - 1
+        await pilot.press("home")
+        await shown(app, pilot)
+        assert view_of(app).scroll_offset.y == 0
+        await pilot.press("end")
+        assert "following" in await shown(app, pilot)
+        assert view_of(app).scroll_offset.y == low
+
+
+async def test_lines_missed_are_counted() -> None:
+    app = make_app(told(), "terminal")
+    async with app.run_test(size=(80, 24)) as pilot:
+        assert "3 lines missed" in await shown(app, pilot)
+
+
+async def test_instruments_are_sent_to_with_enter() -> None:
+    link = told()
+    app = make_app(link, "terminal")
+    async with app.run_test(size=(80, 24)) as pilot:
+        await take_link(app, pilot, link, "interferometer")
+        assert asked(link, "raw") == [{"device": "interferometer", "on": True}]
+        await pilot.press("i", *r"R\x41", "enter")
+        await pilot.pause()
+        assert asked(link, "send") == [{"device": "interferometer", "hex": "52410d0a"}]
+        await pilot.press("escape", "e", "i", "Z", "enter")
+        await pilot.pause()
+        assert asked(link, "send")[1:] == [{"device": "interferometer", "hex": "5a0d"}]
+        await pilot.press("up", "up", "down")
+        assert app.focused is not None
+        assert app.screen.query_one("#line", Input).value == "Z"
+        await pilot.press("escape", "x", "i", "home", "ctrl+k", *"31 3b", "enter")
+        await pilot.pause()
+        assert asked(link, "send")[2:] == [{"device": "interferometer", "hex": "313b"}]
+        await pilot.press("escape", "r")
+        await pilot.pause()
+        assert asked(link, "raw")[1:] == [{"device": "interferometer", "on": False}]
+
+
+async def test_bytes_that_cannot_be_typed_are_not_sent() -> None:
+    link = told()
+    app = make_app(link, "terminal")
+    async with app.run_test(size=(80, 24)) as pilot:
+        await take_link(app, pilot, link, "interferometer")
+        await pilot.press("i", *r"\q", "enter")
+        await pilot.pause()
+        assert asked(link, "send") == []
+        assert any("is no escape" in note.message for note in app._notifications)  # noqa: SLF001  # what was said
+
+
+async def test_the_robot_is_sent_to_by_f8_alone() -> None:
+    link = told()
+    app = make_app(link, "terminal")
+    async with app.run_test(size=(80, 24)) as pilot:
+        await to_device(app, pilot, "robot")
+        await pilot.press("r")
+        await pilot.pause()
+        assert isinstance(app.screen, StartDialog)
+        await pilot.press("f8")
+        await pilot.pause()
+        assert asked(link, "raw") == [{"device": "robot", "on": True}]
+        link.tell("raw", device="robot", on=True, by="Ada (tui-1)")
+        assert "F8 sends" in await shown(app, pilot)
+        await pilot.press("i", *"1;1;STATE", "enter")
+        await pilot.pause()
+        assert asked(link, "send") == []
+        await pilot.press("f8")
+        await pilot.pause()
+        assert asked(link, "send") == [{"device": "robot", "hex": b"1;1;STATE\r\n".hex()}]
+
+
+async def test_a_real_robot_needs_the_cells_name() -> None:
+    link = ScriptedLink()
+    devices = [{**d, "identity": {**d["identity"], "simulated": False}} for d in BENCH["devices"]]
+    link.tell("bench", **{**BENCH, "devices": devices, "simulated": False})
+    app = make_app(link, "terminal")
+    async with app.run_test(size=(80, 24)) as pilot:
+        await to_device(app, pilot, "robot")
+        await pilot.press("r")
+        await pilot.pause()
+        await pilot.press("f8")
+        await pilot.pause()
+        assert asked(link, "raw") == []
+        await pilot.press(*"lab-1", "f8")
+        await pilot.pause()
+        assert asked(link, "raw") == [{"device": "robot", "on": True, "arm": "lab-1"}]
+
+
+async def test_nothing_is_sent_during_a_run() -> None:
+    link = told(RUN)
+    app = make_app(link, "terminal")
+    async with app.run_test(size=(80, 24)) as pilot:
+        await to_device(app, pilot, "interferometer")
+        assert "a run is under way" in await shown(app, pilot)
+        await pilot.press("r", "i", "f8")
+        await pilot.pause()
+        assert asked(link, "raw") == []
+        assert app.screen.query_one("#line", Input).disabled
+
+
+async def test_a_refusal_is_told() -> None:
+    link = told()
+    link.refusals["raw"] = "the engine is busy: try again"
+    app = make_app(link, "terminal")
+    async with app.run_test(size=(80, 24)) as pilot:
+        await to_device(app, pilot, "interferometer")
+        await pilot.press("r")
+        await pilot.pause()
+        assert isinstance(app.screen, ErrorDialog)
+
+
+async def test_copies_and_saves(tmp_path: Path) -> None:
+    link = told()
+    app = make_app(link, "terminal")
+    async with app.run_test(size=(80, 24)) as pilot:
+        await shown(app, pilot)
+        await pilot.press("c")
+        assert "1;1;STATE" in app.clipboard
+        for _ in range(2):
+            await pilot.press("s")
+            await pilot.pause()
+            assert isinstance(app.screen, NameDialog)
+            app.screen.query_one(Input).value = str(tmp_path / "traffic.log")
+            await pilot.press("enter")
+            await app.workers.wait_for_complete()
+            await pilot.pause()
+        saved = (tmp_path / "traffic.log").read_text(encoding="utf-8").splitlines()
+        assert len(saved) == len(LINES)
+        assert saved[4].endswith("+236 bytes")
+        assert isinstance(app.screen, ErrorDialog)
+
+
+async def test_forgets_lines() -> None:
+    app = make_app(told(), "terminal")
+    async with app.run_test(size=(80, 24)) as pilot:
+        await shown(app, pilot)
+        await pilot.press("delete")
+        assert "1;1;STATE" not in await shown(app, pilot)
+
+
+async def test_the_palette_has_every_key() -> None:
+    app = make_app(told(), "terminal")
+    async with app.run_test(size=(80, 24)) as pilot:
+        await shown(app, pilot)
+        screen: Any = app.screen
+        actions = {binding.action for binding in screen.BINDINGS}
+        offered = {command.callback.__name__.removeprefix("action_") for command in screen.commands()}
+        assert actions == offered
