@@ -129,6 +129,10 @@ class EngineLink:
                 catching_up = asyncio.create_task(self._catch_up(changed))
                 async for event in client.events():
                     self.picture.take(event, self._clock.monotonic_s())
+                    if event["event"] == "run-started":
+                        # It may go on after an interruption.
+                        catching_up.cancel()
+                        catching_up = asyncio.create_task(self._catch_up(changed))
                     changed()
             finally:
                 self._client = None
@@ -141,10 +145,11 @@ class EngineLink:
         from app.tui.record import read_record
 
         run = self.picture.run
-        if run is None or not run.active or not run.path:
+        if run is None or not run.active:
             return
+        path = Path(run.path) if run.path else self._root / run.name
         try:
-            so_far = await asyncio.to_thread(read_record, Path(run.path))
+            so_far = await asyncio.to_thread(read_record, path)
         except StorageError as error:
             run.log.append(LogLine("", "warning", f"what happened before is not known: {error}"))
         else:

@@ -4,7 +4,7 @@ import json
 from pathlib import Path
 from typing import Any, Final
 
-from app.tui.run_picture import Event, LogLine, SoFar
+from app.tui.run_picture import UNTOLD, Event, LogLine, SoFar
 
 POINTS_KEPT: Final = 500
 
@@ -27,7 +27,7 @@ def read_record(path: Path) -> SoFar:
     log = [
         LogLine(event.time_utc, _LEVELS.get(event.kind, "info"), text)
         for event in events
-        if event.kind != "map-known" and (text := event_text(event))
+        if event.kind not in UNTOLD and (text := str(event.data.get("text") or "") or event_text(event))
     ]
     return SoFar(
         steps=[(step.step_id, step.title) for step in reader.steps()],
@@ -55,17 +55,6 @@ def rehearsal_of(meta: dict[str, Any], root: Path) -> tuple[str, ...]:
             words += ["--param", f"{name}={json.dumps(value, ensure_ascii=False)}"]
     words += ["--dry-run", "--json"]
     return () if max(map(len, words)) > _LONGEST_WORD else tuple(words)
-
-
-def rehearsal_words(path: Path) -> tuple[str, ...]:
-    """Return the words of `catseye` that rehearse a stored run; empty when its record cannot tell. Opens files."""
-    from app.errors import StorageError
-    from app.store.reader import RunReader
-
-    try:
-        return rehearsal_of(dict(RunReader(path).meta), path.parent)
-    except StorageError:
-        return ()
 
 
 def _row(row: Event) -> Event:

@@ -9,6 +9,9 @@ Event = dict[str, Any]
 LOG_LINES: Final = 2000
 VALUES_KEPT: Final = 600
 
+UNTOLD: Final = frozenset({"map-known", "devices", "asked"})
+"""Kinds of events that are shown elsewhere than in the log."""
+
 _ENDED: Final = frozenset({"COMPLETE", "STOPPED", "ABORTED"})
 
 
@@ -261,6 +264,8 @@ class RunPicture:
         data = event.get("data") or {}
         if event["kind"] == "map-known":
             self.map_known.append(data)
+        if event["kind"] in UNTOLD:
+            return
         # The first screen is painted before this is imported.
         from app.store.reader import StoredEvent
         from app.story.words import event_text

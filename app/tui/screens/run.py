@@ -1,9 +1,8 @@
 """The screen Run: steps, instruction, live value, question, residuals, log; and what comes after the end."""
 
 import asyncio
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable
 from functools import partial
-from pathlib import Path
 from typing import Any, ClassVar
 
 from textual.app import ComposeResult, SystemCommand
@@ -15,7 +14,6 @@ from app.guidance.after_run import Advice, after_run
 from app.tui.dialogs.override_dialog import OverrideDialog
 from app.tui.dialogs.start_dialog import Permission, StartDialog
 from app.tui.picture import Picture
-from app.tui.record import rehearsal_words
 from app.tui.run_picture import RunPicture
 from app.tui.screens.base import MainScreen
 from app.tui.session import Session
@@ -92,7 +90,7 @@ class RunScreen(MainScreen):
         self.HORIZONTAL_BREAKPOINTS = [(0, "-narrow"), (66, "-wide")]
         self.VERTICAL_BREAKPOINTS = [(0, "-low"), (32, "-high")]
         self._planned: list[PlannedStep] = []
-        self._planned_for = ""
+        self._planned_for: RunPicture | None = None
         self._doing = ""
 
     def body(self) -> ComposeResult:
@@ -296,18 +294,18 @@ class RunScreen(MainScreen):
 
     def _plan_of(self, run: RunPicture | None) -> None:
         """Rehearse the run that is shown, once, to know the steps to come."""
-        if run is None or run.name == self._planned_for:
+        if run is None or run is self._planned_for:
             return
-        self._planned_for, self._planned, self._doing = run.name, [], ""
-        if run.active:
+        if self._planned_for is None or run.name != self._planned_for.name:
+            self._planned, self._doing = [], ""
+        # The record tells what was chosen for it, a moment after its beginning.
+        if run.recorded or not run.active:
+            self._planned_for = run
+        if run.active and run.command and not self._planned:
             self.run_worker(self._rehearse(run), group="plan", exclusive=True, exit_on_error=False)
 
     async def _rehearse(self, run: RunPicture) -> None:
-        path = Path(run.path) if run.path else self.session.root / run.name
-        words: Sequence[str] = run.command or await asyncio.to_thread(rehearsal_words, path)
-        if not words:
-            return
-        done = await self.session.work.do(*words)
+        done = await self.session.work.do(*run.command)
         if done.code == 0:
             self._planned = _planned(done.data())
 
