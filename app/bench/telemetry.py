@@ -126,24 +126,8 @@ class Telemetry:
             self._task = asyncio.create_task(self._serve())
             self.on_watched(True)
 
-    async def end(self) -> None:
-        """Tell no more."""
-        if self._task is not None:
-            await cancel(self._task)
-
-    async def _serve(self) -> None:
-        """Tell until nobody listens. Nothing is waited for after that was seen: the next `wake` begins anew."""
-        disk = asyncio.create_task(self._look_at_disk())
-        try:
-            while self._audience.listens("watch") or self._audience.listens("traffic"):
-                self._tell()
-                await self._clock.sleep(PERIOD_S)
-        finally:
-            disk.cancel()
-            self.traffic.listening = False
-            self.on_watched(False)
-
-    def _tell(self) -> None:
+    def tell(self) -> None:
+        """Tell what has come since the last time."""
         audience, run = self._audience, self._audience.run
         self.traffic.listening = audience.listens("traffic")
         if (lines := self.traffic.take()) is not None:
@@ -154,6 +138,23 @@ class Telemetry:
             self._sampler.tick(run.control, asking=audience.asking)
         audience.tell("watch", "bench", self.bench())
         audience.tell("watch", "samples", self._samples())
+
+    async def end(self) -> None:
+        """Tell no more."""
+        if self._task is not None:
+            await cancel(self._task)
+
+    async def _serve(self) -> None:
+        """Tell until nobody listens. Nothing is waited for after that was seen: the next `wake` begins anew."""
+        disk = asyncio.create_task(self._look_at_disk())
+        try:
+            while self._audience.listens("watch") or self._audience.listens("traffic"):
+                self.tell()
+                await self._clock.sleep(PERIOD_S)
+        finally:
+            disk.cancel()
+            self.traffic.listening = False
+            self.on_watched(False)
 
     def _samples(self) -> dict[str, Json]:
         columns = self.gauges.columns

@@ -1,8 +1,6 @@
 """What goes over the wires, for whoever looks at it now: bounded, and what is left out is counted."""
 
 from collections import deque
-from dataclasses import dataclass
-from datetime import datetime
 
 from drivers.clock import Clock
 from procedures.context import Json
@@ -12,15 +10,6 @@ MOST_LINES = 200
 
 SHOWN_BYTES = 256
 """Of one line; a longer one says how long it was."""
-
-
-@dataclass(frozen=True, slots=True)
-class _Line:
-    time_utc: datetime
-    device: str
-    direction: str
-    data: bytes
-    length: int
 
 
 class Traffic:
@@ -36,7 +25,7 @@ class Traffic:
     def __init__(self, clock: Clock) -> None:
         self.listening = False
         self._clock = clock
-        self._lines: deque[_Line] = deque(maxlen=MOST_LINES)
+        self._lines: deque[Json] = deque(maxlen=MOST_LINES)
         self._missed = 0
 
     def record(self, device: str, direction: str, data: bytes) -> None:
@@ -50,23 +39,22 @@ class Traffic:
         if not self.listening:
             return
         self._missed += len(self._lines) == MOST_LINES
-        self._lines.append(_Line(self._clock.now_utc(), device, direction, data[:SHOWN_BYTES], len(data)))
+        # Made ready here, a little at a time: all at once would hold up whoever reads an instrument meanwhile.
+        line: dict[str, Json] = {
+            "t": self._clock.now_utc().isoformat(),
+            "device": device,
+            "dir": direction,
+            "hex": data[:SHOWN_BYTES].hex(),
+        }
+        if len(data) > SHOWN_BYTES:
+            line["bytes"] = len(data)
+        self._lines.append(line)
 
     def take(self) -> dict[str, Json] | None:
         """Return the lines since the last ones were taken, as a `wire` event has them; None when there is none."""
         if not self._lines:
             return None
-        lines: list[Json] = [_told(line) for line in self._lines]
+        lines = list(self._lines)
         self._lines.clear()
         missed, self._missed = self._missed, 0
         return {"lines": lines, "missed": missed}
-
-
-def _told(line: _Line) -> dict[str, Json]:
-    told: dict[str, Json] = {
-        "t": line.time_utc.isoformat(),
-        "device": line.device,
-        "dir": line.direction,
-        "hex": line.data.hex(),
-    }
-    return told if line.length == len(line.data) else {**told, "bytes": line.length}
