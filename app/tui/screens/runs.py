@@ -189,7 +189,7 @@ class RunsScreen(WorkScreen):
         """Tell what happened in the run."""
         line = self._chosen()
         if line is not None:
-            self.run_worker(self._tell_story(line), group="story", exclusive=True, exit_on_error=False)
+            self.spawn(partial(self._tell_story, line), "story", exclusive=True)
 
     def action_resume(self) -> None:
         """Show what would go on; F8 there goes on."""
@@ -275,7 +275,7 @@ class RunsScreen(WorkScreen):
     @property
     def _folder(self) -> Path:
         """Where results and pages go: beside the folder of runs."""
-        return self.session.root.parent
+        return self.session.root.absolute().parent
 
     def _chosen(self) -> "RunLine | None":
         table = self._table
@@ -349,12 +349,12 @@ class RunsScreen(WorkScreen):
 
     def _look(self) -> None:
         if not self._looking:
-            self.run_worker(self._look_at_folder(), group="look", exit_on_error=False)
+            self._looking = True
+            self.spawn(self._look_at_folder, "look")
 
     async def _look_at_folder(self) -> None:
         from app.store.history import RunHistory
 
-        self._looking = True
         try:
             self._history = self._history or RunHistory(self.session.root)
             changes = self._history.changes()
@@ -390,7 +390,7 @@ class RunsScreen(WorkScreen):
             table.update_cell(line.name, name, cell)
 
     def _fill(self) -> None:
-        self.run_worker(self._filled(), group="fill", exclusive=True, exit_on_error=False)
+        self.spawn(self._filled, "fill", exclusive=True)
 
     async def _filled(self) -> None:
         """Fill the table anew, newest first; the cursor stays on its run."""

@@ -1,8 +1,10 @@
 """A screen that lets commands of catseye work: one at a time, with progress, and a key that ends it."""
 
 import asyncio
-from collections.abc import Callable
+from collections.abc import Callable, Coroutine
+from functools import partial
 from pathlib import Path
+from typing import Any
 
 from textual.worker import Worker
 
@@ -28,6 +30,19 @@ class WorkScreen(MainScreen):
         """A command is under way."""
         return self._work is not None and not self._work.is_finished
 
+    def spawn(
+        self, work: Callable[[], Coroutine[Any, Any, None]], group: str, *, exclusive: bool = False
+    ) -> Worker[None]:
+        """Have something done beside the screen, as long as the screen lives.
+
+        Args:
+            work: what is done.
+            group: of its kind.
+            exclusive: what is under way of its kind is given up.
+        """
+        worker: Worker[None] = self.run_worker(work, group=group, exclusive=exclusive, exit_on_error=False)
+        return worker
+
     def let_work(
         self,
         title: str,
@@ -48,8 +63,8 @@ class WorkScreen(MainScreen):
         if self.working:
             self.notify("one thing at a time: Esc cancels what is under way", severity="warning")
             return
-        work = self._let_work(title, failure, arguments, done, accepted)
-        self._work = self.run_worker(work, group="work", exit_on_error=False)
+        work = partial(self._let_work, title, failure, arguments, done, accepted)
+        self._work = self.spawn(work, "work")
 
     def cancel_work(self) -> bool:
         """End the command under way; return whether there was one."""
@@ -75,7 +90,7 @@ class WorkScreen(MainScreen):
             self.notify(f"there is no display here; the page is {self._page}", markup=False, timeout=12.0)
         else:
             uri = self._page.absolute().as_uri()
-            self.run_worker(self._open(uri), group="open", exit_on_error=False)
+            self.spawn(partial(self._open, uri), "open")
 
     async def _open(self, uri: str) -> None:
         fault = await open_page(uri)

@@ -21,7 +21,7 @@ class TaskLine(Told):
     """
 
     DEFAULT_CSS = """
-    TaskLine { dock: bottom; height: 1; padding: 0 1; background: $boost; display: none; }
+    TaskLine { height: 1; padding: 0 1; background: $boost; display: none; }
     TaskLine { text-wrap: nowrap; text-overflow: ellipsis; }
     TaskLine.busy { display: block; }
     """
