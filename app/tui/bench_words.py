@@ -70,26 +70,26 @@ def device_text(device: Part, alarm: str, since_s: float) -> str:
 
 
 def troubles(bench: Part) -> list[tuple[str, str]]:
-    """Return what is wrong: name of the device, and the text with its remedy."""
-    found = [
-        (str(each["name"]), str(each["error"])) for each in bench.get("devices", ()) if each.get("error")
-    ]
-    robot = bench.get("robot") or {}
+    """Return what is wrong, what forbids motion first: name of the device, and the text with its remedy."""
+    found: list[tuple[str, str]] = []
+    robot, beam = bench.get("robot") or {}, bench.get("beam") or {}
     if robot.get("emergency_stop"):
         found.append(
             ("robot", "the emergency stop is pressed; remove the danger, release it, reset the alarm")
         )
     if robot.get("alarm_number"):
         found.append(("robot", alarm_text(robot)))
-    beam = bench.get("beam") or {}
+    if bench.get("door_closed") is False:
+        found.append(("door", "it is open and nothing may move; close it when nobody is inside"))
+    found += [
+        (str(each["name"]), str(each["error"])) for each in bench.get("devices", ()) if each.get("error")
+    ]
     if beam and not beam.get("laser_ready", True):
         found.append(("interferometer", "the laser is not ready; wait until it has warmed up"))
     if beam.get("overspeed"):
         found.append(
             ("interferometer", "the beam was moved too fast and counts are lost; zero it, go slower")
         )
-    if bench.get("door_closed") is False:
-        found.append(("door", "it is open and nothing may move; close it when nobody is inside"))
     return found
 
 
@@ -187,7 +187,7 @@ def _drives_text(robot: Part) -> str:
     servo = "on" if robot.get("servo_on") else "off"
     moving = "MOVES" if robot.get("moving") else "stands"
     cap = robot.get("override_cap_percent")
-    capped = f" (cap {cap:g} %)" if cap is not None else ""
+    capped = f" (cap {cap:g})" if cap is not None else ""
     return f"servo {servo} · {moving} · {robot.get('override_percent', 0):g} %{capped}"
 
 

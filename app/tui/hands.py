@@ -99,7 +99,9 @@ class Hands:
                 self._send("jog-hold", joint=joint, direction=way)
                 await self._sleep(FEED_S)
         finally:
-            self._key.let_go()
+            if self._key.held(self._now_s()) is not None:
+                # It ended although the key is held: the key has to be let go first.
+                self._key.let_go()
             self._send("jog-hold", joint=joint, direction=0)
 
     async def _take(self, steps: Sequence[Step]) -> None:

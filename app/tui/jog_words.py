@@ -135,21 +135,23 @@ def _hindrance(picture: Picture) -> list[Content]:
 
 
 def _mode(holds: bool) -> Content:
-    steps, hold = ("", "reverse") if holds else ("reverse", "")
-    return Content.assemble(
-        (" steps ", steps), " ", (" hold ", hold), " until the key is let go" if holds else ""
-    )
+    after = "  until the key is let go" if holds else ""
+    return Content.assemble(_option("steps", chosen=not holds), _option("hold", chosen=holds), after)
 
 
 def _steps(choices: Choices) -> list[tuple[str, str] | str]:
-    sizes = [(f" {size:g} ", "reverse" if place == choices.step else "") for place, size in enumerate(STEPS)]
-    return [*sizes, "deg (beam: mm)"]
+    sizes = [_option(f"{size:g}", chosen=place == choices.step) for place, size in enumerate(STEPS)]
+    return [*sizes, " deg (beam: mm)"]
 
 
 def _aim(choices: Choices) -> list[tuple[str, str]]:
     if choices.aim is None:
         return [("no aim: J1 and J2 take the beam away", "dim")]
-    return [(f" {choices.aim} ", "reverse"), (" J4 follows steps · p points at it", "")]
+    return [_option(choices.aim, chosen=True), (" J4 follows steps · p points at it", "")]
+
+
+def _option(text: str, *, chosen: bool) -> tuple[str, str]:
+    return (f"[{text}]", "reverse") if chosen else (f" {text} ", "")
 
 
 def _key_table(picture: Picture, choices: Choices, now_s: float) -> list[Content]:

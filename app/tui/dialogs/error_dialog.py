@@ -61,7 +61,7 @@ class ErrorDialog(ModalScreen[None]):
 
 def split_remedy(text: str) -> tuple[str, str]:
     """Return cause and remedy: the texts of this program put what to do behind the last colon or semicolon."""
-    for mark in (": ", "; "):
+    for mark in sorted((": ", "; "), key=text.rfind, reverse=True):
         cause, found, remedy = text.rpartition(mark)
         if found and remedy and remedy[0].islower() and "\n" not in remedy:
             return cause, remedy

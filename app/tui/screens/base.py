@@ -61,7 +61,8 @@ class MainScreen(Screen[None]):
 
     def show_now(self) -> None:
         """Show the picture as it is now; called at most five times a second, and after orders."""
-        if not self.is_mounted:
+        # A screen is resumed before its widgets stand on it.
+        if not self.is_mounted or not self.query(StopBar):
             return
         picture, now_s = self.session.link.picture, self.session.now_s()
         self.query_one(StatusBar).show(picture, now_s)

@@ -18,6 +18,8 @@ from app.tui.widgets.plan_view import PlanView
 from app.tui.widgets.told import Told, lines
 
 _LOG_LINES: Final = 8
+_TROUBLES: Final = 4
+_TROUBLES_LOW: Final = 2
 
 
 class BenchScreen(MainScreen):
@@ -27,11 +29,12 @@ class BenchScreen(MainScreen):
 
     DEFAULT_CSS = """
     BenchScreen #bench { height: 1fr; scrollbar-size-vertical: 1; }
-    BenchScreen #troubles { height: auto; max-height: 5; padding: 0 1; display: none; }
-    BenchScreen #parts { height: 1fr; min-height: 12; }
+    BenchScreen #troubles { height: auto; max-height: 6; padding: 0 1; display: none; }
+    BenchScreen.-low #troubles { text-wrap: nowrap; text-overflow: ellipsis; }
+    BenchScreen #parts { height: 1fr; min-height: 11; }
     BenchScreen #left { width: 40; }
     BenchScreen #right { width: 1fr; }
-    BenchScreen #robot { height: 1fr; min-height: 7; }
+    BenchScreen #robot { height: 1fr; min-height: 6; }
     BenchScreen #air { height: 5; }
     BenchScreen.-high #plan { height: 1.5fr; }
     BenchScreen.-high #robot { height: 9; }
@@ -99,21 +102,27 @@ class BenchScreen(MainScreen):
         self.show_now()
 
     def _show_troubles(self, bench: dict[str, Any]) -> None:
-        from app.tui.dialogs.error_dialog import split_remedy
-
-        shown = self.query_one("#troubles", Told)
-        told: list[Content] = []
-        for name, text in troubles(bench):
-            cause, remedy = split_remedy(text)
+        found = troubles(bench)
+        most = _TROUBLES_LOW if self.has_class("-low") else _TROUBLES
+        told = [_trouble_line(*each) for each in (found if len(found) <= most else found[: most - 1])]
+        if len(found) > most:
             told.append(
-                Content.assemble(
-                    (f"✗ {name}: ", "$error bold"),
-                    cause,
-                    (f" → {remedy}" if remedy else "", "$success"),
+                Content.styled(
+                    f"✗ and {len(found) - len(told)} more: Enter tells all about a device", "$error"
                 )
             )
+        shown = self.query_one("#troubles", Told)
         shown.display = bool(told)
         shown.tell(lines(*told))
+
+
+def _trouble_line(name: str, text: str) -> Content:
+    from app.tui.dialogs.error_dialog import split_remedy
+
+    cause, remedy = split_remedy(text)
+    return Content.assemble(
+        (f"✗ {name}: ", "$error bold"), cause, (f" → {remedy}" if remedy else "", "$success")
+    )
 
 
 def _panel(name: str, title: str, subtitle: str) -> Told:

@@ -98,7 +98,7 @@ class JogScreen(MainScreen):
     def __init__(self, session: Session) -> None:
         super().__init__(session)
         self.HORIZONTAL_BREAKPOINTS = [(0, "-narrow"), (76, "-wide")]
-        self.VERTICAL_BREAKPOINTS = [(0, "-low"), (36, "-high")]
+        self.VERTICAL_BREAKPOINTS = [(0, "-low"), (30, "-high")]
         self.choices = Choices()
         self.hands = Hands(session.link, session.now_s, self._say)
         self._beginning = False
@@ -148,7 +148,7 @@ class JogScreen(MainScreen):
         jogs = self._jogs
         if self._jogged and not jogs:
             self.hands.let_go()
-            self._say(str((picture.jog or {}).get("reason") or picture.trouble or "the jog is over"))
+            self.choices.said = str((picture.jog or {}).get("reason") or picture.trouble or "the jog is over")
         self._jogged = jogs
         told = jog_lines(picture, self.choices, now_s) if jogs else self._entry(picture)
         self.query_one("#told", Told).tell(lines(*told))

@@ -35,6 +35,7 @@ class DeviceList(OptionList):
         lines = [device_line(device, since_s) for device in bench.get("devices", ())]
         if len(lines) != len(self._shown):
             self.set_options(lines)
+            self.highlighted = 0 if lines else None
         else:
             for number, (line, shown) in enumerate(zip(lines, self._shown, strict=True)):
                 if not line.is_same(shown):

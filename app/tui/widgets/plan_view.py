@@ -37,6 +37,11 @@ class PlanView(Widget):
         self._shown = Content("")
         self._last: tuple[Picture, float] | None = None
 
+    @property
+    def shown(self) -> Content:
+        """What is painted."""
+        return self._shown
+
     def show(self, picture: Picture, now_s: float) -> None:
         """Show where everything is."""
         self._last = picture, now_s

@@ -43,6 +43,11 @@ class Strip(Widget):
         """The upright axis; None before the first sample."""
         return self._scale
 
+    @property
+    def shown(self) -> Content:
+        """What is painted."""
+        return self._shown
+
     def next_window(self) -> None:
         """Show another length of time."""
         later = [each for each in WINDOWS_S if each > self.window_s]

@@ -37,8 +37,8 @@ def test_line_is_straight_and_has_no_holes(start: tuple[float, float], end: tupl
     while grown := {dot for dot in dots - reached if any(_touch(dot, other) for other in reached)}:
         reached |= grown
     assert reached == dots
-    for x, y in (start, end):
-        assert any(math.dist((x, y), dot) <= math.sqrt(0.5) + 1e-6 for dot in dots)
+    for place in (start, end):
+        assert any(math.dist(place, dot) <= math.sqrt(0.5) + 1e-6 for dot in dots)
 
 
 def _touch(one: tuple[int, int], other: tuple[int, int]) -> bool:

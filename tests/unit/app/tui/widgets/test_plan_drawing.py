@@ -80,8 +80,8 @@ def test_every_dot_of_the_arm_lies_on_it(one: float, two: float) -> None:
         beam_mm = _distance(at, place, place + 2000.0 * cmath.exp(1j * math.radians(one + two)))
         assert min(off_mm, beam_mm) <= 2.3 * view.mm_per_dot
     for joint in (0j, elbow, place):
-        x, y = view.dot(joint.real, joint.imag)
-        assert any(math.dist(dot, (x, y)) <= 2.3 for dot in dots)
+        place_dot = view.dot(joint.real, joint.imag)
+        assert any(math.dist(dot, place_dot) <= 2.3 for dot in dots)
 
 
 def _dots_with_ink(lines: list[list[tuple[str, str]]], ink: str) -> set[tuple[int, int]]:

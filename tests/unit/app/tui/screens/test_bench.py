@@ -1,0 +1,154 @@
+"""The screen Bench: looks, keys, what is stale, lost or wrong."""
+
+from typing import Any
+
+import pytest
+
+from app.tui.dialogs.text_dialog import TextDialog
+from app.tui.screens.bench import BenchScreen
+from app.tui.widgets.beam_panel import BeamPanel
+from app.tui.widgets.plan_view import PlanView
+from app.tui.widgets.strip import Strip
+from tests.unit.app.tui.scripted import ScriptedLink, compare, make_app, shown
+from tests.unit.app.tui.told_bench import BENCH, bench, tell_strip
+
+SIZES = [(80, 24), (120, 40)]
+
+LOST = bench(
+    robot={
+        "alarm_number": 2165,
+        "alarm_text": "alarm H2165: joint limit reached upwards, J5; jog the joint back, then reset the alarm",
+    },
+    beam={"beam_ok": False, "beam_lost": True, "signal": 0.03},
+    door_closed=False,
+)
+LOST["devices"][2].update(link="lost", error="no answer within 1 s: check cable and power", age_s=42.0)
+
+
+@pytest.mark.parametrize("size", SIZES)
+@pytest.mark.parametrize(("name", "told"), [("well", BENCH), ("lost", LOST)])
+async def test_looks(size: tuple[int, int], name: str, told: dict[str, Any]) -> None:
+    link = ScriptedLink()
+    app = make_app(link)
+    async with app.run_test(size=size) as pilot:
+        link.tell("bench", **told)
+        tell_strip(link)
+        await shown(app, pilot)
+        compare(f"bench-{name}-{size[0]}x{size[1]}", await shown(app, pilot))
+
+
+async def test_before_anything_is_told() -> None:
+    app = make_app(ScriptedLink())
+    async with app.run_test(size=(80, 24)) as pilot:
+        compare("bench-nothing-80x24", await shown(app, pilot))
+
+
+@pytest.mark.parametrize("size", [(60, 20), (100, 30), (200, 60), (20, 8), (160, 24)])
+async def test_other_sizes(size: tuple[int, int]) -> None:
+    link = ScriptedLink()
+    app = make_app(link)
+    async with app.run_test(size=size) as pilot:
+        link.tell("bench", **BENCH)
+        tell_strip(link)
+        assert "robot" in await shown(app, pilot)
+        await pilot.press("v")
+        await shown(app, pilot)
+
+
+async def test_the_bench_from_above_takes_the_place_of_the_beam_on_a_small_screen() -> None:
+    link = ScriptedLink()
+    app = make_app(link)
+    async with app.run_test(size=(80, 24)) as pilot:
+        link.tell("bench", **BENCH)
+        await shown(app, pilot)
+        await pilot.press("v")
+        text = await shown(app, pilot)
+        assert "From above" in text
+        assert "── beam ok → P1" in text
+        assert "BEAM OK" not in text
+        await pilot.press("v")
+        assert "BEAM OK" in await shown(app, pilot)
+
+
+async def test_length_of_the_strip() -> None:
+    link = ScriptedLink()
+    app = make_app(link)
+    async with app.run_test(size=(80, 24)) as pilot:
+        link.tell("bench", **BENCH)
+        tell_strip(link)
+        strip = app.screen.query_one(Strip)
+        for window_s in (30, 60, 10):
+            await pilot.press("w")
+            assert strip.window_s == window_s
+        assert "−10." in await shown(app, pilot)
+
+
+async def test_all_about_a_device_is_read_and_copied() -> None:
+    link = ScriptedLink()
+    app = make_app(link)
+    async with app.run_test(size=(80, 24)) as pilot:
+        link.tell("bench", **LOST)
+        await shown(app, pilot)
+        await pilot.press("down", "down", "enter")
+        text = await shown(app, pilot)
+        assert isinstance(app.screen, TextDialog)
+        assert "no answer within 1 s: check cable and power" in text
+        assert "tcp://127.0.0.1:10502" in text
+        await pilot.press("c")
+        assert "no answer within 1 s" in app.clipboard
+        await pilot.press("escape")
+        assert isinstance(app.screen, BenchScreen)
+        await pilot.press("up", "up", "enter")
+        assert "H2165" in await shown(app, pilot)
+
+
+async def test_the_chosen_device_stays_chosen_while_values_come() -> None:
+    link = ScriptedLink()
+    app = make_app(link)
+    async with app.run_test(size=(80, 24)) as pilot:
+        link.tell("bench", **BENCH)
+        await shown(app, pilot)
+        await pilot.press("down")
+        link.now_s += 3.0
+        link.tell("bench", **LOST)
+        await shown(app, pilot)
+        await pilot.press("enter")
+        assert "line-counter" in await shown(app, pilot)
+
+
+async def test_what_is_old_is_greyed_and_says_how_old() -> None:
+    link = ScriptedLink()
+    app = make_app(link)
+    async with app.run_test(size=(120, 40)) as pilot:
+        link.tell("bench", **BENCH)
+        tell_strip(link)
+        await shown(app, pilot)
+        link.now_s += 7.0
+        text = await shown(app, pilot)
+        assert text.count("old)") >= 4
+        assert "arm as it was: old" in text
+        assert all("dim" in str(span.style) for span in app.screen.query_one(Strip).shown.spans)
+        assert all("dim" in str(span.style) for span in app.screen.query_one(PlanView).shown.spans)
+
+
+async def test_without_an_engine_the_reason_is_told() -> None:
+    link = ScriptedLink()
+    app = make_app(link)
+    async with app.run_test(size=(120, 40)) as pilot:
+        link.tell("bench", **BENCH)
+        await shown(app, pilot)
+        link.picture.lost("the engine is gone; looking for it")
+        text = await shown(app, pilot)
+        assert "the engine is gone; looking for it" in text
+        assert "no robot answers" in text
+        assert "BEAM OK" not in text
+
+
+async def test_each_action_stands_in_the_palette() -> None:
+    app = make_app(ScriptedLink())
+    async with app.run_test(size=(80, 24)):
+        assert isinstance(app.screen, BenchScreen)
+        for command in app.screen.commands():
+            command.callback()
+        assert app.screen.has_class("plan")
+        assert app.screen.query_one(BeamPanel).query_one(Strip).window_s == 30

@@ -1,0 +1,154 @@
+"""The bench in words: units, ages, and what is wrong with its remedy."""
+
+from typing import Any
+
+import pytest
+
+from app.tui.bench_words import (
+    air_lines,
+    alarm_text,
+    beam_lines,
+    device_line,
+    device_text,
+    engine_lines,
+    length_text,
+    robot_lines,
+    signal_bar,
+    troubles,
+)
+from app.tui.dialogs.error_dialog import split_remedy
+from app.tui.picture import Picture
+from tests.unit.app.tui.told_bench import BENCH, bench
+
+ALARM: dict[str, Any] = {
+    "alarm_number": 2165,
+    "alarm_text": "alarm H2165: joint limit reached upwards, J5; jog the joint back, then reset the alarm",
+}
+
+
+def said(lines: list[Any]) -> str:
+    return "\n".join(line.plain for line in lines)
+
+
+@pytest.mark.parametrize(
+    ("signal", "bar"),
+    [
+        (0.0, "········"),
+        (1.0, "████████"),
+        (0.5, "████····"),
+        (0.5625, "████▌···"),
+        (-1.0, "········"),
+        (7.0, "████████"),
+    ],
+)
+def test_signal_bar_is_filled_by_eighths_of_a_cell(signal: float, bar: str) -> None:
+    assert signal_bar(signal, 8) == bar
+
+
+def test_lengths_are_grouped_down_to_the_nanometre() -> None:
+    assert length_text(743.1234564) == "743.123 456 mm"
+    assert length_text(-0.00013) == "-0.000 130 mm"
+
+
+def test_joints_and_nominal_place() -> None:
+    text = said(robot_lines(bench(robot={"joints": [90.0, -90.0, 50.0, 12.3456]}), 0.0))
+    assert "J1    90.000 deg" in text
+    assert "J4    12.346 deg" in text
+    # Link 1 along Y, link 2 along X.
+    assert "X    225.000 mm    Y    325.000 mm" in text
+
+
+@pytest.mark.parametrize(
+    ("robot", "word"),
+    [
+        ({"servo_on": True, "moving": True}, "servo on · MOVES · 10 % (cap 20)"),
+        ({"emergency_stop": True}, "✗ E-STOP pressed"),
+        (ALARM, "✗ ALARM 2165"),
+        ({"teach_mode": True}, "TEACH mode"),
+        ({"joints": None}, "joints not known"),
+    ],
+)
+def test_state_of_the_robot(robot: dict[str, Any], word: str) -> None:
+    assert word in said(robot_lines(bench(robot=robot), 0.0))
+
+
+def test_what_is_old_says_so() -> None:
+    told = robot_lines(BENCH, 7.0)
+    assert "(7.1 s old)" in said(told)
+    assert any("dim" in str(span.style) for line in told for span in line.spans)
+    assert "old" not in said(robot_lines(BENCH, 1.0))
+
+
+def test_beam() -> None:
+    text = said(beam_lines(BENCH, 0.0))
+    assert "BEAM OK → P1" in text
+    assert "62 %" in text
+    assert "743.123 456 mm" in text
+    assert "σ 1.23 µm" in text
+    lost = said(beam_lines(bench(beam={"beam_ok": False, "beam_lost": True, "displacement_mm": None}), 0.0))
+    assert "✗ NO BEAM" in lost
+    assert "lost since the zero" in lost
+    assert "displacement not known" in lost
+
+
+def test_air() -> None:
+    text = said(air_lines(bench(door_closed=False, disk_free_bytes=10_000_000), 0.0))
+    assert "20.12 °C  1013.2 hPa  45.0 %RH" in text
+    assert "n = 1.00027123  ciddor" in text
+    assert "DOOR OPEN" in text
+    assert "✗ disk" in text
+    assert "n not known" in said(air_lines(bench(air={"refractive_index": None, "pressure_hpa": None}), 0.0))
+
+
+def test_nothing_known_is_said() -> None:
+    assert said(robot_lines({}, 0.0)) == "no robot answers"
+    assert said(beam_lines({}, 0.0)) == "no interferometer answers"
+    assert "no air sensor answers" in said(air_lines({}, 0.0))
+
+
+def test_troubles_have_remedies() -> None:
+    told = bench(
+        robot={**ALARM, "emergency_stop": True},
+        beam={"overspeed": True, "laser_ready": False},
+        door_closed=False,
+    )
+    told["devices"][2]["error"] = "no answer within 1 s: check cable and power"
+    found = troubles(told)
+    names = [name for name, _ in found]
+    assert names == ["robot", "robot", "door", "environment", "interferometer", "interferometer"]
+    assert split_remedy(found[1][1])[1] == "jog the joint back, then reset the alarm"
+    assert all(split_remedy(text)[1] for _, text in found)
+    assert troubles(BENCH) == []
+
+
+def test_an_alarm_without_a_text_is_told_by_its_number() -> None:
+    assert "4711" in alarm_text({"alarm_number": 4711, "alarm_text": ""})
+    assert alarm_text({"alarm_number": 0}) == ""
+
+
+def test_device_in_a_line_and_in_full() -> None:
+    device = {**BENCH["devices"][0], "link": "lost", "error": "no answer: look at the cable", "age_s": 3.0}
+    line = device_line(device, 1.5).plain
+    assert "✗ robot" in line
+    assert "lost" in line
+    assert "4.5 s" in line
+    text = device_text(device, ALARM["alarm_text"], 1.5)
+    for word in ("tcp://127.0.0.1:10001", "melfa-r3", "E-4711", "no answer: look at the cable", "H2165"):
+        assert word in text
+    unknown = {**device, "identity": None, "age_s": None}
+    assert "melfa-r3 at tcp://127.0.0.1:10001" in device_line(unknown, 0.0).plain
+    assert "never" in device_line(unknown, 0.0).plain
+
+
+def test_engine() -> None:
+    picture = Picture()
+    picture.lost("no engine here: start one")
+    assert said(engine_lines(picture, 3)) == "no engine here: start one"
+    picture.met({"clients": [{"client": "tui-1", "who": "Ada"}], "control": None, "you": "tui-1"}, 0.0)
+    for number in range(5):
+        picture.take({"event": "error", "t": "2026-11-21T09:00:00+00:00", "text": f"fault {number}"}, 0.0)
+    text = said(engine_lines(picture, 2))
+    assert "Ada" in text
+    assert "nobody" in text
+    assert "09:00:00 fault 4" in text
+    assert "fault 2" not in text

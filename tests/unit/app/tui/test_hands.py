@@ -1,0 +1,188 @@
+"""What is asked of the engine while keys are held, stepped and let go."""
+
+import asyncio
+from collections.abc import AsyncIterator, Callable
+from typing import Any
+
+import pytest
+
+from app.service.errors import RefusedError
+from app.tui.hands import Hands, Step
+from tests.unit.app.tui.scripted import ScriptedLink
+
+
+class Rig:
+    """Hands on a scripted engine, on a clock that a test moves."""
+
+    def __init__(self, *, answers_steps: bool = True) -> None:
+        self.link = ScriptedLink()
+        self.told: list[str] = []
+        self.stands = asyncio.Event()
+        self.naps = asyncio.Event()
+        if not answers_steps:
+            self.link.request = self._request  # type: ignore[method-assign]  # an arm that is on its way
+        self.hands = Hands(self.link, lambda: self.link.now_s, self.told.append, self._nap)
+
+    @property
+    def asked(self) -> list[dict[str, Any]]:
+        return self.link.asked
+
+    async def until(self, met: Callable[[], bool]) -> None:
+        for _ in range(1000):
+            if met():
+                return
+            await asyncio.sleep(0)
+        raise AssertionError("it does not come about")
+
+    async def settle(self) -> None:
+        for _ in range(20):
+            await asyncio.sleep(0)
+
+    async def pass_time(self, by_s: float) -> None:
+        """Let time pass, and everybody who waits wake once."""
+        self.link.now_s += by_s
+        self.naps.set()
+        self.naps = asyncio.Event()
+        await self.settle()
+
+    async def _nap(self, _: float) -> None:
+        await self.naps.wait()
+
+    async def _request(self, op: str, **fields: Any) -> dict[str, Any]:
+        self.link.asked.append({"op": op, **fields})
+        if op == "jog-step":
+            await self.stands.wait()
+        return {}
+
+
+@pytest.fixture
+async def rig() -> AsyncIterator[Rig]:
+    made = Rig()
+    yield made
+    made.hands.let_go()
+    await made.settle()
+
+
+@pytest.fixture
+async def moving_rig() -> AsyncIterator[Rig]:
+    made = Rig(answers_steps=False)
+    yield made
+    made.hands.let_go()
+    await made.settle()
+
+
+HOLD = {"op": "jog-hold", "joint": "j1", "direction": 1}
+STOP = {"op": "jog-hold", "joint": "j1", "direction": 0}
+
+
+async def held(rig: Rig) -> None:
+    rig.hands.press("j1", 1)
+    await rig.settle()
+    assert rig.asked == []
+    rig.link.now_s += 0.5
+    rig.hands.press("j1", 1)
+    await rig.settle()
+    assert rig.asked == [HOLD]
+
+
+async def test_a_held_key_feeds_until_it_repeats_no_more_then_stops(rig: Rig) -> None:
+    await held(rig)
+    for _ in range(4):
+        await rig.pass_time(0.05)
+        rig.hands.press("j1", 1)
+    assert rig.asked == [HOLD] * 5
+    for _ in range(7):
+        await rig.pass_time(0.05)
+    assert rig.asked[-1] == STOP
+    assert rig.asked.count(STOP) == 1
+    assert rig.asked[:-1] == [HOLD] * (len(rig.asked) - 1)
+    assert len(rig.asked) <= 5 + 6 + 1
+    assert not rig.hands.busy
+
+
+async def test_letting_go_stops_at_once(rig: Rig) -> None:
+    await held(rig)
+    rig.hands.let_go()
+    await rig.settle()
+    assert rig.asked == [HOLD, STOP]
+    rig.hands.press("j1", 1)
+    await rig.settle()
+    assert rig.asked == [HOLD, STOP]
+
+
+async def test_the_other_way_stops_first(rig: Rig) -> None:
+    await held(rig)
+    rig.hands.press("j1", -1)
+    await rig.pass_time(0.05)
+    assert rig.asked[-1] == STOP
+    rig.hands.press("j1", -1)
+    await rig.settle()
+    assert rig.asked[-1] == {**HOLD, "direction": -1}
+
+
+async def test_a_refusal_ends_the_hold_and_is_told_once(rig: Rig) -> None:
+    rig.link.refusals["jog-hold"] = "J1 comes too near to its limit: go on by steps"
+    await held(rig)
+    for _ in range(3):
+        await rig.pass_time(0.01)
+    assert rig.told == ["J1 comes too near to its limit: go on by steps"]
+    assert rig.asked == [HOLD, STOP]
+
+
+async def test_a_step_is_kept_alive_until_the_arm_stands_and_no_other_begins(moving_rig: Rig) -> None:
+    rig = moving_rig
+    assert rig.hands.step(Step("j2", -0.1, "P1"))
+    await rig.settle()
+    assert not rig.hands.step(Step("j1", 5.0))
+    for _ in range(3):
+        await rig.pass_time(0.05)
+    asked = {"op": "jog-step", "joint": "j2", "by": -0.1, "aim": "P1"}
+    assert rig.asked == [asked, *[{"op": "ping"}] * 3]
+    rig.stands.set()
+    await rig.until(lambda: not rig.hands.busy)
+    await rig.pass_time(0.05)
+    assert len(rig.asked) == 4
+    assert rig.hands.step(Step("j1", 5.0))
+
+
+async def test_steps_follow_one_another_and_end_at_a_refusal(rig: Rig) -> None:
+    rig.hands.step(Step("j4", 80.0), Step("j4", 80.0))
+    await rig.until(lambda: not rig.hands.busy)
+    assert [each["by"] for each in rig.asked if each["op"] == "jog-step"] == [80.0, 80.0]
+    rig.asked.clear()
+    rig.link.refusals["jog-step"] = "J4 would leave its range"
+    rig.hands.step(Step("j4", 80.0), Step("j4", 80.0))
+    await rig.until(lambda: not rig.hands.busy)
+    assert [each["op"] for each in rig.asked] == ["jog-step"]
+    assert rig.told == ["J4 would leave its range"]
+
+
+async def test_letting_go_stops_a_step(moving_rig: Rig) -> None:
+    rig = moving_rig
+    rig.hands.step(Step("j1", 10.0), Step("j1", 10.0))
+    await rig.settle()
+    rig.hands.let_go()
+    await rig.settle()
+    assert [each["op"] for each in rig.asked] == ["jog-step", "jog-hold"]
+    assert rig.asked[-1]["direction"] == 0
+
+
+async def test_an_engine_that_answers_nothing_is_fed_no_longer(rig: Rig) -> None:
+    silent = asyncio.Event()
+
+    async def no_answer(op: str, **fields: Any) -> dict[str, Any]:
+        rig.asked.append({"op": op, **fields})
+        await silent.wait()
+        raise RefusedError("late")
+
+    rig.link.request = no_answer  # type: ignore[method-assign]  # an engine that hangs
+    await held(rig)
+    for _ in range(100):
+        rig.hands.press("j1", 1)
+        await rig.pass_time(0.02)
+        if not rig.hands.busy:
+            break
+    assert not rig.hands.busy
+    assert rig.asked[-1] == STOP
+    assert "does not answer" in rig.told[0]
+    silent.set()

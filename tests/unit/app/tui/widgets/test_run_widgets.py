@@ -1,0 +1,98 @@
+"""Bars, bands, pictures and plots of the run screen, against what they should look like."""
+
+import pytest
+
+from app.tui.run_picture import LiveValue, RunPicture, Seen
+from app.tui.widgets.band_bar import band_bar, band_text, value_text
+from app.tui.widgets.progress_line import bar
+from app.tui.widgets.run_plots import _scale, _uncertainties, _values  # noqa: PLC2701  # drawing without a screen
+from app.tui.widgets.task_picture import task_picture
+
+
+def live(value: float, low: float | None, high: float | None) -> LiveValue:
+    return LiveValue("signal", value, "", low, high, "", 0.0)
+
+
+@pytest.mark.parametrize(
+    ("share", "text"),
+    [(0.0, "░░░░"), (1.0, "████"), (0.5, "██░░"), (0.28125, "█▏░░"), (2.0, "████"), (-1.0, "░░░░")],
+)
+def test_a_bar_is_as_full_as_its_share(share: float, text: str) -> None:
+    assert bar(share, 4) == text
+
+
+def test_the_value_stands_on_its_band() -> None:
+    # 21 characters over the band 0…10 and 35 % room on either side: 17 units, 0.85 a character.
+    drawn = band_bar(live(5.0, 0.0, 10.0), 21)
+    assert drawn.index("●") == 10
+    assert [n for n, letter in enumerate(drawn) if letter == "┃"] == [4, 16]
+    assert set(drawn[5:10]) == {"░"}
+    assert set(drawn[:4]) == {"─"}
+    assert band_bar(live(100.0, 0.0, 10.0), 21).endswith("▶")
+    assert band_bar(live(-100.0, 0.0, 10.0), 21).startswith("◀")
+
+
+def test_one_sided_bands_and_none() -> None:
+    assert band_bar(live(0.9, 0.6, None), 20).count("┃") == 1
+    assert band_bar(live(0.9, None, 1.0), 20).count("┃") == 1
+    assert band_bar(live(0.9, None, None), 20) == ""
+    assert band_text(0.6, None, "") == "at least 0.6"
+    assert band_text(None, 5.0, "µm") == "at most 5 µm"
+    assert band_text(-5.0, 5.0, "µm") == "±5 µm"
+    assert band_text(0.2, 1.0, "") == "0.2 … 1"
+    assert band_text(None, None, "µm") == ""
+
+
+@pytest.mark.parametrize(("value", "text"), [(0.1234, "0.123"), (-12.345, "-12.35"), (1234.5, "1234.5")])
+def test_a_live_value_has_digits_for_a_glance(value: float, text: str) -> None:
+    assert value_text(value) == text
+
+
+def test_a_screw_turns_the_way_that_is_drawn() -> None:
+    clockwise = task_picture({"do": "turn-screw", "screw": "stage", "turns": 0.25})
+    # Clockwise: right above, left below.
+    assert "▶" in clockwise[0]
+    assert "◀" in clockwise[2]
+    assert "0.25 turns clockwise" in clockwise[1]
+    assert "90° of the stage screw" in clockwise[2]
+    anticlockwise = task_picture({"do": "turn-screw", "screw": "level", "turns": -1.5})
+    assert "◀" in anticlockwise[0]
+    assert "1.50 turns anticlockwise" in anticlockwise[1]
+
+
+def test_the_nest_that_is_meant_holds_the_reflector() -> None:
+    nests = [{"name": "P1", "x_mm": 1.0, "y_mm": 2.0}, {"name": "P2", "x_mm": 650.0, "y_mm": -400.0}]
+    (line,) = task_picture({"do": "place-reflector", "reflector": "P2"}, nests)
+    assert line.startswith("[ ] P1   [◗] P2")
+    assert "x 650 mm, y -400 mm" in line
+    assert task_picture({"do": "place-reflector", "reflector": "P9"}) == ["[◗] P9"]
+    assert "╳" in task_picture({"do": "clear-beam"})[0]
+    assert task_picture(None) == []
+
+
+def test_an_outlier_is_marked_and_does_not_flatten_the_others() -> None:
+    seen = [Seen(0.0, value, -5.0, 5.0) for value in (0.0, 2.0, 1000.0, -2.0)]
+    low, high = _scale(seen)
+    assert (low, high) == (-5.0, 15.0)
+    drawn = ["".join(text for text, _ in line) for line in _values(seen, 10, 5)]
+    assert sum(line.count("×") for line in drawn) == 1
+    # The third of four, newest at the right edge, after eight cells of numbers.
+    assert drawn[0].index("×") == 8 + 8
+    assert drawn[0].lstrip().startswith("15")
+
+
+def test_both_maps_are_drawn_where_they_are_known() -> None:
+    known = [
+        {"u_theta1_mdeg": None, "u_theta2_mdeg": 100.0},
+        {"u_theta1_mdeg": 50.0, "u_theta2_mdeg": 10.0},
+    ]
+    drawn = ["".join(text for text, _ in line) for line in _uncertainties(known, 20, 5)]
+    assert drawn[0].lstrip().startswith("100")
+    assert drawn[-1].lstrip().startswith("10")
+    assert "○" in drawn[-1]
+    assert sum(line.count("●") for line in drawn) == 1
+    assert _uncertainties([{"u_theta1_mdeg": None, "u_theta2_mdeg": None}], 20, 5) == []
+
+
+def test_a_run_that_is_not_known_has_no_current_step() -> None:
+    assert RunPicture("a", "b", "c", 0.0).current is None
