@@ -1,0 +1,134 @@
+"""A client that comes in the middle of a run knows what was before."""
+
+import json
+from pathlib import Path
+from typing import Any
+
+from app.store.run_store import RunStore
+from app.tui.record import POINTS_KEPT, read_record, rehearsal_of
+from app.tui.run_picture import LogLine, RunPicture, SoFar
+from tests.unit.app.engine.fakes import ManualClock
+from tests.unit.app.engine.test_context import point
+
+RUN = "20261121T090000Z_open-loop_abc123"
+
+
+def picture() -> RunPicture:
+    return RunPicture(RUN, "open-loop", "Open loop", 0.0)
+
+
+def tell(run: RunPicture, event: str, **fields: Any) -> None:
+    run.take({"event": event, "t": "2026-11-21T09:30:00+00:00", "run": RUN, **fields}, 1.0)
+
+
+def so_far(**fields: Any) -> SoFar:
+    return SoFar(**{"steps": [], "points": [], "point_count": 0, "map_known": [], "log": [], **fields})
+
+
+async def test_the_record_holds_steps_points_maps_and_what_happened(tmp_path: Path) -> None:
+    clock = ManualClock()
+    meta: dict[str, Any] = {
+        "procedure": "open-loop",
+        "configuration_file": "/bench/cell.toml",
+        "params": {"reflectors": ["P1"], "closures": 2, "subdivide": True},
+        "aim": "20261121T080000Z_reflector-search_000000",
+    }
+    store = await RunStore.create(tmp_path, "open-loop", meta, clock, reserve_bytes=0)
+    await store.append_step("P1/0000", 1, "first", {}, [("points", point(1)), ("points", point(2))])
+    await store.event("map-known", {"u_theta1_mdeg": 5.0, "u_theta2_mdeg": 7.0})
+    await store.event("warning", {"text": "the beam is weak"})
+    found = read_record(store.path)
+    assert found.steps == [("P1/0000", "first")]
+    assert [row["theta1_deg"] for row in found.points] == [1.0, 2.0]
+    assert {row["step"] for row in found.points} == {"P1/0000"}
+    assert found.point_count == 2
+    assert found.map_known == [{"u_theta1_mdeg": 5.0, "u_theta2_mdeg": 7.0}]
+    assert ("warning", "the beam is weak") in [(line.level, line.text) for line in found.log]
+    assert found.command[:8] == (
+        *("run", "open-loop", "--cell", "/bench/cell.toml", "--runs", str(tmp_path)),
+        *("--search", "20261121T080000Z_reflector-search_000000"),
+    )
+    params = [found.command[n + 1] for n, word in enumerate(found.command) if word == "--param"]
+    assert params == ['reflectors=["P1"]', "closures=2", "subdivide=true"]
+    assert found.command[-2:] == ("--dry-run", "--json")
+    await store.abandon()
+
+
+async def test_only_the_last_points_are_kept_and_all_are_counted(tmp_path: Path) -> None:
+    store = await RunStore.create(tmp_path, "open-loop", {}, ManualClock(), reserve_bytes=0)
+    rows = [("points", point(number)) for number in range(POINTS_KEPT + 20)]
+    await store.append_step("all", 1, "all", {}, rows)  # type: ignore[arg-type]  # a list of literals
+    found = read_record(store.path)
+    assert len(found.points) == POINTS_KEPT
+    assert found.points[-1]["theta1_deg"] == POINTS_KEPT + 19
+    assert found.point_count == POINTS_KEPT + 20
+    assert found.command == ()
+    await store.abandon()
+
+
+def test_a_run_without_a_search_is_rehearsed_without_one() -> None:
+    meta = {
+        "procedure": "warmup",
+        "configuration_file": "c.toml",
+        "params": {"reflector": None},
+        "aim": "cell file",
+    }
+    words = rehearsal_of(meta, Path("/runs"))
+    assert words[words.index("--search") + 1] == "none"
+    assert "--param" not in words
+
+
+def test_a_parameter_too_long_for_a_command_is_not_rehearsed() -> None:
+    meta = {
+        "procedure": "a",
+        "configuration_file": "c",
+        "params": {"joints": "x" * 200_000},
+        "aim": "cell file",
+    }
+    assert rehearsal_of(meta, Path("/runs")) == ()
+
+
+def test_what_was_told_meanwhile_stands_behind_the_record() -> None:
+    run = picture()
+    tell(run, "step-done", step="b", title="second", stored=False)
+    tell(run, "step-started", step="c", title="third")
+    tell(run, "point", step="b", point={"theta1_deg": 2.0})
+    tell(run, "state", kind="map-known", data={"u_theta1_mdeg": 4.0})
+    tell(run, "warning", text="later")
+    run.take_record(
+        so_far(
+            steps=[("a", "first"), ("b", "second")],
+            points=[{"step": "a", "theta1_deg": 1.0}, {"step": "b", "theta1_deg": 2.0}],
+            point_count=2,
+            map_known=[{"u_theta1_mdeg": 9.0}, {"u_theta1_mdeg": 4.0}],
+            log=[
+                LogLine("2026-11-21T09:00:00+00:00", "info", "before"),
+                LogLine("2026-11-21T09:30:00+00:00", "warning", "later"),
+            ],
+        )
+    )
+    assert [(step.id, step.status) for step in run.steps.values()] == [
+        ("a", "done"),
+        ("b", "done"),
+        ("c", "current"),
+    ]
+    assert [row["theta1_deg"] for row in run.points] == [1.0, 2.0]
+    assert run.points_seen == 2
+    assert [each["u_theta1_mdeg"] for each in run.map_known] == [9.0, 4.0]
+    assert [line.text for line in run.log] == ["before", "later"]
+    assert run.recorded
+
+
+def test_steps_that_a_resumed_run_passes_are_marked_as_stored() -> None:
+    run = picture()
+    run.take_record(so_far(steps=[("a", "first")]))
+    tell(run, "step-done", step="a", title="first", stored=True)
+    assert run.steps["a"].stored
+
+
+def test_a_live_value_remembers_its_band() -> None:
+    run = picture()
+    for value in (1.0, 9.0):
+        data = {"name": "innovation", "value": value, "unit": "µm", "low": -5.0, "high": 5.0, "text": ""}
+        tell(run, "state", kind="live", data=json.loads(json.dumps(data)))
+    assert [seen.accepted for seen in run.live["innovation"].history] == [True, False]
