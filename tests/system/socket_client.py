@@ -21,14 +21,21 @@ class Lines:
         self._lines = self._socket.makefile("rb")
 
     def close(self) -> None:
+        """Disconnect."""
         self._lines.close()
         self._socket.close()
 
-    def ask(self, op: str, **fields: object) -> dict[str, Any]:
+    def tell(self, op: str, **fields: object) -> None:
+        """Put a request whose answer `until` may wait for."""
         self._socket.sendall(json.dumps({"v": 1, "id": op, "op": op, **fields}).encode() + b"\n")
+
+    def ask(self, op: str, **fields: object) -> dict[str, Any]:
+        """Put a request and return its answer; events before it are passed over."""
+        self.tell(op, **fields)
         return self.until(re=op)
 
     def until(self, **fields: object) -> dict[str, Any]:
+        """Wait for a message with these fields."""
         for line in self._lines:
             message: dict[str, Any] = json.loads(line)
             if fields.items() <= message.items():

@@ -6,6 +6,7 @@ import signal
 import subprocess
 import sys
 import tempfile
+import threading
 import time
 from collections.abc import Callable, Iterator
 from typing import Any
@@ -138,6 +139,23 @@ def fed(client: Lines, joint: str, direction: int, duration_s: float) -> dict[st
     return answer
 
 
+def stepped(client: Lines, **fields: object) -> dict[str, Any]:
+    """Step as a client does that lives: with signs of life until the answer."""
+    over = threading.Event()
+
+    def live() -> None:
+        while not over.wait(0.1):
+            client.tell("ping")
+
+    thread = threading.Thread(target=live)
+    thread.start()
+    try:
+        return client.ask("jog-step", **fields)
+    finally:
+        over.set()
+        thread.join()
+
+
 def test_a_joint_moves_while_it_is_fed_and_stands_soon_after(engine: Engine) -> None:
     client = engine.steering()
     before = engine.joints()
@@ -193,22 +211,34 @@ def test_a_stop_of_somebody_else_stops_the_arm(engine: Engine) -> None:
     assert not [time_s for time_s in engine.requests("JOG") if time_s > engine.requests("STOP")[0]]
 
 
+def test_after_an_abort_nothing_moves_until_it_is_cleared(engine: Engine) -> None:
+    client = engine.steering()
+    with contextlib.closing(engine.joined("Eve")) as other:
+        assert other.ask("abort")["ok"]
+        assert other.until(event="state", state="ABORTED")["reason"] == "Eve (test-2) aborted it"
+    refused = client.ask("jog", on=True)
+    assert "look at the bench, then clear the abort" in refused["error"]
+    assert refused["exit_code"] == 5
+    assert client.ask("clear")["ok"]
+    assert client.ask("jog", on=True)["ok"]
+    assert client.ask("jog", on=False)["ok"]
+
+
 def test_a_joint_is_stopped_ahead_of_the_limit_of_the_cell(engine: Engine) -> None:
     client = engine.steering()
-    start_deg = engine.joints()[0]
-    if start_deg > 3.0:
-        assert client.ask("jog-step", joint="j1", by=1.0 - start_deg)["ok"]
+    assert stepped(client, joint="j1", by=1.0 - engine.joints()[0])["ok"]
     refused = fed(client, "j1", 1, 30.0)
     assert "J1 is too near to its limit of 10 deg" in refused["error"]
     assert refused["exit_code"] == 5
     at_deg = engine.joints()[0]
     # 1 deg to spare; 2.1 deg/s, doubted, for at most 0.25 s.
     assert 7.5 < at_deg < 9.0
-    beyond = client.ask("jog-step", joint="j1", by=11.0 - at_deg)
+    beyond = stepped(client, joint="j1", by=11.0 - at_deg)
     assert "deg is outside -170 … 10 deg" in beyond["error"]
     assert beyond["exit_code"] == 5
-    assert client.ask("jog-step", joint="j1", by=9.9 - at_deg)["joints"][0] == pytest.approx(9.9, abs=0.02)
-    assert client.ask("jog-step", joint="j1", by=-9.9)["ok"]
+    assert stepped(client, joint="j1", by=9.9 - at_deg)["joints"][0] == pytest.approx(9.9, abs=0.02)
+    # 30 deg at 21 deg/s: nobody stops a long step of a client that lives.
+    assert stepped(client, joint="j1", by=-30.0)["ok"]
 
 
 def test_a_step_whose_client_falls_silent_is_stopped(engine: Engine) -> None:
@@ -229,15 +259,12 @@ def test_the_beam_is_stepped_at_a_reflector(engine: Engine) -> None:
     client = engine.steering()
     here = engine.joints()
     # At J1 = J2 = 0 the beam of J4 = 0 looks along +X at P2 = (680, 0) from (550, 0).
-    for joint, at_deg, most_deg in (("j1", here[0], 8.0), ("j2", here[1], 14.0), ("j4", here[3], 60.0)):
-        # A client that gives no sign of life meanwhile makes steps that are over within 0.5 s.
-        while abs(at_deg) > 0.005:
-            by_deg = max(-most_deg, min(most_deg, -at_deg))
-            assert client.ask("jog-step", joint=joint, by=by_deg)["ok"]
-            at_deg += by_deg
-    stepped = client.ask("jog-step", joint="beam", by=1.0, aim="P2")
+    for joint, at_deg in (("j1", here[0]), ("j2", here[1]), ("j4", here[3])):
+        assert stepped(client, joint=joint, by=max(-90.0, min(90.0, -at_deg)))["ok"]
+    assert engine.joints() == pytest.approx([0.0, 0.0, 50.0, 0.0], abs=0.02)
+    beside = stepped(client, joint="beam", by=1.0, aim="P2")
     # atan(1 / 130) = 0.4407 deg.
-    assert stepped["joints"] == pytest.approx([0.0, 0.0, 50.0, 0.44], abs=0.015)
+    assert beside["joints"] == pytest.approx([0.0, 0.0, 50.0, 0.44], abs=0.015)
 
 
 def test_an_emergency_stop_ends_the_jog_and_is_told(engine: Engine) -> None:
