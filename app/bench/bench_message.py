@@ -83,9 +83,9 @@ def _robot(facts: BenchFacts, gauges: Gauges, *, moving: bool) -> Json:
         return None
     status = seen.value
     return {
-        "joints": None if joints is None else list(joints.value),
+        "joints": None if joints is None else [_number(value) for value in joints.value],
         "servo_on": status.servo_on,
-        "override_percent": status.override_percent,
+        "override_percent": _number(status.override_percent),
         "override_cap_percent": facts.override_cap_percent,
         "alarm_number": status.alarm_number,
         "alarm_text": status.alarm_text,
@@ -102,7 +102,7 @@ def _beam(gauges: Gauges) -> Json:
         return None
     beam, spread_mm = seen.value, gauges.columns.spread()
     return {
-        "signal": beam.signal,
+        "signal": _number(beam.signal),
         "signal_native": getattr(beam, "signal_native", ""),
         "beam_ok": beam.beam_ok,
         "beam_lost": beam.beam_lost,
@@ -120,13 +120,18 @@ def _air(gauges: Gauges, rule: AirRule) -> Json:
         return None
     air = seen.value
     return {
-        "temperature_c": air.temperature_c,
-        "pressure_hpa": air.pressure_hpa,
-        "humidity_percent": air.humidity_percent,
+        "temperature_c": _number(air.temperature_c),
+        "pressure_hpa": _number(air.pressure_hpa),
+        "humidity_percent": _number(air.humidity_percent),
         "refractive_index": _index(air, rule),
         "formula": rule.formula,
         "age_s": gauges.age_s(seen.time_s),
     }
+
+
+def _number(value: float | None) -> float | None:
+    """Return a number that JSON can tell, None for any other."""
+    return value if value is not None and math.isfinite(value) else None
 
 
 def _index(air: Air, rule: AirRule) -> float | None:

@@ -1,5 +1,6 @@
 """The latest value of every quantity of a bench, with the time at which it came."""
 
+import math
 from dataclasses import dataclass
 from typing import Generic, Literal, TypeVar
 
@@ -124,7 +125,9 @@ class Gauges:
         self.beam = self._now(beam)
 
     def take_displacement(self, displacement_mm: float) -> None:
-        """Take a length of the beam, mm since its zero."""
+        """Take a length of the beam, mm since its zero; what is no number is no length."""
+        if not math.isfinite(displacement_mm):
+            return
         self.displacement_mm = stamped = self._now(displacement_mm)
         self.columns.add(displacement_mm, stamped.time_s)
 

@@ -9,7 +9,7 @@ from app.bench.gauges import Gauges
 from app.bench.keeper import Keeper
 from app.bench.observed import ObservedDevice
 from app.engine.devices import Devices
-from app.engine.waiting import cancel
+from app.engine.waiting import cancel, uncancelled
 from app.exitcode import ExitCode
 from app.service.errors import RefusedError
 from drivers.clock import Clock
@@ -217,8 +217,12 @@ class IdleBench:
         """Let every link go, all at the same time."""
         keepers = list(self._keepers.values())
         self._devices, self._keepers = None, {}
-        troubles = await asyncio.gather(*(keeper.let_go() for keeper in keepers))
+        troubles = await uncancelled(_all_let_go(keepers))
         self._stuck += [keeper for keeper, trouble in zip(keepers, troubles, strict=True) if trouble]
+
+
+async def _all_let_go(keepers: list[Keeper]) -> list[str]:
+    return await asyncio.gather(*(keeper.let_go() for keeper in keepers))
 
 
 def _require_free(*troubles: str) -> None:

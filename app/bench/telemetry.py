@@ -91,6 +91,8 @@ class Telemetry:
             build: makes the devices.
         """
         self.describe(facts)
+        # Those of the run before are closed.
+        self._sampler.devices = None
 
         def built(record: WireRecorder) -> Devices:
             def both(device: str, direction: str, data: bytes) -> None:

@@ -237,3 +237,22 @@ def _open_run(folder: Path) -> tuple[Path, Path]:
 async def _code(process: "subprocess.Popen[str]", drain: "asyncio.Task[Any]") -> int | None:
     await drain
     return process.returncode
+
+
+async def test_every_value_of_an_instrument_that_streams_is_seen(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    edit = {'driver = "line-counter"\n': 'driver = "umd"\n', 'profile = "default"\n': ""}
+    with (
+        tempfile.TemporaryDirectory(dir="/tmp") as runtime,
+        emulated(tmp_path, "--speed", "1", edit=edit) as bench,
+    ):
+        monkeypatch.setenv("XDG_RUNTIME_DIR", runtime)
+        async with idle_engine(bench) as watcher:
+            await watcher.until(idle)
+            first = await watcher.next("samples")
+            second = await watcher.until(lambda _: len(watcher.of("samples")) > 15, "samples")
+    told = watcher.of("samples")
+    counts = [count for event in told[told.index(first) : told.index(second)] for count in event["count"]]
+    # The emulated display sends 610 a second; asked for they would be ten.
+    assert sum(counts) / (0.02 * len(counts)) > 300.0

@@ -1,5 +1,6 @@
 """What a client that watches is told: values with their ages, nothing where nothing is known."""
 
+import json
 import math
 from dataclasses import replace
 from typing import Any
@@ -140,6 +141,21 @@ def test_air_is_told_with_its_index_if_it_has_one() -> None:
     for lacking in (AirSample(20.0, None, 50.0, 0.0), AirSample(math.nan, 1013.0, 50.0, 0.0)):
         gauges.take_air(lacking)
         assert told(gauges)["air"]["refractive_index"] is None
+        assert "NaN" not in json.dumps(told(gauges))
+
+
+def test_what_is_no_number_is_told_as_nothing() -> None:
+    """JSON of other languages has no NaN."""
+    gauges = Gauges(ManualClock())
+    gauges.take_status(STATUS)
+    gauges.take_joints((math.nan, 2.0, math.inf, 4.0))
+    gauges.take_beam(replace(BEAM, signal=math.nan))
+    gauges.take_displacement(math.nan)
+    message = told(gauges)
+    json.dumps(message, allow_nan=False)
+    assert message["robot"]["joints"] == [None, 2.0, None, 4.0]
+    assert (message["beam"]["signal"], message["beam"]["displacement_mm"]) == (None, None)
+    assert gauges.columns.take(1.0).count == []
 
 
 @given(theta1_deg=st.floats(-170.0, 170.0), theta2_deg=st.floats(-145.0, 145.0), number=st.integers(0, 2))
