@@ -8,7 +8,7 @@ import numpy as np
 from app.analysis.file_validation import FileValidation, median_u_um
 from app.analysis.validation import ModelOnPath
 from app.report.agreement_text import agreement_text
-from app.report.path_view import model_title
+from app.report.path_view import model_title, path_axis, there
 
 
 def validation_facts(found: FileValidation, limit_um: float | None) -> dict[str, Any]:
@@ -42,6 +42,7 @@ def validation_facts(found: FileValidation, limit_um: float | None) -> dict[str,
             for quantity in one.quantities()
         ],
         "iso9283": _repeat_facts(found),
+        "path": _path_facts(found),
         "verdict": [agreement_text(model) for model in validation.models],
     }
 
@@ -77,6 +78,36 @@ def model_facts(model: ModelOnPath, found: FileValidation) -> dict[str, Any]:
         "share_explained": judged.share if math.isfinite(judged.share) else None,
         "within_2u": None if math.isnan(judged.within) else judged.within,
         "probability": judged.probability,
+    }
+
+
+def _path_facts(found: FileValidation) -> dict[str, Any]:
+    """Return the compared rows along the path: what was measured and what each model predicts.
+
+    The measurement is aligned to the last model; the predictions of another one are in that frame too, so that
+    measured minus predicted is what this model leaves after its own alignment.
+    """
+    validation = found.validation
+    axis, rows = path_axis(validation.path), validation.compared
+    measured_mm = validation.models[-1].comparison.measured_error_mm[rows]
+    left_mm = [model.comparison.difference_mm[rows] for model in validation.models]
+    return {
+        "axis": axis.label,
+        "axis_mm": axis.values_mm[rows].tolist(),
+        "line": [line for line, compared in zip(found.lines, rows.tolist(), strict=True) if compared],
+        "way_there": there(validation.path)[rows].tolist(),
+        "models": [model_title(model) for model in validation.models],
+        "deviations": [
+            {
+                "symbol": symbol.replace("{", "").replace("}", ""),
+                "what": what,
+                "measured_um": (1e3 * measured_mm[:, component]).tolist(),
+                "predicted_um": [
+                    (1e3 * (measured_mm[:, component] - left[:, component])).tolist() for left in left_mm
+                ],
+            }
+            for symbol, what, component in axis.deviations
+        ],
     }
 
 

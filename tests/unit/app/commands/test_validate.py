@@ -372,3 +372,23 @@ def test_the_way_turns_where_the_path_turns_back() -> None:
     angle = np.linspace(0.0, 2.0 * np.pi, 37)
     circle = np.column_stack([np.cos(angle), np.sin(angle)])
     assert travel_of(np.vstack([circle, circle[::-1]])).tolist() == [1] * 38 + [-1] * 36
+
+
+def test_rows_along_the_path(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """Measured is the true place minus the command by hand; what each model leaves has the rms told of it."""
+    measured = joint_file(tmp_path, way())
+    nominal = {**bare("conventional"), "link1_mm": {"value": 325.0, "u": 0.0}}
+    nominal |= {"link2_mm": {"value": 225.0, "u": 0.0}, "theta20_mdeg": {"value": 0.0, "u": 0.0}}
+    found = facts(capsys, stored(tmp_path, bare()), measured, stored(tmp_path, nominal, "nominal.json"))
+    path = found["path"]
+    assert path["line"] == list(range(2, 26))
+    assert path["way_there"] == [True] * 12 + [False] * 12
+    both = {each["symbol"]: each for each in path["deviations"]}
+    for component, symbol in enumerate(("E_X", "E_Y")):
+        by_hand = [
+            1e3 * (true_place(one)[component] - place(one[0], one[1], *NOMINAL)[component]) for one in way()
+        ]
+        np.testing.assert_allclose(both[symbol]["measured_um"], by_hand, atol=1e-2)
+        np.testing.assert_allclose(both[symbol]["predicted_um"][1], by_hand, atol=1e-2)
+        left = np.subtract(both[symbol]["measured_um"], both[symbol]["predicted_um"][0])
+        assert np.sqrt(np.mean(left**2)) == pytest.approx(found["models"][0][f"rms_{'xy'[component]}_um"])
