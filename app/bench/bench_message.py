@@ -109,6 +109,7 @@ def _beam(gauges: Gauges) -> Json:
         "overspeed": beam.overspeed,
         "laser_ready": beam.laser_ready,
         "displacement_mm": None if length is None else length.value,
+        "mean_mm": gauges.columns.mean(),
         "spread_um": None if spread_mm is None else 1e3 * spread_mm,
         "age_s": _oldest_s(gauges, seen, length),
     }

@@ -84,8 +84,18 @@ class Columns:
             missed,
         )
 
+    def mean(self) -> float | None:
+        """Return the mean of the samples of the last second; None without one."""
+        count, mean, _ = self._pooled()
+        return mean if count else None
+
     def spread(self) -> float | None:
         """Return the standard deviation of the samples of the last second; None of fewer than three."""
+        count, _, squares = self._pooled()
+        return math.sqrt(squares / (count - 1)) if count >= _FEWEST_SAMPLES else None
+
+    def _pooled(self) -> tuple[int, float, float]:
+        """Return count, mean and sum of squared deviations of the samples of the last second."""
         count, mean, squares = 0, 0.0, 0.0
         for column in (*self._recent, self._open):
             if column.count:
@@ -94,7 +104,7 @@ class Columns:
                 squares += column.squares + off * off * count * column.count / both
                 mean += off * column.count / both
                 count = both
-        return math.sqrt(squares / (count - 1)) if count >= _FEWEST_SAMPLES else None
+        return count, mean, squares
 
     def _advance(self, time_s: float) -> None:
         """Close every column that is over."""

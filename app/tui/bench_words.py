@@ -228,7 +228,7 @@ def _length_lines(beam: Part, style: str) -> list[Content]:
     spread = "—" if spread_um is None else f"{spread_um:.2f} µm"
     lines = [Content.styled(f"{length_text(length_mm):<20}σ {spread}", style)]
     if mean_mm is not None:
-        lines.append(Content.styled(f"{length_text(mean_mm):<20}mean of 1 s", style))
+        lines.append(Content.styled(f"{length_text(mean_mm):<20}mean, 1 s", style))
     return lines
 
 

@@ -90,7 +90,7 @@ def jog_lines(picture: Picture, choices: Choices, now_s: float) -> list[Content]
     """Return mode, step, aim, the table of keys with the joints beside them, and what happened last."""
     jog = picture.jog or {}
     moving = jog.get("moving")
-    state = Content.styled(f"MOVES {moving}", "$warning bold") if moving else Content("stands")
+    state = Content.styled(f"MOVES {str(moving).upper()}", "$warning bold") if moving else Content("stands")
     return [
         Content.assemble((f"JOG {float(jog.get('percent') or 0.0):g} %", "bold $accent"), "  ", state),
         Content.assemble("m  ", _mode(choices.holds)),
@@ -99,7 +99,7 @@ def jog_lines(picture: Picture, choices: Choices, now_s: float) -> list[Content]
         Content(""),
         *_key_table(picture, choices, now_s),
         Content(""),
-        Content.assemble(("F12 STOP", "bold $error"), "   Esc ends the jog"),
+        Content.assemble(("  F12  STOP  ", "bold $background on $error"), "   Esc ends the jog"),
         Content.styled(choices.said or str(jog.get("reason") or ""), "$warning"),
     ]
 

@@ -117,6 +117,7 @@ def _time_line(span_s: float, range_mm: float, width: int) -> Line:
     """Say how long ago the trace begins, and how far apart its extremes lie."""
     from app.tui.widgets.strip_chart import LABEL_WIDTH
 
-    left = " " * LABEL_WIDTH + f"−{span_s:.3g} s"
-    extent = f"range {1e3 * range_mm:.1f} µm" if math.isfinite(range_mm) else ""
-    return [(left + extent.center(max(width - len(left) - len("now"), len(extent) + 2)) + "now", "axis")]
+    left, extent = " " * LABEL_WIDTH + f"−{span_s:.3g} s", f" range {1e3 * range_mm:.1f} µm "
+    room = width - len(left) - len("now")
+    shown = extent if math.isfinite(range_mm) and len(extent) <= room else ""
+    return [(left + shown.center(max(room, 1)) + "now", "axis")]

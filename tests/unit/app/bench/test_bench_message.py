@@ -92,12 +92,13 @@ def test_the_run_knows_better_whether_the_arm_moves_and_the_devices_are_emulated
     assert told(gauges)["simulated"] is False
 
 
-def test_the_spread_is_told_in_micrometres() -> None:
+def test_mean_and_spread_of_the_last_second_are_told() -> None:
     gauges = Gauges(ManualClock())
     for value_mm in (1.0, 1.001, 1.002):
         gauges.take_displacement(value_mm)
     gauges.take_beam(BEAM)
     assert told(gauges)["beam"]["spread_um"] == pytest.approx(1.0)
+    assert told(gauges)["beam"]["mean_mm"] == pytest.approx(1.001)
 
 
 def test_links_say_how_they_fare() -> None:

@@ -53,6 +53,7 @@ BENCH: dict[str, Any] = {
         "overspeed": False,
         "laser_ready": True,
         "displacement_mm": 743.123456,
+        "mean_mm": 743.122987,
         "spread_um": 1.234,
         "age_s": 0.1,
     },

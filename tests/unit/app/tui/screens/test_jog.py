@@ -1,0 +1,383 @@
+"""The screen Jog: looks, every key, and everything that lets the arm go."""
+
+import asyncio
+from collections.abc import Awaitable, Callable
+from dataclasses import dataclass
+from typing import Any
+
+import pytest
+from textual.events import AppBlur
+from textual.pilot import Pilot
+from textual.widgets import Input
+
+from app.tui.app import CatseyeApp
+from app.tui.dialogs.error_dialog import ErrorDialog
+from app.tui.dialogs.motion_dialog import MotionDialog
+from app.tui.screens.jog import JogScreen
+from app.tui.widgets.strip import Strip
+from tests.unit.app.tui.scripted import ScriptedLink, compare, make_app, shown
+from tests.unit.app.tui.told_bench import BENCH, bench, tell_strip
+
+SIZES = [(80, 24), (120, 40)]
+MINE = {"on": True, "by": "Ada (tui-1)", "percent": 5.0, "moving": None}
+_STEPS = (
+    (("left", "a"), "j1", 1),
+    (("right", "d"), "j1", -1),
+    (("up", "w"), "j2", 1),
+    (("down", "s"), "j2", -1),
+    (("q",), "j4", 1),
+    (("e",), "j4", -1),
+)
+HOLD = {"op": "jog-hold", "joint": "j1", "direction": 1}
+STOP = {"op": "jog-hold", "joint": "j1", "direction": 0}
+
+
+@dataclass
+class Play:
+    """The program on a scripted engine, with somebody at the keys."""
+
+    app: CatseyeApp
+    link: ScriptedLink
+    pilot: Pilot[Any]
+
+
+Script = Callable[[Play], Awaitable[None]]
+
+
+def jog_screen(app: CatseyeApp) -> JogScreen:
+    screen = app.screen_stack[0]
+    assert isinstance(screen, JogScreen)
+    return screen
+
+
+async def jogging(
+    script: Script, size: tuple[int, int] = (80, 24), told: dict[str, Any] = BENCH
+) -> ScriptedLink:
+    """Play a script while this client jogs."""
+    link = ScriptedLink()
+    app = make_app(link, "jog")
+    async with app.run_test(size=size) as pilot:
+        link.tell("bench", **told)
+        tell_strip(link)
+        link.picture.control = {"client": "tui-1", "who": "Ada"}
+        link.tell("jog", **MINE)
+        await shown(app, pilot)
+        await script(Play(app, link, pilot))
+    return link
+
+
+@pytest.mark.parametrize("size", SIZES)
+@pytest.mark.parametrize(("name", "told"), [("simulated", BENCH), ("real", bench(simulated=False))])
+async def test_looks_before(size: tuple[int, int], name: str, told: dict[str, Any]) -> None:
+    link = ScriptedLink()
+    app = make_app(link, "jog")
+    async with app.run_test(size=size) as pilot:
+        link.tell("bench", **told)
+        tell_strip(link)
+        await shown(app, pilot)
+        compare(f"jog-{name}-{size[0]}x{size[1]}", await shown(app, pilot))
+
+
+@pytest.mark.parametrize("size", SIZES)
+async def test_looks_while_jogging(size: tuple[int, int]) -> None:
+    async def look(play: Play) -> None:
+        await play.pilot.press("t", "m")
+        play.link.tell("jog", **{**MINE, "moving": "j1"})
+        compare(f"jog-moving-{size[0]}x{size[1]}", await shown(play.app, play.pilot))
+
+    await jogging(look, size)
+
+
+@pytest.mark.parametrize("size", [(60, 20), (100, 30), (200, 60), (20, 8)])
+async def test_other_sizes(size: tuple[int, int]) -> None:
+    async def look(play: Play) -> None:
+        await play.pilot.press("v")
+        assert "JOG" in await shown(play.app, play.pilot)
+
+    await jogging(look, size)
+
+
+async def test_only_f8_begins() -> None:
+    link = ScriptedLink()
+    app = make_app(link, "jog")
+    async with app.run_test(size=(80, 24)) as pilot:
+        link.tell("bench", **BENCH)
+        await shown(app, pilot)
+        await pilot.press("enter", "space", "left", "a", "q", "z", "p", "1", "escape")
+        await pilot.pause()
+        assert link.asked == []
+        await pilot.press("f8")
+        await pilot.pause()
+        assert link.asked == [
+            {"op": "control", "take": True},
+            {"op": "jog", "on": True, "percent": 5.0, "arm": None},
+        ]
+
+
+async def test_a_real_arm_needs_the_typed_name() -> None:
+    link = ScriptedLink()
+    app = make_app(link, "jog")
+    async with app.run_test(size=(80, 24)) as pilot:
+        link.tell("bench", **bench(simulated=False))
+        text = await shown(app, pilot)
+        assert "REAL ARM" in text
+        await pilot.press(*"lab-1", "pagedown")
+        assert app.screen.query_one("#typed", Input).value == "lab-1"
+        await pilot.press("f8")
+        await pilot.pause()
+        assert link.asked[-1] == {"op": "jog", "on": True, "percent": 2.0, "arm": "lab-1"}
+        link.tell("jog", **MINE)
+        await shown(app, pilot)
+        link.tell("jog", **{**MINE, "on": False, "reason": "Ada (tui-1) ended it"})
+        assert "Ada (tui-1) ended it" in await shown(app, pilot)
+        assert app.screen.query_one("#typed", Input).value == ""
+
+
+async def test_a_refused_jog_is_told_with_its_remedy() -> None:
+    link = ScriptedLink()
+    link.refusals["jog"] = "the door is open: no motion; close it when nobody is inside, then jog again"
+    app = make_app(link, "jog")
+    async with app.run_test(size=(80, 24)) as pilot:
+        link.tell("bench", **BENCH)
+        await pilot.press("f8")
+        text = await shown(app, pilot)
+        assert isinstance(app.screen, ErrorDialog)
+        assert "→ close it when nobody is inside" in text
+
+
+@pytest.mark.parametrize(
+    ("keys", "percent"),
+    [(("plus",), 10.0), (("pageup", "pageup", "pageup", "plus"), 20.0), (("minus",) * 9, 1.0)],
+)
+async def test_speed_is_chosen_before_and_never_beyond_the_cap(keys: tuple[str, ...], percent: float) -> None:
+    link = ScriptedLink()
+    app = make_app(link, "jog")
+    async with app.run_test(size=(80, 24)) as pilot:
+        link.tell("bench", **BENCH)
+        await shown(app, pilot)
+        await pilot.press(*keys)
+        assert f"{percent:g} % (cap 20 %)" in await shown(app, pilot)
+        await pilot.press("f8")
+        await pilot.pause()
+        assert link.asked[-1]["percent"] == percent
+
+
+async def test_keys_step_joints() -> None:
+    async def press(play: Play) -> None:
+        for keys, joint, sign in _STEPS:
+            for key in keys:
+                await play.pilot.press(key)
+                await play.pilot.pause()
+                asked = {"op": "jog-step", "joint": joint, "by": sign * 0.1, "aim": None}
+                assert play.link.asked[-1] == asked
+
+    await jogging(press)
+
+
+async def test_sizes_of_steps() -> None:
+    async def press(play: Play) -> None:
+        for key, by in (("1", 0.01), ("2", 0.1), ("3", 1.0), ("4", 5.0), ("5", 10.0)):
+            await play.pilot.press(key, "q")
+            await play.pilot.pause()
+            assert play.link.asked[-1]["by"] == by
+            assert f"[{by:g}]" in await shown(play.app, play.pilot)
+
+    await jogging(press)
+
+
+async def test_the_beam_steps_at_the_aim() -> None:
+    async def press(play: Play) -> None:
+        await play.pilot.press("z")
+        assert "choose one with t" in await shown(play.app, play.pilot)
+        assert play.link.asked == []
+        for aim in ("P1", "P2"):
+            await play.pilot.press("t", "z")
+            await play.pilot.pause()
+            assert play.link.asked[-1] == {"op": "jog-step", "joint": "beam", "by": 0.1, "aim": aim}
+        await play.pilot.press("x")
+        await play.pilot.pause()
+        assert play.link.asked[-1]["by"] == -0.1
+        await play.pilot.press("t", "t", "left")
+        await play.pilot.pause()
+        assert play.link.asked[-1]["aim"] is None
+
+    await jogging(press)
+
+
+async def test_pointing_asks_first() -> None:
+    async def press(play: Play) -> None:
+        await play.pilot.press("p")
+        assert "there is nothing to point at" in await shown(play.app, play.pilot)
+        await play.pilot.press("t", "t", "p")
+        text = await shown(play.app, play.pilot)
+        assert isinstance(play.app.screen, MotionDialog)
+        # From (344.471, 332.738) mm to P2 at (680, 0) mm: -44.761 deg in the world, less 80 deg.
+        assert "-147.366 to -124.761 deg (+22.605 deg)" in text
+        await play.pilot.press("enter", "escape")
+        await play.pilot.pause()
+        assert [each for each in play.link.asked if each["op"] == "jog-step"] == []
+        await play.pilot.press("p", "f8")
+        await play.pilot.pause()
+        step = next(each for each in play.link.asked if each["op"] == "jog-step")
+        assert step["joint"] == "j4"
+        assert step["by"] == pytest.approx(22.605, abs=0.001)
+
+    await jogging(press)
+
+
+async def hold_j1(play: Play) -> None:
+    """Hold a key until the joint is fed."""
+    await play.pilot.press("m", "left")
+    await play.pilot.pause()
+    assert play.link.asked == []
+    play.link.now_s += 0.5
+    await play.pilot.press("left")
+    await asks(play.link, HOLD)
+
+
+async def asks(link: ScriptedLink, request: dict[str, Any]) -> None:
+    """Wait until something is asked."""
+    for _ in range(500):
+        if request in link.asked:
+            return
+        await asyncio.sleep(0.01)
+    raise AssertionError(f"{request} is not asked; {link.asked}")
+
+
+async def no_repeat(play: Play) -> None:
+    play.link.now_s += 0.31
+
+
+async def no_look(play: Play) -> None:
+    play.app.post_message(AppBlur())
+
+
+async def another_screen(play: Play) -> None:
+    await play.pilot.press("f2")
+
+
+async def a_dialog(play: Play) -> None:
+    play.app.tell_error("Something", "happened")
+
+
+async def the_palette(play: Play) -> None:
+    await play.pilot.press("ctrl+p")
+
+
+async def another_mode(play: Play) -> None:
+    await play.pilot.press("m")
+
+
+async def escape(play: Play) -> None:
+    await play.pilot.press("escape")
+
+
+async def jog_over(play: Play) -> None:
+    play.link.tell("jog", **{**MINE, "on": False, "reason": "the door is open"})
+
+
+async def link_lost(play: Play) -> None:
+    play.link.picture.lost("the engine is gone")
+
+
+async def another_key(play: Play) -> None:
+    await play.pilot.press("right")
+
+
+@pytest.mark.parametrize(
+    "end",
+    [
+        no_repeat,
+        no_look,
+        another_screen,
+        a_dialog,
+        the_palette,
+        another_mode,
+        escape,
+        jog_over,
+        link_lost,
+        another_key,
+    ],
+)
+async def test_what_lets_the_arm_go(end: Script) -> None:
+    async def play(play: Play) -> None:
+        await hold_j1(play)
+        assert STOP not in play.link.asked
+        await end(play)
+        await asks(play.link, STOP)
+        fed = play.link.asked.count(HOLD)
+        await play.pilot.pause()
+        assert play.link.asked.count(HOLD) == fed
+        assert not jog_screen_of(play.app).hands.busy
+
+    await jogging(play)
+
+
+def jog_screen_of(app: CatseyeApp) -> JogScreen:
+    stacks = app._screen_stacks  # noqa: SLF001  # Textual has no public way to a screen of another mode
+    return next(screen for screen in stacks["jog"] if isinstance(screen, JogScreen))
+
+
+@pytest.mark.parametrize("key", ["escape", "f2"])
+async def test_leaving_ends_the_jog(key: str) -> None:
+    async def leave(play: Play) -> None:
+        await play.pilot.press(key)
+        await asks(play.link, {"op": "jog", "on": False})
+
+    await jogging(leave)
+
+
+async def test_stop_key_stops() -> None:
+    async def press(play: Play) -> None:
+        await hold_j1(play)
+        await play.pilot.press("f12")
+        await asks(play.link, {"op": "stop"})
+
+    await jogging(press)
+
+
+async def test_who_else_jogs_is_told_and_keys_do_nothing() -> None:
+    link = ScriptedLink()
+    app = make_app(link, "jog")
+    async with app.run_test(size=(80, 24)) as pilot:
+        link.tell("bench", **BENCH)
+        link.picture.control = {"client": "tui-2", "who": "Bob"}
+        link.tell("jog", on=True, by="Bob (tui-2)", percent=10.0, moving="j4")
+        text = await shown(app, pilot)
+        assert "Bob (tui-2) jogs at 10 %, moving j4" in text
+        await pilot.press("left", "f8", "p", "escape")
+        await pilot.pause()
+        assert link.asked == []
+
+
+async def test_a_refused_step_is_told() -> None:
+    async def press(play: Play) -> None:
+        play.link.refusals["jog-step"] = "J1 would leave its range of -170 to 170 deg"
+        await play.pilot.press("left")
+        assert "J1 would leave its range" in await shown(play.app, play.pilot)
+
+    await jogging(press)
+
+
+async def test_strip_and_view_keys() -> None:
+    async def press(play: Play) -> None:
+        await play.pilot.press("l")
+        assert play.app.screen.query_one(Strip).window_s == 30
+        await play.pilot.press("v")
+        assert "From above" in await shown(play.app, play.pilot)
+
+    await jogging(press)
+
+
+async def test_each_action_stands_in_the_palette() -> None:
+    async def call(play: Play) -> None:
+        callbacks = {command.title: command.callback for command in jog_screen(play.app).commands()}
+        for title in ("Steps or hold", "Next aim", "Beam or bench from above", "Length of the strip"):
+            callbacks[title]()
+        text = await shown(play.app, play.pilot)
+        assert "[hold]" in text
+        assert "[P1]" in text
+        callbacks["End the jog"]()
+        await asks(play.link, {"op": "jog", "on": False})
+
+    await jogging(call)
