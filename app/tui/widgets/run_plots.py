@@ -140,7 +140,7 @@ def _scale(seen: Sequence[Seen]) -> tuple[float, float]:
     widths = [each.high - each.low for each in seen if each.low is not None and each.high is not None]
     values = [each.value for each in seen if each.accepted or not widths] or [seen[-1].value]
     low, high = min(values), max(values)
-    near = 2.0 * max(high - low, 1e-12)
+    near = 10.0 * max(high - low, 1e-12)
     for each in seen:
         limits = [limit for limit in (each.low, each.high) if limit is not None]
         low, high = (

@@ -79,6 +79,7 @@ def test_an_outlier_is_marked_and_does_not_flatten_the_others() -> None:
     # The third of four, newest at the right edge, after eight cells of numbers.
     assert drawn[0].index("×") == 8 + 8
     assert drawn[0].lstrip().startswith("15")
+    assert drawn[-1].lstrip().startswith("-5")
 
 
 def test_both_maps_are_drawn_where_they_are_known() -> None:

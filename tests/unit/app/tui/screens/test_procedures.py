@@ -1,0 +1,336 @@
+"""The screen of procedures: list, needs, parameters, rehearsal and start, by every key."""
+
+import asyncio
+import json
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import pytest
+from textual.pilot import Pilot
+from textual.widgets import Input, OptionList, Select
+
+from app.procedure_list import load_procedure
+from app.tui.app import CatseyeApp
+from app.tui.dialogs.error_dialog import ErrorDialog
+from app.tui.dialogs.start_dialog import StartDialog
+from app.tui.screens.run import RunScreen
+from app.tui.widgets.parameter_form import ParameterForm
+from app.tui.work import Done
+from tests.unit.app.tui.scripted import ScriptedLink, ScriptedWork, compare, make_app, shown, work_of
+from tests.unit.app.tui.told_bench import BENCH
+from tests.unit.app.tui.told_run import REHEARSAL, RUN
+
+SIZES = [(80, 24), (120, 40)]
+
+
+def facts(name: str, last: dict[str, Any] | None = None, **needs: tuple[str, str]) -> dict[str, Any]:
+    """Return what the command tells of a procedure that is installed."""
+    procedure = load_procedure(name)
+    return {
+        "name": name,
+        "title": procedure.title,
+        "needs_aim": procedure.needs_aim,
+        "params": procedure.params_type.model_json_schema()["properties"],
+        "needs": [{"what": what, "met": met, "text": text} for what, (met, text) in needs.items()],
+        "last": last,
+    }
+
+
+def stage(name: str, state: str, *, procedure: bool = True) -> dict[str, Any]:
+    return {"name": name, "procedure": procedure, "state": state, "text": "", "command": f"catseye {name}"}
+
+
+LAST = {"name": "20261121T080000Z_open-loop_00beef", "status": "stopped", "age": "2 h ago", "resumable": True}
+TOLD = [
+    facts(
+        "beam-to-j4", reflectors=("met", "P1, P2"), levelling=("advised", "none on this cell; run beam-level")
+    ),
+    facts(
+        "open-loop",
+        LAST,
+        reflectors=("met", "P1, P2"),
+        search=("met", "20261121T070000Z_reflector-search_c0ffee"),
+    ),
+    facts("reflector-search", reflectors=("met", "P1, P2"), plan=("missing", "P2 is too near")),
+]
+WAY = [
+    stage("beam-level", "left out"),
+    stage("beam-to-j4", "done"),
+    stage("reflector-search", "done"),
+    stage("open-loop", "next"),
+    stage("identify", "later", procedure=False),
+]
+
+
+def lines(stages: list[dict[str, Any]]) -> str:
+    return "\n".join(json.dumps(each) for each in [*TOLD, {"cell": "lab-1", "stages": stages}])
+
+
+def app_of(link: ScriptedLink, stages: list[dict[str, Any]] | None = None) -> CatseyeApp:
+    app = make_app(link, "procedures")
+    work_of(app).outcomes["procedures"] = Done((), 0, lines(stages or WAY), "")
+    work_of(app).outcomes["run"] = REHEARSAL
+    return app
+
+
+async def settled(app: CatseyeApp, pilot: Pilot[Any]) -> str:
+    await pilot.pause()
+    await app.workers.wait_for_complete()
+    return await shown(app, pilot)
+
+
+def chosen(app: CatseyeApp) -> str | None:
+    options = app.screen.query_one("#list", OptionList)
+    return options.get_option_at_index(options.highlighted or 0).id
+
+
+@pytest.mark.parametrize("size", SIZES)
+async def test_needs_last_run_and_next_step(size: tuple[int, int]) -> None:
+    link = ScriptedLink()
+    app = app_of(link)
+    async with app.run_test(size=size) as pilot:
+        link.tell("bench", **BENCH)
+        text = await settled(app, pilot)
+        assert chosen(app) == "open-loop"
+        assert "2 h ago" in text
+        compare(f"procedures-{size[0]}x{size[1]}", text)
+        words = ("procedures", "--cell", "/bench/cell.toml", "--runs", "/bench/catseye-runs", "--json")
+        assert work_of(app).done == [words]
+
+
+@pytest.mark.parametrize("size", SIZES)
+async def test_a_rehearsal_with_totals_warnings_and_questions(size: tuple[int, int]) -> None:
+    link = ScriptedLink()
+    app = app_of(link)
+    async with app.run_test(size=size) as pilot:
+        await settled(app, pilot)
+        await pilot.press("r")
+        text = await settled(app, pilot)
+        assert "8 steps, 16 moves, 8 distances" in text
+        compare(f"procedures-rehearsal-{size[0]}x{size[1]}", text)
+        words = ("run", "open-loop", "--cell", "/bench/cell.toml", "--runs", "/bench/catseye-runs")
+        assert work_of(app).done[-1] == (*words, "--search", "auto", "--dry-run", "--json")
+        await pilot.press("o")
+        assert "Parameters" in await shown(app, pilot)
+        await pilot.press("o")
+        assert "Rehearsal" in await shown(app, pilot)
+
+
+@pytest.mark.parametrize("size", [(100, 30), (60, 20), (200, 60), (40, 12)])
+async def test_other_sizes_do_not_crash(size: tuple[int, int]) -> None:
+    app = app_of(ScriptedLink())
+    async with app.run_test(size=size) as pilot:
+        await settled(app, pilot)
+        await pilot.press("r")
+        await settled(app, pilot)
+
+
+async def test_a_fault_is_told_beside_its_field_and_nothing_begins() -> None:
+    link = ScriptedLink()
+    app = app_of(link)
+    async with app.run_test(size=(80, 24), notifications=True) as pilot:
+        await settled(app, pilot)
+        await pilot.press("enter", "tab", "tab", "tab", "9", "9")
+        text = await settled(app, pilot)
+        assert "✗ 0 … 20" in text
+        assert "visits to a reference pose for drift" in text
+        await pilot.press("ctrl+s")
+        assert "closures: a whole number, 0 … 20" in await settled(app, pilot)
+        assert not isinstance(app.screen, StartDialog)
+        await pilot.press("backspace")
+        assert "✗ 0 … 20" not in await settled(app, pilot)
+
+
+async def test_what_was_typed_is_remembered_and_passed_on() -> None:
+    link = ScriptedLink()
+    app = app_of(link)
+    async with app.run_test(size=(120, 40)) as pilot:
+        await settled(app, pilot)
+        await pilot.press("enter", *"P1,P2", "tab")
+        app.screen.query_one(ParameterForm).query(Select).first().value = "false"
+        await settled(app, pilot)
+        await pilot.press("escape", "up")
+        await settled(app, pilot)
+        assert chosen(app) == "beam-to-j4"
+        await pilot.press("down")
+        text = await settled(app, pilot)
+        assert "P1,P2" in text
+        await pilot.press("ctrl+r")
+        await settled(app, pilot)
+        words = work_of(app).done[-1]
+        assert [words[n + 1] for n, word in enumerate(words) if word == "--param"] == [
+            'reflectors=["P1", "P2"]',
+            "subdivide=false",
+        ]
+
+
+async def test_f8_begins_and_enter_does_not() -> None:
+    link = ScriptedLink()
+    link.answers["start"] = {"path": f"/bench/catseye-runs/{RUN}"}
+    app = app_of(link)
+    async with app.run_test(size=(80, 24)) as pilot:
+        link.tell("bench", **BENCH)
+        await settled(app, pilot)
+        await pilot.press("s")
+        text = await settled(app, pilot)
+        compare("procedures-start-80x24", text)
+        await pilot.press("enter", "space", "y")
+        await settled(app, pilot)
+        assert link.asked == []
+        await pilot.press("f8")
+        await settled(app, pilot)
+        assert [request["op"] for request in link.asked] == ["control", "start"]
+        assert link.asked[1] == {
+            "op": "start",
+            "procedure": "open-loop",
+            "cell": "/bench/cell.toml",
+            "params": [],
+            "search": "auto",
+            "speed": 1.0,
+            "arm": None,
+        }
+        assert isinstance(app.screen, RunScreen)
+
+
+async def test_real_hardware_is_armed_by_the_name_of_the_cell() -> None:
+    link = ScriptedLink()
+    app = app_of(link)
+    async with app.run_test(size=(80, 24)) as pilot:
+        link.tell("bench", **{**BENCH, "simulated": False})
+        await settled(app, pilot)
+        assert not [row for row in app.screen.query_one(ParameterForm).rows if row.parameter == "speed"]
+        await pilot.press("s")
+        await settled(app, pilot)
+        assert isinstance(app.focused, Input)
+        await pilot.press("f8")
+        assert "type lab-1 to arm them" in await settled(app, pilot)
+        await pilot.press(*"lab-2", "f8")
+        await settled(app, pilot)
+        assert link.asked == []
+        await pilot.press("f12")
+        assert [request["op"] for request in link.asked] == ["stop"]
+        await pilot.press("backspace", "1", "f8")
+        await settled(app, pilot)
+        assert link.asked[-1]["arm"] == "lab-1"
+        assert link.asked[-1]["speed"] == 1.0
+
+
+async def test_going_back_from_the_start_begins_nothing() -> None:
+    link = ScriptedLink()
+    app = app_of(link)
+    async with app.run_test(size=(80, 24)) as pilot:
+        await settled(app, pilot)
+        await pilot.press("s", "escape")
+        await settled(app, pilot)
+        assert not isinstance(app.screen, StartDialog)
+        assert link.asked == []
+
+
+async def test_a_refused_start_is_told_with_its_remedy() -> None:
+    link = ScriptedLink()
+    link.refusals["start"] = "the engine is aborted: clear it first"
+    app = app_of(link)
+    async with app.run_test(size=(80, 24)) as pilot:
+        await settled(app, pilot)
+        await pilot.press("s", "f8")
+        text = await settled(app, pilot)
+        assert isinstance(app.screen, ErrorDialog)
+        assert "→ clear it first" in text
+
+
+async def test_the_next_step_is_chosen_or_told() -> None:
+    link = ScriptedLink()
+    app = app_of(link)
+    async with app.run_test(size=(80, 24), notifications=True) as pilot:
+        await settled(app, pilot)
+        await pilot.press("up")
+        assert chosen(app) == "beam-to-j4"
+        await pilot.press("n")
+        await settled(app, pilot)
+        assert chosen(app) == "open-loop"
+        way = [*WAY[:3], stage("open-loop", "done"), stage("identify", "next", procedure=False)]
+        work_of(app).outcomes["procedures"] = Done((), 0, lines(way), "")
+        await pilot.press("u")
+        await settled(app, pilot)
+        await pilot.press("n")
+        assert "catseye identify" in await settled(app, pilot)
+
+
+async def test_lost_devices_are_told_among_the_needs() -> None:
+    link = ScriptedLink()
+    app = app_of(link)
+    async with app.run_test(size=(120, 40)) as pilot:
+        robot = {**BENCH["devices"][0], "link": "lost", "error": "no answer for 3 s"}
+        link.tell("bench", **{**BENCH, "devices": [robot, *BENCH["devices"][1:]]})
+        assert "✗ devices     robot: no answer for 3 s" in await settled(app, pilot)
+
+
+async def test_the_end_of_a_run_has_everything_looked_at_again() -> None:
+    link = ScriptedLink({"run": RUN, "procedure": "open-loop", "title": "t", "state": "EXECUTE"})
+    app = app_of(link)
+    async with app.run_test(size=(80, 24)) as pilot:
+        await settled(app, pilot)
+        assert len(work_of(app).done) == 1
+        link.tell("run-ended", status="complete", exit_code=0, text="", path="", run=RUN)
+        await settled(app, pilot)
+        assert [words[0] for words in work_of(app).done] == ["procedures", "procedures"]
+
+
+async def test_a_cell_file_with_a_fault_is_told() -> None:
+    app = make_app(ScriptedLink(), "procedures")
+    work_of(app).outcomes["procedures"] = Done((), 2, "", "catseye: cell.toml, line 3: unknown key")
+    async with app.run_test(size=(80, 24)) as pilot:
+        assert "✗ cell.toml, line 3: unknown key" in await settled(app, pilot)
+        await pilot.press("r", "s")
+        await settled(app, pilot)
+        assert not isinstance(app.screen, StartDialog)
+
+
+async def test_a_plan_that_is_refused_is_told_instead_of_a_rehearsal() -> None:
+    app = app_of(ScriptedLink())
+    work_of(app).outcomes["run"] = Done((), 2, "", "catseye: P2 is too near: move it away")
+    async with app.run_test(size=(80, 24)) as pilot:
+        await settled(app, pilot)
+        await pilot.press("r")
+        assert "✗ P2 is too near: move it away" in await settled(app, pilot)
+
+
+class SlowWork(ScriptedWork):
+    """A rehearsal that never comes to its end by itself."""
+
+    def __init__(self, told: str) -> None:
+        super().__init__()
+        self.outcomes["procedures"] = Done((), 0, told, "")
+        self.cancelled = False
+
+    async def do(self, *arguments: str | Path, talk: Callable[[str], None] | None = None) -> Done:
+        if arguments[0] != "run":
+            return await super().do(*arguments, talk=talk)
+        try:
+            await asyncio.Event().wait()
+        except asyncio.CancelledError:
+            self.cancelled = True
+            raise
+        raise AssertionError
+
+
+async def test_a_rehearsal_is_ended_by_escape() -> None:
+    app = make_app(ScriptedLink(), "procedures")
+    work = SlowWork(lines(WAY))
+    app.session.work = work
+    async with app.run_test(size=(80, 24)) as pilot:
+        await settled(app, pilot)
+        await pilot.press("r")
+        assert "Esc ends that" in await shown(app, pilot)
+        await pilot.press("escape")
+        text = await settled(app, pilot)
+        assert work.cancelled
+        assert "nothing was found" in text
+
+
+async def test_every_action_stands_in_the_palette() -> None:
+    app = app_of(ScriptedLink())
+    async with app.run_test(size=(80, 24)):
+        named = {command.title for command in app.get_system_commands(app.screen)}
+        assert {"Rehearse the procedure", "Start the procedure", "Choose the next step"} <= named
