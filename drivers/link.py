@@ -123,6 +123,7 @@ class RequestLink:
         *,
         retry: bool = False,
         heal: bool = True,
+        permit: Callable[[], None] | None = None,
     ) -> T:
         """Send a request and return its answer.
 
@@ -134,6 +135,7 @@ class RequestLink:
                 only: a command must not be given twice.
             heal: False refuses to send when the link is out of step, for a request that builds on what was
                 said on this very connection.
+            permit: is asked when the request's turn has come; what it raises keeps it from being sent.
 
         Raises:
             LinkTimeoutError: no answer; the link is out of step until the next request heals it.
@@ -142,6 +144,8 @@ class RequestLink:
         """
         async with self._lock:
             await self._get_in_step(heal=heal)
+            if permit is not None:
+                permit()
             try:
                 return await self.exchange(data, decoder(), timeout_s)
             except (LinkError, ProtocolError):

@@ -10,7 +10,7 @@ from collections.abc import AsyncIterator, Awaitable, Callable, Mapping
 from contextlib import asynccontextmanager
 from typing import Literal
 
-from drivers.errors import DeviceError
+from drivers.errors import DeviceError, RefusedError
 from drivers.link import uninterrupted
 from drivers.melfa.motion import JOINT_NAMES
 from drivers.melfa.session import Session
@@ -65,10 +65,21 @@ class Jog:
             await self._fed.wait()
             self._fed.clear()
             while (begun_s := self._loop.time()) < self._fed_until_s and not self._over:
-                self._require_no_stop()
                 # A late answer is worth nothing: the robot has stopped by then.
-                await self._session.command(self._command, timeout_s=DEAD_MAN_S, heal=False)
+                await self._session.command(
+                    self._command, timeout_s=DEAD_MAN_S, heal=False, permit=self._require_going_on
+                )
                 await asyncio.sleep(max(0.0, begun_s + PERIOD_S - self._loop.time()))
+
+    def _require_going_on(self) -> None:
+        """Keep a telegram that has waited for its turn from being sent behind a STOP.
+
+        Raises:
+            RefusedError: a stop has begun, or the jog is over.
+        """
+        self._require_no_stop()
+        if self._over:
+            raise RefusedError(f"{self._session.where}: the jog is over", 0)
 
 
 @asynccontextmanager

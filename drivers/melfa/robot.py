@@ -303,8 +303,7 @@ class MelfaR3:
             await self._declare()
             # The motion takes its target from this very connection, so no healing from here on.
             await self._main.command(f"EXEC{assignment(target)}", heal=False)
-            self._require_no_stop(stops_ended)
-            await self._go(target)
+            await self._go(target, partial(self._require_no_stop, stops_ended))
         except asyncio.CancelledError:
             await self.stop()
             raise
@@ -442,14 +441,18 @@ class MelfaR3:
                 await self.reset_alarm()
         self._declared = True
 
-    async def _go(self, target: Joints) -> None:
+    async def _go(self, target: Joints, permit: Callable[[], None]) -> None:
+        # Asked here too: a stop may have left the link out of step, and is the reason that counts.
+        permit()
         timeout_s = self._settings.move_timeout_s
         try:
             if self._settings.motion == "exec2" and self._has_aside:
-                await self._main.command(f"EXEC2=MOV {VARIABLE}", timeout_s=timeout_s, heal=False)
+                await self._main.command(
+                    f"EXEC2=MOV {VARIABLE}", timeout_s=timeout_s, heal=False, permit=permit
+                )
                 reached = await self._main.joints()
             else:
-                await self._main.command(f"EXECMOV {VARIABLE}", heal=False)
+                await self._main.command(f"EXECMOV {VARIABLE}", heal=False, permit=permit)
                 reached = await standstill(
                     self._main,
                     self._clock,

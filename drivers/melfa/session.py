@@ -109,6 +109,7 @@ class Session:
         timeout_s: float | None = None,
         retry: bool = False,
         heal: bool = True,
+        permit: Callable[[], None] | None = None,
     ) -> Answer:
         """Send a request; return the accepted answer.
 
@@ -118,6 +119,7 @@ class Session:
             timeout_s: real s; the setting `answer_timeout_s` by default.
             retry: ask twice if need be; for questions only.
             heal: False refuses to send on a link that is out of step.
+            permit: is asked when the request's turn has come; what it raises keeps it from being sent.
 
         Raises:
             AlarmError: rejected, and an alarm is active.
@@ -133,14 +135,22 @@ class Session:
             self._timeout_s(data, timeout_s),
             retry=retry,
             heal=heal,
+            permit=permit,
         )
         self._terminated |= answer.terminated
         if not answer.accepted:
             raise await self._rejection(command, answer)
         return answer
 
-    async def command(self, command: str, *, timeout_s: float | None = None, heal: bool = True) -> None:
-        """Give a command that has no payload in its answer and must not be taken in an alarm.
+    async def command(
+        self,
+        command: str,
+        *,
+        timeout_s: float | None = None,
+        heal: bool = True,
+        permit: Callable[[], None] | None = None,
+    ) -> None:
+        """Give a command that has no payload in its answer and must not be taken in an alarm; see `ask`.
 
         Raises:
             AlarmError: an alarm is active.
@@ -148,7 +158,7 @@ class Session:
             LinkError: lost or silent.
             ProtocolError: garbage came.
         """
-        answer = await self.ask(command, codec.bare, timeout_s=timeout_s, heal=heal)
+        answer = await self.ask(command, codec.bare, timeout_s=timeout_s, heal=heal, permit=permit)
         if answer.payload:
             raise self._wrong(command, f"{answer.payload[:64]!r} came behind QoK")
         if answer.alarm:

@@ -202,9 +202,9 @@ def test_a_stop_of_somebody_else_stops_the_arm(engine: Engine) -> None:
     with feeder(engine, "j2") as client:
         asked_s = engine.now_s()
         assert engine.client.ask("stop")["ok"]
+        assert engine.client.until(event="jog", on=False)["reason"] == "Ben (test-1) stopped it"
         assert engine.requests("STOP")[0] - asked_s < 0.1
         assert engine.rest_s() - asked_s < 0.2
-        assert engine.client.until(event="jog", on=False)["reason"] == "Ben (test-1) stopped it"
         # The feeder goes on asking, and nothing moves: its next feed is refused, which ends it.
         client.wait(_LIMIT_S)
     assert engine.drives_off()

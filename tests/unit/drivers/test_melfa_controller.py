@@ -374,6 +374,34 @@ def test_a_jog_that_ends_in_the_middle_of_a_telegram_keeps_the_link_in_step() ->
     run(end_early())
 
 
+@pytest.mark.parametrize("by", ["stop", "end"])
+def test_a_telegram_that_waits_for_its_turn_is_not_sent_behind_a_stop(by: str) -> None:
+    async def overtaken() -> None:
+        controller = Controller()
+        controller.replies["TIME"] = list
+        async with bench(controller) as b:
+            with suppress(RefusedError):
+                async with b.robot.controller.jog({"J1": 1}) as jog:
+                    asking = asyncio.create_task(b.robot.controller.clock())
+                    await until(lambda: "TIME" in b.said)
+                    jog.feed()
+                    await asyncio.sleep(0.05)
+                    # The telegram waits behind a question that has no answer yet.
+                    assert jogs(b) == 0
+                    if by == "stop":
+                        await b.robot.stop()
+                        await b.main.say(sheet.TIME.answer.encode())
+                        await asyncio.sleep(0.1)
+            if by == "end":
+                await b.main.say(sheet.TIME.answer.encode())
+            await asyncio.sleep(0.1)
+            assert await asking == "2004-02-09 17:54:32"
+            assert "STOP" in b.said_aside
+            assert jogs(b) == 0
+
+    run(overtaken())
+
+
 @pytest.mark.parametrize("how", ["error", "cancel"])
 async def test_whatever_ends_a_jog_stops_the_robot(how: str) -> None:
     async with bench() as b:
