@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Iterator
-from itertools import groupby
+from itertools import pairwise
 from typing import Any, Final
 
 import numpy as np
@@ -16,7 +16,8 @@ DOTS_DOWN: Final = 4
 _BITS: Final = np.array([[0x01, 0x08], [0x02, 0x10], [0x04, 0x20], [0x40, 0x80]], dtype=np.uint8)
 """Bit of each dot of a cell, by row and column, as Unicode numbers the dots."""
 
-_FIRST: Final = 0x2800
+_LETTERS: Final = np.array([" ", *(chr(0x2800 + code) for code in range(1, 256))])
+"""Letter of each set of dots; none is a blank, which every font has."""
 
 
 class Canvas:
@@ -41,7 +42,7 @@ class Canvas:
         self.dots: NDArray[np.bool_] = np.zeros((self.rows * DOTS_DOWN, self.columns * DOTS_ACROSS), np.bool_)
         self._inks: list[str] = [""]
         self._ink: NDArray[np.int16] = np.zeros((self.rows, self.columns), np.int16)
-        self._letters: dict[tuple[int, int], tuple[str, str]] = {}
+        self._letters: dict[tuple[int, int], tuple[str, int]] = {}
 
     @property
     def width(self) -> int:
@@ -137,34 +138,32 @@ class Canvas:
         """Write letters, one a cell."""
         for place, letter in enumerate(text, column):
             if 0 <= place < self.columns and 0 <= row < self.rows:
-                self._letters[row, place] = (letter, ink)
+                self._letters[row, place] = (letter, self._number(ink))
 
     def lines(self) -> Iterator[list[tuple[str, str]]]:
         """Yield each line of cells as pieces of text with their ink; empty cells are blanks."""
         cells = self.dots.reshape(self.rows, DOTS_DOWN, self.columns, DOTS_ACROSS)
         codes = np.einsum("rdca,da->rc", cells, _BITS, dtype=np.uint8, casting="unsafe")
-        for row, line in enumerate(codes):
-            pairs = [
-                (chr(_FIRST + code), self._inks[ink]) if code else (" ", "")
-                for code, ink in zip(line.tolist(), self._ink[row].tolist(), strict=True)
-            ]
-            for (place_row, column), letter in self._letters.items():
-                if place_row == row:
-                    pairs[column] = letter
-            yield [
-                ("".join(text for text, _ in piece), ink)
-                for ink, piece in groupby(pairs, lambda pair: pair[1])
-            ]
+        letters, inks = _LETTERS[codes], np.where(codes > 0, self._ink, 0)
+        for (row, column), (letter, ink) in self._letters.items():
+            letters[row, column], inks[row, column] = letter, ink
+        for line, line_inks in zip(letters.tolist(), inks, strict=True):
+            text = "".join(line)
+            cuts = [0, *(np.flatnonzero(np.diff(line_inks)) + 1).tolist(), self.columns]
+            yield [(text[cut:end], self._inks[line_inks[cut]]) for cut, end in pairwise(cuts) if end > cut]
 
     def plain(self) -> list[str]:
         """Return the lines without ink."""
         return ["".join(text for text, _ in line) for line in self.lines()]
 
     def _set(self, row: NDArray[np.intp], column: NDArray[np.intp], ink: str) -> None:
+        self.dots[row, column] = True
+        self._ink[row // DOTS_DOWN, column // DOTS_ACROSS] = self._number(ink)
+
+    def _number(self, ink: str) -> int:
         if ink not in self._inks:
             self._inks.append(ink)
-        self.dots[row, column] = True
-        self._ink[row // DOTS_DOWN, column // DOTS_ACROSS] = self._inks.index(ink)
+        return self._inks.index(ink)
 
     def _visible_part(
         self, start: tuple[float, float], end: tuple[float, float]
