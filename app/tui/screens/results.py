@@ -1,16 +1,595 @@
-"""The screen Results."""
+"""The screen Results: one result seen in parts, and two compared."""
 
-from textual.app import ComposeResult
-from textual.widgets import Static
+import asyncio
+import json
+import shutil
+import tempfile
+from collections.abc import Iterable
+from functools import partial
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, ClassVar, Final
 
-from app.tui.screens.base import MainScreen
+from rich.text import Text
+from textual.app import ComposeResult, SystemCommand
+from textual.binding import Binding, BindingType
+from textual.containers import Horizontal, Vertical, VerticalScroll
+from textual.content import Content
+from textual.timer import Timer
+from textual.widgets import ContentSwitcher, DataTable
+
+from app.tui.dialogs.form_dialog import Answers, Field, FormDialog
+from app.tui.dialogs.text_dialog import TextDialog
+from app.tui.screens.working import WorkScreen, why_not_written
+from app.tui.session import Session
+from app.tui.widgets.drawing import Draw, Drawing
+from app.tui.widgets.tab_line import TabLine
+from app.tui.widgets.task_line import TaskLine
+from app.tui.widgets.told import Told, lines
+from app.tui.work import Done
+
+if TYPE_CHECKING:
+    # The first screen is painted before files and mathematics are imported.
+    from app.analysis.result_comparison import ResultComparison
+    from app.files.result_files import ResultFile, ResultFiles
+
+_PARTS: Final = ("files", "maps", "values", "layout", "residuals", "fit", "path", "compare")
+_TITLES: Final = ("Files", "Maps", "Values", "Layout", "Residuals", "Fit", "Path", "Compare")
+_FOCUS: Final = {
+    "files": "#file-table",
+    "values": "#value-table",
+    "layout": "#places-text",
+    "residuals": "#outliers-text",
+    "fit": "#fit",
+    "path": "#validation-text",
+    "compare": "#comparison-text",
+}
+"""What is scrolled in a part."""
+
+_LOOK_S: Final = 3.0
+_FILE_COLUMNS: Final = (
+    ("", 2),
+    ("result", 29),
+    ("model", 13),
+    ("distances", 10),
+    ("rms µm", 8),
+    (" sim", 5),
+    ("written", 12),
+)
+_VALUE_COLUMNS: Final = (("quantity", 22), ("value", 14), ("u (k=1)", 10), ("U (k=2)", 10), ("unit", 6))
+_RIGHT: Final = frozenset({"value", "u (k=1)", "U (k=2)", "distances", "rms µm"})
+_RUN_FOLDERS: Final = ("runs", "catseye-runs")
+_MAP_LEGEND: Final = "+ approached upwards   − downwards   ± both   bars ±2u (k = 2)"
+_PATH_RUN: Final = "_validation-path_"
 
 
-class ResultsScreen(MainScreen):
-    """Under construction by its own commit."""
+class ResultsScreen(WorkScreen):
+    """Parts in one line, which result in the next, the part below."""
 
     PLACE = "results"
+    AUTO_FOCUS = "#file-table"
+
+    DEFAULT_CSS = """
+    ResultsScreen #heading { height: 1; padding: 0 1; color: $primary; text-wrap: nowrap; text-overflow: ellipsis; }
+    ResultsScreen ContentSwitcher { height: 1fr; }
+    ResultsScreen DataTable { height: 1fr; background: $background; scrollbar-size: 1 1; padding: 0 0 0 1; }
+    ResultsScreen .part { height: 1fr; }
+    ResultsScreen .legend { height: 1; padding: 0 1; color: $text-muted; }
+    ResultsScreen .text { padding: 0 1; scrollbar-size-vertical: 1; }
+    ResultsScreen .beside { width: 52; }
+    ResultsScreen .below { height: 2fr; }
+    ResultsScreen .short { height: auto; max-height: 6; }
+    ResultsScreen.-high .short { max-height: 14; }
+    ResultsScreen .charts { height: 3fr; }
+    ResultsScreen.-narrow .beside { width: 1fr; }
+    ResultsScreen.-narrow .charts { layout: vertical; }
+    """
+
+    BINDINGS: ClassVar[list[BindingType]] = [
+        *(
+            Binding(
+                str(place + 1),
+                f"part({place})",
+                title,
+                show=False,
+                id=f"results.{name}",
+                tooltip="show this part",
+            )
+            for place, (name, title) in enumerate(zip(_PARTS, _TITLES, strict=True))
+        ),
+        Binding("d", "diagnose", "diagnose", id="results.diagnose", tooltip="what speaks against the fit"),
+        Binding(
+            "t", "validate", "path", id="results.validate", tooltip="against an independently measured path"
+        ),
+        Binding("c", "compare", "compare", id="results.compare", tooltip="with the result under the cursor"),
+        Binding(
+            "u", "unit", "mdeg/u", id="results.unit", tooltip="differences in mdeg, or in their uncertainty"
+        ),
+        Binding("p", "report", "page", id="results.report", tooltip="write the report, one HTML page"),
+        Binding("o", "open_page", "open", id="results.open", tooltip="show the last report in the browser"),
+        Binding("e", "export", "export", id="results.export", tooltip="values for other programs"),
+        Binding("y", "type", "type", id="results.type", tooltip="commands: predict, compensate, validate"),
+        Binding("escape", "back", "back", show=False, id="results.back", tooltip="cancel; back to the files"),
+    ]  # fmt: skip - a key a line
+
+    def __init__(self, session: Session) -> None:
+        super().__init__(session)
+        self.HORIZONTAL_BREAKPOINTS = [(0, "-narrow"), (76, "-wide")]
+        self.VERTICAL_BREAKPOINTS = [(0, "-low"), (32, "-high")]
+        self._shelf: ResultFiles | None = None
+        self._files: list[ResultFile] = []
+        self._timer: Timer | None = None
+        self._looking = False
+        self._file: ResultFile | None = None
+        self._other: ResultFile | None = None
+        self._in_u = False
+        self._diagnoses: dict[Path, dict[str, Any]] = {}
+        self._validations: dict[Path, dict[str, Any]] = {}
+        self._comparison: tuple[ResultComparison, str] | None = None
+        self._scratch: Path | None = None
 
     def body(self) -> ComposeResult:
-        """Return nothing yet."""
-        yield Static("Results")
+        """Parts, which result, the part."""
+        yield TabLine(_TITLES)
+        yield Told(id="heading")
+        with ContentSwitcher(initial="files"):
+            with Vertical(id="files", classes="part"):
+                yield DataTable[Text](id="file-table", cursor_type="row", cell_padding=0)
+            with Vertical(id="maps", classes="part"):
+                with Horizontal(classes="charts"):
+                    yield Drawing(id="map1")
+                    yield Drawing(id="map2")
+                yield Told(id="map-legend", classes="legend")
+            with Vertical(id="values", classes="part"):
+                yield DataTable[Text](id="value-table", cursor_type="row", cell_padding=0)
+            with Horizontal(id="layout", classes="part charts"):
+                yield Drawing(id="plan")
+                with VerticalScroll(id="places-text", classes="text beside"):
+                    yield Told(id="places")
+            with Vertical(id="residuals", classes="part"):
+                yield Drawing(id="scatter")
+                with VerticalScroll(id="outliers-text", classes="text short"):
+                    yield Told(id="outliers")
+            with VerticalScroll(id="fit", classes="part text"):
+                yield Told(id="findings")
+            with Vertical(id="path", classes="part"):
+                with Horizontal(classes="charts"):
+                    yield Drawing(id="path1")
+                    yield Drawing(id="path2")
+                yield Told(id="path-legend", classes="legend")
+                with VerticalScroll(id="validation-text", classes="text short"):
+                    yield Told(id="validation")
+            with Vertical(id="compare", classes="part"):
+                with Horizontal(id="differences", classes="charts"):
+                    yield Drawing(id="difference1")
+                    yield Drawing(id="difference2")
+                yield Told(id="difference-legend", classes="legend")
+                with VerticalScroll(id="comparison-text", classes="text below"):
+                    yield Told(id="comparison")
+        yield TaskLine(self.session.now_s)
+
+    def commands(self) -> Iterable[SystemCommand]:
+        """Return what this screen can do."""
+        for place, title in enumerate(_TITLES):
+            yield SystemCommand(f"Results: {title}", "show this part", partial(self.action_part, place))
+        yield SystemCommand("Diagnose the result", "outliers, drift, lack of fit", self.action_diagnose)
+        yield SystemCommand("Validate the result", "against a measured path", self.action_validate)
+        yield SystemCommand("Compare results", "with the one under the cursor", self.action_compare)
+        yield SystemCommand("Differences in mdeg or in u", "of two results", self.action_unit)
+        yield SystemCommand("Report of the result", "one HTML page", self.action_report)
+        yield SystemCommand("Open the report", "in the system's browser", self.action_open_page)
+        yield SystemCommand("Export the result", "CSV, JSON or Parquet", self.action_export)
+        yield SystemCommand("Predict and compensate", "the commands to type", self.action_type)
+        yield SystemCommand("Cancel the work", "that is under way on this screen", self.action_cancel)
+
+    def on_mount(self) -> None:
+        """Make the columns; files are read in a thread."""
+        for table, columns in (("#file-table", _FILE_COLUMNS), ("#value-table", _VALUE_COLUMNS)):
+            for name, width in columns:
+                label = Text(name, justify="right" if name in _RIGHT else "left")
+                self.query_one(table, DataTable).add_column(label, width=width, key=name or "mark")
+        self._timer = self.set_interval(_LOOK_S, self._look)
+        self._show()
+
+    def on_unmount(self) -> None:
+        """Leave nothing behind."""
+        if self._scratch is not None:
+            shutil.rmtree(self._scratch, ignore_errors=True)
+
+    def on_screen_resume(self) -> None:
+        """Look for results."""
+        if self._timer is not None:
+            self._timer.resume()
+        self._look()
+
+    def on_screen_suspend(self) -> None:
+        """Do not look while nobody sees it."""
+        if self._timer is not None:
+            self._timer.pause()
+
+    def on_data_table_row_selected(self, event: DataTable.RowSelected) -> None:
+        """Show the chosen result."""
+        if event.data_table.id == "file-table" and (file := self._under_cursor()) is not None:
+            self._choose(file)
+
+    def action_part(self, place: int) -> None:
+        """Show a part."""
+        name = _PARTS[place]
+        self.query_one(ContentSwitcher).current = name
+        self.query_one(TabLine).show(place)
+        focus = _FOCUS.get(name)
+        self.set_focus(self.query_one(focus) if focus is not None else None)
+
+    def action_back(self) -> None:
+        """Cancel the work, else go back to the files."""
+        if not self.cancel_work():
+            self.action_part(0)
+
+    def action_cancel(self) -> None:
+        """Cancel the work."""
+        self.cancel_work()
+
+    def action_unit(self) -> None:
+        """Show differences in mdeg, or in combined standard uncertainties."""
+        self._in_u = not self._in_u
+        self._show_comparison()
+
+    def action_compare(self) -> None:
+        """Compare the shown result with the one under the cursor."""
+        file, other = self._shown_file(), self._under_cursor()
+        if file is None or other is None:
+            return
+        if file.path == other.path:
+            self.notify("put the cursor on another result (1), then c", severity="warning")
+            self.action_part(0)
+            return
+        self._other = other
+        self.spawn(partial(self._compare, file, other), "compare", exclusive=True)
+
+    def action_diagnose(self) -> None:
+        """Tell what speaks for and against the fit."""
+        file = self._shown_file()
+        if file is None or file.result is None:
+            return
+        source = self._source_of(file)
+        if not source:
+            self.catseye.tell_error(
+                "The fit cannot be diagnosed",
+                f"the distances of {file.path.name} are neither in {self.session.root} nor beside it "
+                f"({', '.join(file.result.provenance.runs) or 'it names no runs'}): put the runs there",
+            )
+            return
+        self.let_work(
+            "diagnose",
+            "The fit cannot be diagnosed",
+            *("diagnose", *source, "--json"),
+            done=partial(self._diagnosed, file),
+        )
+
+    def action_validate(self) -> None:
+        """Ask for a measured path, and compare."""
+        if self._shown_file() is not None:
+            self.spawn(self._ask_for_path, "ask", exclusive=True)
+
+    def action_report(self) -> None:
+        """Write the report."""
+        if (file := self._shown_file()) is not None:
+            page = file.path.with_suffix(".html")
+            self.let_work(
+                "report",
+                "The report was not written",
+                *("report", file.path, "-o", page),
+                done=lambda _: self.tell_written(page, "report"),
+            )
+
+    def action_export(self) -> None:
+        """Ask for a file, and write the values."""
+        if (file := self._shown_file()) is not None:
+            fields = [Field("file", "file", str(file.path.with_suffix(".csv")))]
+            text = f"{file.path.name}: the file ends in .csv, .json or .parquet"
+            dialog = FormDialog("Export", fields, text, lambda answers: why_not_written(answers["file"]))
+            self.app.push_screen(dialog, partial(self._export, file))
+
+    def action_type(self) -> None:
+        """Show commands that go on from the result."""
+        if (file := self._shown_file()) is not None:
+            from app.tui.result_texts import lines_to_type
+
+            text = lines_to_type(file.path, self.session.cell)
+            self.app.push_screen(TextDialog(f"Go on from {file.path.name}", text))
+
+    def _shown_file(self) -> "ResultFile | None":
+        """Return the chosen result, else the one under the cursor, if it can be read."""
+        file = self._file or self._under_cursor()
+        if file is None:
+            self.notify("there is no result yet: identify on Runs (F7), i")
+        elif file.result is None:
+            self.catseye.tell_error(f"{file.path.name} cannot be read", file.fault)
+            return None
+        elif self._file is None:
+            self._choose(file, go=False)
+        return file
+
+    def _under_cursor(self) -> "ResultFile | None":
+        row = self.query_one("#file-table", DataTable).cursor_row
+        return self._files[row] if 0 <= row < len(self._files) else None
+
+    def _choose(self, file: "ResultFile", *, go: bool = True) -> None:
+        if file.result is None:
+            self.catseye.tell_error(f"{file.path.name} cannot be read", file.fault)
+            return
+        self._file, self._comparison, self._other = file, None, None
+        self._show()
+        self._show_files()
+        if go:
+            self.action_part(1 if file.result.theta1_map is not None else 2)
+
+    def _source_of(self, file: "ResultFile") -> list[str | Path]:
+        """Return words that name the distances of a result; none where they are not found."""
+        names = [] if file.result is None else file.result.provenance.runs
+        for root in (self.session.root, *(file.path.parent / name for name in _RUN_FOLDERS)):
+            if names and all((root / name).is_dir() for name in names):
+                return [*names, "--runs", root]
+        points = [file.path.parent / name for name in names]
+        if len(points) == 1 and points[0].is_file() and self.session.cell is not None:
+            return ["--points", points[0], "--cell", self.session.cell]
+        return []
+
+    def _diagnosed(self, file: "ResultFile", done: Done) -> None:
+        self._diagnoses[file.path] = json.loads(done.out)
+        self._show()
+        self.notify("diagnosed: outliers at 5, findings at 6")
+
+    def _export(self, file: "ResultFile", answers: Answers | None) -> None:
+        if answers is not None:
+            output = Path(answers["file"]).expanduser()
+            self.let_work(
+                "export",
+                "Nothing was exported",
+                *("export", file.path, "-o", output),
+                done=lambda _: self.tell_written(output, "export"),
+            )
+
+    async def _ask_for_path(self) -> None:
+        file = self._file
+        if file is None:
+            return
+        newest = await asyncio.to_thread(_newest_path_run, self.session.root)
+        fields = [
+            Field("measured", "path", newest, hint="run of a path, or measured CSV"),
+            Field("reference", "compared with", self._reference_of(file), hint="result, or empty"),
+        ]
+        dialog = FormDialog("Validate on a measured path", fields, file.path.name, _path_fault)
+        self.app.push_screen(dialog, partial(self._validate, file))
+
+    def _reference_of(self, file: "ResultFile") -> str:
+        """Return the newest conventional model from the same runs."""
+        if file.result is None or file.result.model == "conventional":
+            return ""
+        for each in self._files:
+            same = each.result is not None and each.result.provenance.runs == file.result.provenance.runs
+            if each.result is not None and same and each.result.model == "conventional":
+                return str(each.path)
+        return ""
+
+    def _validate(self, file: "ResultFile", answers: Answers | None) -> None:
+        if answers is None:
+            return
+        measured = Path(answers["measured"]).expanduser()
+        first: tuple[str | Path, ...] = ()
+        if not measured.is_file():
+            if self._scratch is None:
+                self._scratch = Path(tempfile.mkdtemp(prefix="catseye-"))
+            run, measured = answers["measured"], self._scratch / "measured.csv"
+            first = ("export", run, "--runs", self.session.root, "-o", measured)
+        reference = ("--reference", answers["reference"]) if answers["reference"] else ()
+        self.let_work(
+            "validate",
+            "The result cannot be validated on this path",
+            *("validate", file.path, "--measured", measured, *reference, "--json"),
+            done=partial(self._validated, file),
+            first=first,
+        )
+
+    def _validated(self, file: "ResultFile", done: Done) -> None:
+        self._validations[file.path] = json.loads(done.out)
+        self._show()
+        self.action_part(_PARTS.index("path"))
+
+    async def _compare(self, file: "ResultFile", other: "ResultFile") -> None:
+        found = await asyncio.to_thread(_compared, file, other)
+        if isinstance(found, str):
+            self.catseye.tell_error("The results cannot be compared", found)
+            return
+        self._comparison = found
+        self._show_comparison()
+        self._show_files()
+        self.action_part(_PARTS.index("compare"))
+
+    def _look(self) -> None:
+        if not self._looking:
+            self._looking = True
+            self.spawn(self._look_for_files, "look")
+
+    async def _look_for_files(self) -> None:
+        try:
+            if self._shelf is None:
+                self._shelf = await asyncio.to_thread(_shelf, self.session.root)
+            files = await asyncio.to_thread(self._shelf.look)
+        finally:
+            self._looking = False
+        if files == self._files:
+            return
+        self._files = files
+        if self._file is not None:
+            again = [file for file in files if file.path == self._file.path and file.result is not None]
+            if again and again[0] is not self._file:
+                self._diagnoses.pop(self._file.path, None)
+                self._validations.pop(self._file.path, None)
+                self._file = again[0]
+        self._show_files()
+        self._show()
+
+    def _show_files(self) -> None:
+        from app.tui.result_texts import file_row
+
+        table = self.query_one("#file-table", DataTable)
+        row = table.cursor_row
+        table.clear()
+        for file in self._files:
+            mark = "▶" if self._file is not None and file.path == self._file.path else " "
+            mark = "c" if self._other is not None and file.path == self._other.path else mark
+            style = "bold red" if file.result is None else ""
+            table.add_row(*(Text(cell, style) for cell in (mark, *file_row(file))), key=str(file.path))
+        if self._files:
+            table.move_cursor(row=min(max(row, 0), len(self._files) - 1))
+
+    def _show(self) -> None:
+        """Show every part of the chosen result."""
+        file = self._file
+        if file is None or file.result is None:
+            where = "Enter shows one" if self._files else "none yet: identify on Runs (F7), i"
+            self.query_one("#heading", Told).tell(Content(f"{len(self._files)} results; {where}"))
+            return
+        from app.tui import result_texts as texts
+
+        result = file.result
+        diagnosis = self._diagnoses.get(file.path)
+        self.query_one("#heading", Told).tell(Content(texts.heading(file)))
+        self._show_maps()
+        table = self.query_one("#value-table", DataTable)
+        table.clear()
+        for row in texts.value_rows(result):
+            table.add_row(
+                Text(row[0]), *(Text(cell, justify="right") for cell in row[1:4]), Text(f" {row[4]}")
+            )
+        self._tell("#places", texts.layout_text(result))
+        self._tell("#outliers", texts.residual_text(result, diagnosis))
+        told = [
+            Content.assemble((f"{texts.SIGNS[kind]} ", texts.STYLES[kind]), text)
+            for kind, text in texts.fit_sentences(result, diagnosis)
+        ]
+        self.query_one("#findings", Told).tell(lines(*told))
+        self._show_places()
+        self._show_path()
+        self._show_comparison()
+
+    def _show_maps(self) -> None:
+        from app.tui import result_texts as texts
+        from app.tui.widgets.result_charts import draw_map
+
+        result = None if self._file is None else self._file.result
+        if result is None:
+            return
+        for joint, table in ((1, result.theta1_map), (2, result.theta2_map)):
+            draw = None if table is None else partial(draw_map, texts.map_columns(joint, table))
+            self.query_one(f"#map{joint}", Drawing).show(draw)
+        theta20 = result.theta20_mdeg
+        legend = (
+            _MAP_LEGEND
+            if theta20 is None
+            else f"no map: θ20 = {theta20.value:.2f} mdeg, U = {2 * theta20.u:.2f}"
+        )
+        self._tell("#map-legend", legend)
+
+    def _show_places(self) -> None:
+        from app.tui.widgets.result_charts import draw_layout, draw_residuals
+
+        result = None if self._file is None else self._file.result
+        if result is None:
+            return
+        import numpy as np
+
+        from app.tui.result_texts import outlier_rows
+
+        links = result.link1_mm.value, result.link2_mm.value
+        places = [(one.name, one.x_mm.value, one.y_mm.value) for one in result.reflectors]
+        residuals = result.residuals
+        commands = np.zeros((0, 2))
+        scatter: Draw | None = None
+        if residuals is not None:
+            commands = np.column_stack([residuals.theta1_deg, residuals.theta2_deg])
+            outliers = outlier_rows(result, self._diagnoses.get(self._file.path) if self._file else None)
+            values = np.array(residuals.residual_um)
+            scatter = partial(draw_residuals, values, residuals.reflector, outliers)
+        self.query_one("#plan", Drawing).show(partial(draw_layout, links, places, commands))
+        self.query_one("#scatter", Drawing).show(scatter)
+
+    def _show_path(self) -> None:
+        from app.tui.result_texts import path_text
+        from app.tui.widgets.result_charts import draw_path
+
+        facts = None if self._file is None else self._validations.get(self._file.path)
+        for place in (0, 1):
+            draw = (
+                None
+                if facts is None
+                else partial(draw_path, facts["path"], facts["path"]["deviations"][place])
+            )
+            self.query_one(f"#path{place + 1}", Drawing).show(draw)
+        if facts is None:
+            self._tell("#path-legend", "t: choose a run of a validation path, or a measured file")
+            self._tell("#validation", "")
+            return
+        letters = dict(zip("ce"[-len(facts["models"]) :], facts["path"]["models"], strict=True))
+        legend = "   ".join(["∙ measured", *(f"{letter} {title}" for letter, title in letters.items())])
+        self._tell("#path-legend", legend)
+        self._tell("#validation", path_text(facts))
+
+    def _show_comparison(self) -> None:
+        from app.tui.result_texts import comparison_text, difference_columns
+        from app.tui.widgets.result_charts import draw_map
+
+        if self._comparison is None or self._other is None or self._file is None:
+            for joint in (1, 2):
+                self.query_one(f"#difference{joint}", Drawing).show(None)
+            self._tell("#difference-legend", "put the cursor on another result (1), then c")
+            self._tell("#comparison", "")
+            return
+        found, verdict = self._comparison
+        for joint, one in enumerate(found.maps, 1):
+            draw = partial(draw_map, difference_columns(one, in_u=self._in_u))
+            self.query_one(f"#difference{joint}", Drawing).show(draw)
+        self.query_one("#differences").display = bool(found.maps)
+        what = "lines at ±2 u" if self._in_u else "bars ±2 combined u"
+        self._tell("#difference-legend", f"+ upwards   − downwards   {what}   (u switches)")
+        names = f"{self._other.path.name} (second) minus {self._file.path.name} (first)"
+        self._tell("#comparison", f"{names}\n{comparison_text(found, verdict)}")
+
+    def _tell(self, widget: str, text: str) -> None:
+        self.query_one(widget, Told).tell(Content(text))
+
+
+def _shelf(root: Path) -> "ResultFiles":
+    from app.files.result_files import ResultFiles
+
+    return ResultFiles([root.absolute().parent, Path.cwd()])
+
+
+def _compared(file: "ResultFile", other: "ResultFile") -> "tuple[ResultComparison, str] | str":
+    """Return both results compared with the verdict, or why they cannot be."""
+    from app.analysis.result_comparison import compare_results
+    from app.commands.compare import verdict
+    from app.errors import UsageError
+
+    if file.result is None or other.result is None:
+        return f"{other.path.name} cannot be read: {other.fault}"
+    try:
+        found = compare_results(file.result, other.result)
+    except UsageError as error:
+        return str(error)
+    return found, verdict(found)
+
+
+def _newest_path_run(root: Path) -> str:
+    """Return the name of the newest run of a validation path, empty when there is none."""
+    if not root.is_dir():
+        return ""
+    names = (path.name for path in root.iterdir() if _PATH_RUN in path.name)
+    return max(names, default="")
+
+
+def _path_fault(answers: Answers) -> str:
+    if not answers["measured"]:
+        return "a run of a path or a measured file is needed"
+    reference = answers["reference"]
+    return f"there is no file {reference}" if reference and not Path(reference).expanduser().is_file() else ""

@@ -19,7 +19,7 @@ from app.tui.dialogs.form_dialog import Answers, Field, FormDialog
 from app.tui.dialogs.start_dialog import Permission, StartDialog
 from app.tui.dialogs.text_dialog import TextDialog
 from app.tui.run_rows import STATES, cells, columns, passes
-from app.tui.screens.working import WorkScreen
+from app.tui.screens.working import WorkScreen, why_not_written
 from app.tui.session import Session
 from app.tui.widgets.task_line import TaskLine
 from app.tui.widgets.told import Told
@@ -234,7 +234,7 @@ class RunsScreen(WorkScreen):
             file = self._folder / f"{line.procedure}-{line.id}.csv"
             fields = [Field("file", "file", str(file))]
             text = f"{line.name}: the file ends in .csv, .json or .parquet"
-            dialog = FormDialog("Export", fields, text, lambda answers: _taken(answers["file"]))
+            dialog = FormDialog("Export", fields, text, lambda answers: why_not_written(answers["file"]))
             self.app.push_screen(dialog, partial(self._export, line))
 
     def action_identify(self) -> None:
@@ -425,15 +425,7 @@ class RunsScreen(WorkScreen):
         self.query_one("#count", Told).tell(Content(" · ".join(parts)))
 
 
-def _taken(text: str) -> str:
-    """Return why a file cannot be written, empty when it can be."""
-    file = Path(text).expanduser()
-    if not text:
-        return "a file is needed"
-    return f"{file.name} is there already: give another name" if file.exists() else ""
-
-
 def _identify_fault(answers: Answers) -> str:
     if answers["uncertainty"] == "monte-carlo" and not answers["draws"].isdigit():
         return "draws is a whole number"
-    return _taken(answers["file"])
+    return why_not_written(answers["file"])

@@ -17,6 +17,14 @@ from app.tui.work import Done
 _INTERRUPTED = frozenset({130, 143})
 
 
+def why_not_written(text: str) -> str:
+    """Return why a file that was typed cannot be written, empty when it can be."""
+    file = Path(text).expanduser()
+    if not text:
+        return "a file is needed"
+    return f"{file.name} is there already: give another name" if file.exists() else ""
+
+
 class WorkScreen(MainScreen):
     """A main screen whose body holds a `TaskLine`."""
 
@@ -49,7 +57,7 @@ class WorkScreen(MainScreen):
         failure: str,
         *arguments: str | Path,
         done: Callable[[Done], None],
-        accepted: frozenset[int] = frozenset({0}),
+        first: tuple[str | Path, ...] = (),
     ) -> None:
         """Have a command do something; an error is shown with its remedy. Returns at once.
 
@@ -58,12 +66,12 @@ class WorkScreen(MainScreen):
             failure: title of the error when it fails.
             arguments: of the command.
             done: is given how it ended, when it ended well.
-            accepted: exit codes that count as well.
+            first: a command that has to end well before.
         """
         if self.working:
             self.notify("one thing at a time: Esc cancels what is under way", severity="warning")
             return
-        work = partial(self._let_work, title, failure, arguments, done, accepted)
+        work = partial(self._let_work, title, failure, (first, arguments), done)
         self._work = self.spawn(work, "work")
 
     def cancel_work(self) -> bool:
@@ -101,14 +109,16 @@ class WorkScreen(MainScreen):
         self,
         title: str,
         failure: str,
-        arguments: tuple[str | Path, ...],
+        commands: tuple[tuple[str | Path, ...], ...],
         done: Callable[[Done], None],
-        accepted: frozenset[int],
     ) -> None:
         line = self.query_one(TaskLine)
         line.begin(title)
         try:
-            ended = await self.session.work.do(*arguments, talk=line.hear)
+            for words in filter(None, commands):
+                ended = await self.session.work.do(*words, talk=line.hear)
+                if ended.code:
+                    break
         except asyncio.CancelledError:
             if self.is_attached:
                 self.notify(f"{title}: cancelled; nothing was written", markup=False)
@@ -118,7 +128,7 @@ class WorkScreen(MainScreen):
             return
         finally:
             line.end()
-        if ended.code in accepted:
+        if ended.code == 0:
             done(ended)
         elif ended.code in _INTERRUPTED:
             self.notify(f"{title}: interrupted from outside; nothing was written", markup=False)

@@ -45,7 +45,7 @@ class Chart:
         self.canvas = Canvas(columns, rows)
         self._x, self._y = _wide(x), _wide(y)
         plot_rows = max(rows - _TOP_CELLS - _BOTTOM_CELLS, 1)
-        y_marks = marks(self._y, max(plot_rows // 2, 1))
+        y_marks = _at_least_two(self._y, plot_rows)
         labels = [number(mark, _step(y_marks)) for mark in y_marks]
         self._left = max((len(label) for label in labels), default=0) + 1
         self._plot_rows = plot_rows
@@ -150,6 +150,12 @@ def marks(ends: tuple[float, float], most: int) -> Floats:
     step = next(each * power for each in (1.0, 2.0, 5.0, 10.0) if each * power >= raw * (1.0 - 1e-9))
     first, last = math.ceil(ends[0] / step - 1e-9), math.floor(ends[1] / step + 1e-9)
     return step * np.arange(first, last + 1, dtype=np.float64)
+
+
+def _at_least_two(ends: tuple[float, float], rows: int) -> Floats:
+    """Return round values with two rows for each, but two of them where there is room."""
+    found = marks(ends, max(rows // 2, 1))
+    return found if found.size > 1 else marks(ends, max(rows, 2))
 
 
 def number(value: float, step: float) -> str:

@@ -1,0 +1,243 @@
+"""A result in rows and sentences, as the screen shows it; no widget in here."""
+
+import math
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any, Final
+
+import numpy as np
+
+from app.analysis.exporting import result_rows
+from app.analysis.identified_uncertainty import sentences
+from app.analysis.result_comparison import MapDifference, ResultComparison
+from app.files.result_files import ResultFile
+from app.files.result_json import MapTable, Result
+from app.report.content import MODEL_TITLES
+from app.report.verdict import fit_verdict, identified
+from app.tui.widgets.result_charts import COVERAGE, MapColumns
+from app.tui.work import command_line
+
+SIGNS: Final = {"good": "✓", "bad": "✗", "note": "·"}
+STYLES: Final = {"good": "$success", "bad": "$error", "note": ""}
+
+_DECIMALS: Final = {"mm": 4, "mdeg": 2, "µm": 2}
+
+Sentence = tuple[str, str]
+"""How it is meant (good, bad, note), and the text."""
+
+
+def file_row(file: ResultFile) -> list[str]:
+    """Return what the row of a file says: name, model, distances, rms, simulated, time."""
+    when = f"{file.changed_utc.astimezone():%m-%d %H:%M}"
+    result = file.result
+    if result is None:
+        return [file.path.name, "! no result", "", "", "", when]
+    simulated = {True: "SIM", False: "", None: "?"}[result.provenance.simulated]
+    count = result.fit.n_points
+    rms = f"{result.fit.rms_um:>8.1f}"
+    return [file.path.name, result.model, f"{count:>10}", rms, f" {simulated}", when]
+
+
+def heading(file: ResultFile) -> str:
+    """Return which result is shown."""
+    result = file.result
+    if result is None:
+        return f"{file.path.name}: cannot be read"
+    simulated = {True: "SIMULATED", False: "", None: "simulated or not: not known"}[
+        result.provenance.simulated
+    ]
+    parts = [
+        file.path.name,
+        MODEL_TITLES[result.model],
+        f"{result.fit.n_points} distances",
+        f"rms {result.fit.rms_um:.1f} µm",
+        simulated,
+    ]
+    return " · ".join(part for part in parts if part)
+
+
+def value_rows(result: Result) -> list[list[str]]:
+    """Return every parameter: quantity, value, u, U (k = 2), unit."""
+    found = []
+    rows: Sequence[Mapping[str, Any]] = result_rows(result)
+    for row in rows:
+        decimals = _DECIMALS[row["unit"]]
+        name = str(row["quantity"])
+        if row["node_deg"] is not None:
+            name += f"({row['node_deg']:g}°, {'+' if row['direction'] > 0 else '−'})"
+        figures = [f"{figure:.{decimals}f}" for figure in (row["value"], row["u"], COVERAGE * row["u"])]
+        found.append([name, *figures, str(row["unit"])])
+    return found
+
+
+def map_columns(joint: int, table: MapTable) -> MapColumns:
+    """Return a map for its chart."""
+    return MapColumns(
+        f"Δθ{joint} mdeg",
+        np.array(table.node_deg),
+        np.array(table.positive_mdeg),
+        np.array(table.negative_mdeg),
+        np.array(table.u_positive_mdeg),
+        np.array(table.u_negative_mdeg),
+    )
+
+
+def difference_columns(one: MapDifference, *, in_u: bool) -> MapColumns:
+    """Return the difference of two maps for its chart: in mdeg with bars, or in combined standard uncertainties."""
+    if in_u:
+        title, (up, down) = f"Δθ{one.joint} difference / u", one.normalised
+        u_up = u_down = np.zeros(one.node_deg.size)
+    else:
+        title, (up, down) = f"Δθ{one.joint} difference mdeg", one.difference_mdeg
+        u_up, u_down = one.u_mdeg
+    return MapColumns(title, one.node_deg, up, down, u_up, u_down, limit=COVERAGE if in_u else 0.0)
+
+
+def layout_text(result: Result) -> str:
+    """Return places of reflectors and dead paths with their uncertainties."""
+    lines = ["reflector      x mm   U(k=2)       y mm   U(k=2)"]
+    for place in result.reflectors:
+        cells = [f"{one.value:>10.3f} {COVERAGE * one.u:>8.3f}" for one in (place.x_mm, place.y_mm)]
+        lines.append(f"{place.name:<9}{cells[0]} {cells[1]}")
+    lines += ["", "dead path       length mm   U(k=2)"]
+    for dead in result.dead_paths:
+        name = f"{dead.reflector}, segment {dead.segment}"
+        lines.append(f"{name:<15}{dead.length_mm.value:>10.3f} {COVERAGE * dead.length_mm.u:>8.3f}")
+    lines += ["", f"L1 {result.link1_mm.value:.3f} mm, L2 {result.link2_mm.value:.3f} mm", result.gauge]
+    return "\n".join(lines)
+
+
+def fit_sentences(result: Result, diagnosis: dict[str, Any] | None) -> list[Sentence]:
+    """Return what was identified, how it fits, and what a diagnosis found."""
+    judged = fit_verdict(result)
+    told: list[Sentence] = [("note", identified(result)), (judged.kind, judged.text)]
+    if result.fit.null_directions:
+        named = "; ".join(", ".join(names) for names in result.fit.null_directions)
+        told.append(("bad", f"Not observable, and therefore without numbers: {named}."))
+    told += [("note", f"left out: {text}") for text in result.fit.rejected]
+    if result.uncertainty is not None:
+        told += [("note", text) for text in sentences(result.uncertainty)]
+    if diagnosis is None:
+        return [
+            *told,
+            ("note", "d: diagnosis, what speaks for and against the fit (takes seconds to minutes)"),
+        ]
+    return [*told, *((str(one["kind"]), str(one["text"])) for one in diagnosis["findings"])]
+
+
+def outlier_rows(result: Result, diagnosis: dict[str, Any] | None) -> list[int]:
+    """Return the numbers of the outlying distances, the farthest first.
+
+    None where the diagnosis is not of the residuals that the result holds.
+    """
+    if diagnosis is None or result.residuals is None or result.model != "error-map":
+        return []
+    if diagnosis["fit"]["n_points"] != len(result.residuals.residual_um):
+        return []
+    return [int(one["row"]) for one in diagnosis["outliers"]["distances"]]
+
+
+def residual_text(result: Result, diagnosis: dict[str, Any] | None) -> str:
+    """Return the outliers in a numbered list; before a diagnosis the scatter of each reflector."""
+    if result.residuals is None:
+        return "the result file holds no residuals"
+    lines = [f"left out: {text}" for text in result.fit.rejected]
+    if diagnosis is None:
+        lines += _scatter(result)
+        return "\n".join([*lines, "d: diagnosis, marks the outliers"])
+    outliers = diagnosis["outliers"]
+    limit = f"limit {outliers['limit']:.1f}"
+    if not outliers["distances"]:
+        lines.append(f"✓ no outlier: no studentised residual beyond the {limit}")
+        return "\n".join([*lines, *_scatter(result)])
+    lines.append(f"{len(outliers['distances'])} outliers: residual, studentised residual ({limit})")
+    lines += [
+        f"{place:>2}  {one['residual_um']:>+8.1f} µm {one['external']:>+6.1f}  {one['what']}"
+        for place, one in enumerate(outliers["distances"], 1)
+    ]
+    if not outlier_rows(result, diagnosis):
+        lines.append("not marked above: the diagnosis is of the error map over all distances of the runs")
+    return "\n".join(lines)
+
+
+def _scatter(result: Result) -> list[str]:
+    if result.residuals is None:
+        return []
+    values, names = np.array(result.residuals.residual_um), np.array(result.residuals.reflector)
+    return [
+        f"{name:<6} {int(np.sum(names == name)):>5} distances   rms {_rms(values[names == name]):>6.1f} µm   "
+        f"largest {np.max(np.abs(values[names == name])):>6.1f} µm"
+        for name in dict.fromkeys(result.residuals.reflector)
+    ]
+
+
+def _rms(values: "np.ndarray[Any, np.dtype[np.float64]]") -> float:
+    return float(np.sqrt(np.mean(values**2)))
+
+
+def path_text(facts: dict[str, Any]) -> str:
+    """Return a validation in a few lines."""
+    lines = [f"{facts['compared']} of {facts['rows']} rows compared"]
+    for letter, model in zip("ce"[-len(facts["models"]) :], facts["models"], strict=True):
+        leaves = f"leaves {model['rms_um']:>6.1f} µm rms (2-D), largest {model['max_um']:.1f} µm"
+        lines.append(f"{letter}  {model['title']:<20} {leaves}, expected {model['expected_um']:.1f} µm")
+    if facts["ratio"] is not None:
+        lines.append(f"ratio {facts['ratio']:.3f}")
+    return "\n".join([*lines, *facts["verdict"], *(f"left out: {text}" for text in facts["left_out"])])
+
+
+def comparison_text(found: ResultComparison, verdict: str) -> str:
+    """Return links and reflectors of two results, the verdict and the remarks."""
+    lines = [f"{verdict}.", "", "quantity       first      second   difference        u   in u"]
+    for one in (*found.values, *found.reflectors):
+        decimals = _DECIMALS[one.unit]
+        in_u = "–" if one.normalised is None else f"{one.normalised:+.2f}"
+        lines.append(
+            f"{one.name:<7}{one.first:>13.{decimals}f}{one.second:>12.{decimals}f}"
+            f"{one.difference:>+13.{decimals}f}{one.u:>9.{decimals}f}{in_u:>7} {one.unit}"
+        )
+    for one_map in found.maps:
+        lines += ["", *_map_lines(one_map)]
+    if not math.isclose(found.turn_mdeg, 0.0, abs_tol=5e-3):
+        lines += [
+            "",
+            f"the second result was turned by {found.turn_mdeg:+.2f} mdeg into the frame of the first",
+        ]
+    return "\n".join([*lines, "", *found.remarks])
+
+
+def _map_lines(one: MapDifference) -> list[str]:
+    lines = [f"Δθ{one.joint}     + mdeg    u   in u       − mdeg    u   in u"]
+    columns = (one.node_deg, one.difference_mdeg.T, one.u_mdeg.T, one.normalised.T)
+    for node, differences, us, sizes in zip(*(column.tolist() for column in columns), strict=True):
+        cells = [
+            f"{difference:>+8.2f} {u:>5.2f} {size:>+6.2f}"
+            for difference, u, size in zip(differences, us, sizes, strict=True)
+        ]
+        lines.append(f"{node:>6g}° {cells[0]}     {cells[1]}")
+    return lines
+
+
+def lines_to_type(file: Path, cell: Path | None) -> str:
+    """Return the commands that go on from a result, with the paths that the user has to give."""
+    limits = ("--cell", str(cell)) if cell is not None else ()
+    each: Sequence[tuple[str, tuple[str, ...]]] = (
+        (
+            "where the arm really goes on a path",
+            ("predict", str(file), "--path", "PATH.csv", "-o", "predicted.csv"),
+        ),
+        (
+            "commands that bring it where it shall go",
+            ("compensate", str(file), "--path", "PATH.csv", *limits, "-o", "compensated.csv"),
+        ),
+        (
+            "the same as a MELFA-BASIC program",
+            ("compensate", str(file), "--path", "PATH.csv", *limits, "--format", "melfa", "-o", "path.prg"),
+        ),
+        (
+            "a bidirectional table",
+            ("compensate", str(file), "--format", "kw-ssfk", "-o", "table.ssfk"),
+        ),
+        ("against an independent measurement", ("validate", str(file), "--measured", "MEASURED.csv")),
+    )
+    return "\n\n".join(f"{what}\n  {command_line(words)}" for what, words in each)
