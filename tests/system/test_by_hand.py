@@ -208,7 +208,8 @@ def test_a_stop_of_somebody_else_stops_the_arm(engine: Engine) -> None:
         # The feeder goes on asking, and nothing moves: its next feed is refused, which ends it.
         client.wait(_LIMIT_S)
     assert engine.drives_off()
-    assert not [time_s for time_s in engine.requests("JOG") if time_s > engine.requests("STOP")[0]]
+    # Two connections: what was sent just before the STOP may be read just after it.
+    assert not [time_s for time_s in engine.requests("JOG") if time_s > engine.requests("STOP")[0] + 0.02]
 
 
 def test_after_an_abort_nothing_moves_until_it_is_cleared(engine: Engine) -> None:
