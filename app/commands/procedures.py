@@ -46,7 +46,9 @@ def _tell_survey_json(survey: Survey) -> None:
             {
                 **_facts(procedure),
                 "needs": [asdict(need) for need in survey.needs[procedure.name]],
-                "last": None if last is None else {**asdict(last), "age": age_text(last.age_s)},
+                "last": None
+                if last is None
+                else {**asdict(last), "id": last.id, "age": age_text(last.age_s)},
             }
         )
     emit_json({"cell": survey.cell, "stages": [asdict(stage) for stage in survey.stages]})
@@ -58,9 +60,7 @@ def _tell_survey(survey: Survey) -> None:
         for need in survey.needs[procedure.name]:
             emit(f"    {_SIGNS[need.met]} {need.what:<12} {need.text}")
         last = survey.runs.last(procedure.name)
-        emit(
-            f"    last run       {f'{last.name}: {last.status}, {age_text(last.age_s)}' if last else 'none'}"
-        )
+        emit(f"    last run       {f'{last.id}: {last.status}, {age_text(last.age_s)}' if last else 'none'}")
     emit("")
     for stage in survey.stages:
         emit(f"{'→' if stage.state == 'next' else ' '} {stage.name:<17} {stage.state:<9} {stage.text}")

@@ -30,6 +30,11 @@ class CellRun:
     resumable: bool
 
     @property
+    def id(self) -> str:
+        """Its six hexadecimal digits, which every command takes for its name."""
+        return self.name.rpartition("_")[2]
+
+    @property
     def complete(self) -> bool:
         """It came to its end."""
         return self.status == "complete"

@@ -70,7 +70,7 @@ def aim_of(bench: Bench, root: Path, runs: CellRuns) -> FoundAim:
     run = runs.named(aim.source)
     if run is None:
         return FoundAim(aim.bench, Need("search", "advised", f"rough places only; run {SEARCH}"), None)
-    return FoundAim(aim.bench, Need("search", "met", f"{run.name}, {age_text(run.age_s)}"), run)
+    return FoundAim(aim.bench, Need("search", "met", f"run {run.id}, {age_text(run.age_s)}"), run)
 
 
 def is_warm(runs: CellRuns) -> bool:
@@ -93,7 +93,7 @@ def _beam(name: str, runs: CellRuns) -> list[Need]:
     run = runs.last_complete(before)
     if run is None:
         return [Need(what, "advised", f"none on this cell; run {before}")]
-    return [Need(what, "met", f"{run.name}, {age_text(run.age_s)}")]
+    return [Need(what, "met", f"run {run.id}, {age_text(run.age_s)}")]
 
 
 def _warmth(name: str, runs: CellRuns) -> list[Need]:

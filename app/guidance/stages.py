@@ -131,7 +131,7 @@ def _cannot(needs: list[Need]) -> str:
 
 
 def _by(run: CellRun | None) -> str:
-    return "" if run is None else f"{run.name}, {age_text(run.age_s)}"
+    return "" if run is None else f"run {run.id}, {age_text(run.age_s)}"
 
 
 def _runs_of(path: Path) -> list[str]:

@@ -40,6 +40,15 @@ class Rehearsal:
         )
 
     @property
+    def first(self) -> str:
+        """Where the arm is after the first step that moves it."""
+        step = next((each for each in self.steps if each["moves"]), None)
+        if step is None:
+            return "the arm does not move"
+        one, two, three, four = step["end"]
+        return f"first to J1 {one:.2f}°, J2 {two:.2f}°, J3 {three:.1f} mm, J4 {four:.2f}°"
+
+    @property
     def warnings(self) -> list[str]:
         """What to know before it runs."""
         return [str(text) for text in self.facts.get("warnings", [])]

@@ -108,6 +108,7 @@ class ProceduresScreen(MainScreen):
         self._devices: Need | None = None
         self._real = False
         self._rehearsing = False
+        self._rehearsed: tuple[dict[str, Any], Rehearsal] | None = None
         self._ended: object = None
 
     def body(self) -> ComposeResult:
@@ -299,7 +300,7 @@ class ProceduresScreen(MainScreen):
             for what, met, text in needs
         ]
         last = facts.get("last")
-        text = "none on this cell" if last is None else f"{last['name']}: {last['status']}, {last['age']}"
+        text = "none on this cell" if last is None else f"{last['id']}: {last['status']}, {last['age']}"
         self.query_one("#needed", Told).tell(lines(*told, Content.assemble(("  last run    ", "dim"), text)))
 
     def _show_part(self, part: str) -> None:
@@ -337,6 +338,7 @@ class ProceduresScreen(MainScreen):
         told += [f"  {text}" for text in words["params"]] or ["  every parameter at its default"]
         if self._catalogue.procedures[self._chosen]["needs_aim"]:
             told.append(f"  aim: {words['search']}")
+        told += self._motion_lines(words)
         if words["speed"] != 1.0:
             told.append(f"  {words['speed']:g} bench seconds in one real second")
         needs = self._catalogue.procedures[self._chosen].get("needs", [])
@@ -346,6 +348,18 @@ class ProceduresScreen(MainScreen):
         if self._devices is not None and self._devices.met != "met":
             told.append(f"{SIGNS[self._devices.met]} {self._devices.what}: {self._devices.text}")
         return told
+
+    def _motion_lines(self, words: dict[str, Any]) -> list[str]:
+        """Say where the arm goes first, how fast, at which override, as far as anybody knows."""
+        robot = (self.session.link.picture.bench or {}).get("robot") or {}
+        told = (
+            [f"  override {robot['override_percent']:g} %, at most {robot['override_cap_percent']:g} %"]
+            if robot
+            else []
+        )
+        if self._rehearsed is None or self._rehearsed[0] != words:
+            return [*told, "! not rehearsed with these parameters: r does that"]
+        return [*told, f"  {self._rehearsed[1].first}", f"  {self._rehearsed[1].totals}"]
 
     def _begin(self, name: str, words: dict[str, Any], permission: Permission | None) -> None:
         if permission is None:
@@ -382,6 +396,7 @@ class ProceduresScreen(MainScreen):
                 outcome = Content.styled(f"✗ {done.fault}", "$error")
                 return
             rehearsal = Rehearsal(done.data())
+            self._rehearsed = words, rehearsal
             outcome = _totals(rehearsal)
             head.tell(Content(HEADER))
             table.write_lines(rehearsal.table(), scroll_end=False)

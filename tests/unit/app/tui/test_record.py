@@ -7,8 +7,7 @@ from typing import Any
 from app.store.run_store import RunStore
 from app.tui.record import POINTS_KEPT, read_record, rehearsal_of
 from app.tui.run_picture import LogLine, RunPicture, SoFar
-from tests.unit.app.engine.fakes import ManualClock
-from tests.unit.app.engine.test_context import point
+from tests.unit.app.engine.fakes import ManualClock, point
 
 RUN = "20261121T090000Z_open-loop_abc123"
 

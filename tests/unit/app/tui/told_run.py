@@ -71,7 +71,7 @@ def tell(link: ScriptedLink, event: str, **fields: Any) -> None:
 
 def ask(link: ScriptedLink, **fields: Any) -> None:
     """Have the engine ask something."""
-    question = {
+    question: dict[str, Any] = {
         "choices": [],
         "unit": "",
         "timeout_s": None,

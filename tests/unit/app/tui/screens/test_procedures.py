@@ -41,7 +41,13 @@ def stage(name: str, state: str, *, procedure: bool = True) -> dict[str, Any]:
     return {"name": name, "procedure": procedure, "state": state, "text": "", "command": f"catseye {name}"}
 
 
-LAST = {"name": "20261121T080000Z_open-loop_00beef", "status": "stopped", "age": "2 h ago", "resumable": True}
+LAST = {
+    "name": "20261121T080000Z_open-loop_00beef",
+    "id": "00beef",
+    "status": "stopped",
+    "age": "2 h ago",
+    "resumable": True,
+}
 TOLD = [
     facts(
         "beam-to-j4", reflectors=("met", "P1, P2"), levelling=("advised", "none on this cell; run beam-level")
@@ -50,7 +56,7 @@ TOLD = [
         "open-loop",
         LAST,
         reflectors=("met", "P1, P2"),
-        search=("met", "20261121T070000Z_reflector-search_c0ffee"),
+        search=("met", "run c0ffee, 3 h ago"),
     ),
     facts("reflector-search", reflectors=("met", "P1, P2"), plan=("missing", "P2 is too near")),
 ]
@@ -214,6 +220,24 @@ async def test_real_hardware_is_armed_by_the_name_of_the_cell() -> None:
         await settled(app, pilot)
         assert link.asked[-1]["arm"] == "lab-1"
         assert link.asked[-1]["speed"] == 1.0
+
+
+async def test_the_start_tells_what_the_rehearsal_of_the_same_parameters_found() -> None:
+    link = ScriptedLink()
+    app = app_of(link)
+    async with app.run_test(size=(80, 24)) as pilot:
+        link.tell("bench", **BENCH)
+        await settled(app, pilot)
+        await pilot.press("s")
+        text = await settled(app, pilot)
+        assert "not rehearsed with these parameters" in text
+        assert "override 10 %, at most 20 %" in text
+        await pilot.press("escape", "r")
+        await settled(app, pilot)
+        await pilot.press("s")
+        text = await settled(app, pilot)
+        assert "first to J1 -140.00°, J2 0.00°, J3 50.0 mm, J4 30.00°" in text
+        assert "8 steps, 16 moves, 8 distances" in text
 
 
 async def test_going_back_from_the_start_begins_nothing() -> None:

@@ -1,5 +1,7 @@
 """Bars, bands, pictures and plots of the run screen, against what they should look like."""
 
+from typing import Any
+
 import pytest
 
 from app.tui.run_picture import LiveValue, RunPicture, Seen
@@ -83,7 +85,7 @@ def test_an_outlier_is_marked_and_does_not_flatten_the_others() -> None:
 
 
 def test_both_maps_are_drawn_where_they_are_known() -> None:
-    known = [
+    known: list[dict[str, Any]] = [
         {"u_theta1_mdeg": None, "u_theta2_mdeg": 100.0},
         {"u_theta1_mdeg": 50.0, "u_theta2_mdeg": 10.0},
     ]
