@@ -2,7 +2,7 @@
 
 import asyncio
 import shutil
-from collections.abc import Callable
+from collections.abc import Awaitable, Callable
 from pathlib import Path
 from typing import Literal, Protocol
 
@@ -48,6 +48,20 @@ class Audience(Protocol):
         ...
 
 
+def free_bytes(folder: Path) -> int:
+    """Return the free space of the disk that a folder is, or will be, on; 0 when that cannot be told."""
+    there = next((place for place in (folder, *folder.absolute().parents) if place.exists()), None)
+    try:
+        return 0 if there is None else shutil.disk_usage(there).free
+    except OSError:
+        return 0
+
+
+async def free_bytes_aside(folder: Path) -> int:
+    """Return the free space likewise, in a thread: a disk on a network may take its time."""
+    return await asyncio.to_thread(free_bytes, folder)
+
+
 class Telemetry:
     """Knows the bench's gauges and tells them while somebody watches.
 
@@ -55,6 +69,7 @@ class Telemetry:
         audience: the clients.
         clock: real time.
         root: folder of the runs, whose disk is looked at.
+        look_at_disk: returns the free bytes of the disk of a folder, however long that takes.
 
     Attributes:
         gauges: of the bench.
@@ -64,7 +79,13 @@ class Telemetry:
         on_watched: is told when somebody begins to watch, and when nobody watches any more.
     """
 
-    def __init__(self, audience: Audience, clock: Clock, root: Path) -> None:
+    def __init__(
+        self,
+        audience: Audience,
+        clock: Clock,
+        root: Path,
+        look_at_disk: Callable[[Path], Awaitable[int]] = free_bytes_aside,
+    ) -> None:
         self.gauges = Gauges(clock)
         self.traffic = Traffic(clock)
         self.facts: BenchFacts | None = None
@@ -73,6 +94,7 @@ class Telemetry:
         self._audience = audience
         self._clock = clock
         self._root = root
+        self._free_on_disk = look_at_disk
         self._free_bytes = 0
         self._sampler = RunSampler(self.gauges, clock)
         self._task: asyncio.Task[None] | None = None
@@ -171,16 +193,6 @@ class Telemetry:
         }
 
     async def _look_at_disk(self) -> None:
-        """Ask for the free space aside: a disk on a network may take its time."""
         while True:
             await self._clock.sleep(_DISK_PERIOD_S)
-            self._free_bytes = await asyncio.to_thread(free_bytes, self._root)
-
-
-def free_bytes(folder: Path) -> int:
-    """Return the free space of the disk that a folder is, or will be, on; 0 when that cannot be told."""
-    there = next((place for place in (folder, *folder.absolute().parents) if place.exists()), None)
-    try:
-        return 0 if there is None else shutil.disk_usage(there).free
-    except OSError:
-        return 0
+            self._free_bytes = await self._free_on_disk(self._root)

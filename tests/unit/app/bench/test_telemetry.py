@@ -11,7 +11,7 @@ from app.bench.telemetry import Telemetry, free_bytes
 from app.engine.devices import Devices
 from drivers.readings import CounterStatus
 from tests.unit.app.bench.benches import bench_from_template, cell_from_template
-from tests.unit.app.bench.kept import Listeners, PulledCell
+from tests.unit.app.bench.kept import Listeners, PulledCell, disk
 from tests.unit.drivers.virtual_time import VirtualClock, run
 
 FACTS = facts_of(cell_from_template(), bench_from_template())
@@ -20,7 +20,7 @@ FACTS = facts_of(cell_from_template(), bench_from_template())
 def played(folder: Path, play: Callable[[Telemetry, Listeners], Awaitable[None]]) -> None:
     async def whole() -> None:
         listeners = Listeners()
-        telemetry = Telemetry(listeners, VirtualClock(), folder)
+        telemetry = Telemetry(listeners, VirtualClock(), folder, disk)
         try:
             await play(telemetry, listeners)
         finally:

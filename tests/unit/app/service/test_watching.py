@@ -15,6 +15,7 @@ from app.service.mailbox import Mailbox
 from app.service.messages import Message, Watch, decode_request, encode
 from app.service.orders import Orders
 from tests.unit.app.bench.benches import bench_from_template, cell_from_template
+from tests.unit.app.bench.kept import disk
 from tests.unit.drivers.virtual_time import VirtualClock, run
 
 
@@ -24,7 +25,7 @@ class Served:
     def __init__(self, folder: Path) -> None:
         clock = VirtualClock()
         self.hub = Hub(clock)
-        self.telemetry = Telemetry(self.hub, clock, folder)
+        self.telemetry = Telemetry(self.hub, clock, folder, disk)
         self.orders = Orders(self.hub, telemetry=self.telemetry)
         self.ada, self.ben = (
             self.hub.join("test", who, Mailbox(), lambda _reason: None) for who in ("Ada", "Ben")
