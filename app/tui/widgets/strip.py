@@ -71,11 +71,13 @@ class Strip(Widget):
         return self._shown
 
     def _drawn(self, picture: Picture, now_s: float) -> Content:
+        if not picture.strip:
+            return Content.styled("no sample of the beam yet", "dim")
         from app.tui.widgets import strip_chart
 
         dots, rows = strip_chart.dots_of(self.size.width), self.size.height - _OWN_LINES
-        if not picture.strip or dots <= 0 or rows <= 0:
-            return Content.styled("no sample of the beam yet", "dim")
+        if dots <= 0 or rows <= 0:
+            return Content("")
         per_dot = max(1, math.ceil(self.window_s / picture.strip_period_s / dots))
         low_mm, high_mm = _folded(picture, per_dot, dots)
         lowest_mm, highest_mm = _extremes(low_mm, high_mm)

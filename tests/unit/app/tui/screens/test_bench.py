@@ -1,5 +1,7 @@
 """The screen Bench: looks, keys, what is stale, lost or wrong."""
 
+import subprocess
+import sys
 from typing import Any
 
 import pytest
@@ -152,3 +154,22 @@ async def test_each_action_stands_in_the_palette() -> None:
             command.callback()
         assert app.screen.has_class("plan")
         assert app.screen.query_one(BeamPanel).query_one(Strip).window_s == 30
+
+
+FIRST_SCREEN = """
+import asyncio, sys
+from tests.unit.app.tui.scripted import ScriptedLink, make_app, shown
+
+async def show():
+    app = make_app(ScriptedLink())
+    async with app.run_test(size=(80, 24)) as pilot:
+        await shown(app, pilot)
+        print([name for name in ("numpy", "scipy", "pydantic") if name in sys.modules])
+
+asyncio.run(show())
+"""
+
+
+def test_the_first_screen_is_painted_without_what_takes_long_to_load() -> None:
+    done = subprocess.run([sys.executable, "-c", FIRST_SCREEN], capture_output=True, text=True, check=True)
+    assert done.stdout.strip() == "[]"
