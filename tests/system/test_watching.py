@@ -168,6 +168,8 @@ async def test_after_an_abort_the_bench_is_seen_again(bench: Emulated) -> None:
 async def test_a_bench_that_is_pulled_is_lost_with_a_reason_and_comes_back(bench: Emulated) -> None:
     async with idle_engine(bench) as watcher:
         await watcher.until(idle)
+        await watcher.client.request("traffic")
+        await watcher.until(lambda seen: "robot" in {line["device"] for line in seen["lines"]}, "wire")
         bench.process.kill()
         bench.process.wait(_LIMIT_S)
         lost = await watcher.until(lambda seen: links(seen) == {"lost"})
