@@ -45,6 +45,7 @@ class EngineBench:
         )
         self.telemetry.on_watched = self.idle.watched
         self._hub = hub
+        hub.facts["jog"] = None
         self._clock = clock
         self._cell = cell
         self._root = root
@@ -78,11 +79,28 @@ class EngineBench:
         await self.idle.end()
 
     async def _find_facts(self) -> BenchFacts:
-        return await asyncio.to_thread(self.facts)
+        """Return what cell file and last search say now, for the devices that are connected.
+
+        Raises:
+            RefusedError: the cell file has other devices by now: what is known of these says nothing about those.
+            ConfigError: the cell file is wrong.
+        """
+        facts, connected = await asyncio.to_thread(self.facts), self.telemetry.facts
+        if self.idle.devices() is None or connected is None:
+            return facts
+        if (facts.cell, facts.devices) != (connected.cell, connected.devices):
+            raise RefusedError(
+                f"{self._cell} names other devices by now than those that are connected: end every program that "
+                "watches this engine, so that it takes the cell file anew"
+            )
+        return facts
 
     def _identities(self) -> dict[str, DeviceIdentity]:
-        links = self.telemetry.gauges.links
-        return {name: link.identity for name, link in links.items() if link.identity is not None}
+        """Return who answers now: of a link that is not held nothing is known."""
+        if self.idle.devices() is None:
+            return {}
+        links = self.telemetry.gauges.links.items()
+        return {name: link.identity for name, link in links if link.identity and link.state == "ok"}
 
     def _tell_hands(self, event: str, **fields: Json) -> None:
         """Tell every client, and those that come later, what is done by hand."""

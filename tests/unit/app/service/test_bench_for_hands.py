@@ -1,0 +1,86 @@
+"""What whoever works by hand is told about the bench: nothing of devices that are not connected now."""
+
+from pathlib import Path
+from typing import Any, cast
+
+import pytest
+
+from app.bench.lending import HandBench
+from app.cell.template import TEMPLATE
+from app.engine.devices import Devices
+from app.service.engine_bench import EngineBench
+from app.service.errors import RefusedError
+from app.service.hub import Hub
+from drivers.errors import LinkError
+from drivers.readings import Identity
+from tests.unit.app.engine.fakes import ManualClock
+
+ROBOT = Identity("emulated", "1.0", "7", True)
+
+
+class Known:
+    """A bench whose devices are connected, as far as a test wants."""
+
+    def __init__(self, folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+        self.cell = folder / "cell.toml"
+        self.write()
+        clock = ManualClock()
+        self.hub = Hub(clock)
+        self.bench = EngineBench(self.hub, clock, self.cell, folder / "runs")
+        self.bench.telemetry.describe(self.bench.facts())
+        self.bench.telemetry.gauges.connected("robot", ROBOT)
+        self.awake: Devices | None = cast(Devices, object())
+        monkeypatch.setattr(self.bench.idle, "devices", lambda: self.awake)
+
+    @property
+    def hands(self) -> HandBench:
+        return self.bench.for_hands()
+
+    def write(self, **edit: str) -> None:
+        text = TEMPLATE
+        for old, new in edit.items():
+            assert old in text
+            text = text.replace(old, new)
+        self.cell.write_text(text, encoding="utf-8")
+
+
+@pytest.fixture
+def known(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Known:
+    (tmp_path / "runs").mkdir()
+    return Known(tmp_path, monkeypatch)
+
+
+async def test_limits_are_those_of_the_cell_file_now(known: Known) -> None:
+    known.write(**{"j1 = [-170.0, 170.0]": "j1 = [-20.0, 30.0]"})
+    assert (await known.hands.facts()).bench.arm.j1_limits_deg == (-20.0, 30.0)
+
+
+@pytest.mark.parametrize(
+    ("old", "new"),
+    [("tcp://127.0.0.1:10001", "tcp://192.168.0.20:10001"), ('name = "lab-1"', 'name = "lab-2"')],
+)
+async def test_other_devices_than_those_connected_are_refused(known: Known, old: str, new: str) -> None:
+    """Who answers at the old place says nothing about the new one, be it a real robot."""
+    known.write(**{old: new})
+    with pytest.raises(RefusedError, match="other devices by now than those that are connected"):
+        await known.hands.facts()
+    # Asleep, the bench takes the file as it is when it wakes.
+    known.awake = None
+    assert (await known.hands.facts()).cell in {"lab-1", "lab-2"}
+
+
+def test_of_links_that_are_not_held_nothing_is_known(known: Known) -> None:
+    assert known.hands.identities() == {"robot": ROBOT}
+    known.bench.telemetry.gauges.lost("robot", str(LinkError("gone")))
+    assert known.hands.identities() == {}
+    known.bench.telemetry.gauges.connected("robot", ROBOT)
+    known.awake = None
+    assert known.hands.identities() == {}
+
+
+def test_the_snapshot_has_the_jog_that_is_under_way(known: Known) -> None:
+    told: dict[str, Any] = {"by": "Ada", "percent": 5.0, "moving": None}
+    known.hands.tell("jog", on=True, **told)
+    assert known.hub.snapshot()["jog"] == {"on": True, **told}
+    known.hands.tell("jog", on=False, **told)
+    assert known.hub.snapshot()["jog"] is None
