@@ -51,7 +51,7 @@ class Scale:
     @property
     def base_mm(self) -> float:
         """What its numbers count from; zero where they are mm, or small."""
-        if not self.in_um or (self.low_mm <= 0.0 <= self.high_mm):
+        if not self.in_um or max(abs(self.low_mm), abs(self.high_mm)) < _UM_BELOW_MM:
             return 0.0
         round_mm = 10.0 * self.step_mm
         return math.floor(self.low_mm / round_mm + 1e-6) * round_mm

@@ -98,7 +98,15 @@ def test_scale_grows_at_once_and_shrinks_late() -> None:
 
 
 @pytest.mark.parametrize(
-    ("low_mm", "high_mm"), [(743.1203, 743.1278), (-0.0002, 0.0009), (-512.3, 88.0), (-3.1416, -3.1411)]
+    ("low_mm", "high_mm"),
+    [
+        (743.1203, 743.1278),
+        (-0.0002, 0.0009),
+        (-0.0098, -0.0095),
+        (-0.3, 1.2),
+        (-512.3, 88.0),
+        (-3.1416, -3.1411),
+    ],
 )
 def test_numbers_at_the_axis_are_the_values(low_mm: float, high_mm: float) -> None:
     scale = next_scale(None, low_mm, high_mm)
