@@ -18,7 +18,7 @@ _AIMED_AT_MM = 25.0
 
 
 def bench_message(
-    facts: BenchFacts, gauges: Gauges, *, moving: bool, simulated: bool | None, free_bytes: int
+    facts: BenchFacts, gauges: Gauges, *, moving: bool, simulated: bool | None, free_bytes: int | None
 ) -> dict[str, Json]:
     """Return the fields of a `bench` message.
 
@@ -27,7 +27,7 @@ def bench_message(
         gauges: what its devices told.
         moving: the run under way moves the arm.
         simulated: of the run under way, where that is known.
-        free_bytes: of the disk that runs are stored on.
+        free_bytes: of the disk that runs are stored on; None where that is not known.
     """
     door = gauges.door_closed
     return {

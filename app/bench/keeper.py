@@ -20,6 +20,8 @@ LONGEST_PAUSE_S = 10.0
 CLOSE_LIMIT_S = 5.0
 """Real seconds for a driver to let its link go."""
 
+_HELD = "its driver did not let the link go"
+
 _ROUND_LIMIT_S = 1.0
 """Real seconds for the questions under way: a link that is closed between two answers is closed properly."""
 
@@ -91,7 +93,7 @@ class Keeper:
         """Connect, ask until the device is lost, pause, and so on."""
         pause_s = FIRST_PAUSE_S
         while not self._ended.is_set():
-            why = await self._connected_rounds() if self._closing is None else ""
+            why = await self._connected_rounds() if self._closing is None else _HELD
             if self.connected:
                 pause_s = FIRST_PAUSE_S
             self.connected = False

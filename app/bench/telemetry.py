@@ -48,16 +48,16 @@ class Audience(Protocol):
         ...
 
 
-def free_bytes(folder: Path) -> int:
-    """Return the free space of the disk that a folder is, or will be, on; 0 when that cannot be told."""
-    there = next((place for place in (folder, *folder.absolute().parents) if place.exists()), None)
+def free_bytes(folder: Path) -> int | None:
+    """Return the free space of the disk that a folder is, or will be, on; None when that cannot be told."""
     try:
-        return 0 if there is None else shutil.disk_usage(there).free
+        there = next(place for place in (folder, *folder.absolute().parents) if place.exists())
+        return shutil.disk_usage(there).free
     except OSError:
-        return 0
+        return None
 
 
-async def free_bytes_aside(folder: Path) -> int:
+async def free_bytes_aside(folder: Path) -> int | None:
     """Return the free space likewise, in a thread: a disk on a network may take its time."""
     return await asyncio.to_thread(free_bytes, folder)
 
@@ -84,7 +84,7 @@ class Telemetry:
         audience: Audience,
         clock: Clock,
         root: Path,
-        look_at_disk: Callable[[Path], Awaitable[int]] = free_bytes_aside,
+        look_at_disk: Callable[[Path], Awaitable[int | None]] = free_bytes_aside,
     ) -> None:
         self.gauges = Gauges(clock)
         self.traffic = Traffic(clock)
@@ -95,7 +95,7 @@ class Telemetry:
         self._clock = clock
         self._root = root
         self._free_on_disk = look_at_disk
-        self._free_bytes = 0
+        self._free_bytes: int | None = None
         self._sampler = RunSampler(self.gauges, clock)
         self._task: asyncio.Task[None] | None = None
 
@@ -144,7 +144,6 @@ class Telemetry:
         """Begin to tell, or to tell more; somebody has asked for it."""
         self.traffic.listening = self._audience.listens("traffic")
         if self._task is None or self._task.done():
-            self._free_bytes = free_bytes(self._root)
             # What came while nobody watched is no news.
             self.gauges.columns.take(self._clock.monotonic_s())
             self._task = asyncio.create_task(self._serve())
@@ -194,5 +193,5 @@ class Telemetry:
 
     async def _look_at_disk(self) -> None:
         while True:
-            await self._clock.sleep(_DISK_PERIOD_S)
             self._free_bytes = await self._free_on_disk(self._root)
+            await self._clock.sleep(_DISK_PERIOD_S)

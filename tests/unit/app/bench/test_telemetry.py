@@ -63,8 +63,8 @@ def test_five_messages_a_second_with_every_column_once(tmp_path: Path) -> None:
         assert {(event["quantity"], event["period_s"], event["missed"]) for event in samples} == {
             ("displacement_mm", 0.02, 0)
         }
-        assert isinstance(benches[0]["disk_free_bytes"], int)
-        assert benches[0]["disk_free_bytes"] > 0
+        # The first one does not wait for the disk.
+        assert [event["disk_free_bytes"] for event in benches] == [None] + 6 * [1000]
 
     played(tmp_path, play)
 
@@ -138,4 +138,4 @@ def test_another_bench_makes_the_values_of_the_first_one_void_and_another_aim_do
 
 
 def test_the_disk_of_a_folder_that_is_not_there_yet_is_known(tmp_path: Path) -> None:
-    assert free_bytes(tmp_path / "runs" / "of" / "today") > 0
+    assert (free_bytes(tmp_path / "runs" / "of" / "today") or 0) > 0
