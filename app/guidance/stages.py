@@ -61,7 +61,7 @@ def stages_of(
         (LEVEL, "the beam in the plane of the arm", level is not None, _by(level)),
         (ALIGNMENT, "the beam through the J4 axis", aligned is not None, _by(aligned)),
         (SEARCH, "where the reflectors stand", search is not None, _by(search)),
-        (WARM_UP, "the arm at its working temperature", bool(warm or measured), _by(warm or measured)),
+        (WARM_UP, "the arm at its working temperature", bool(warm or measured), _warmed(warm, measured)),
         (MEASUREMENT, "the distances", measured is not None, _by(measured)),
         ("identify", "error maps from the distances", result is not None, str(result or "")),
         (_PATH, "a path that shows what the map is worth", path is not None, _by(path)),
@@ -96,9 +96,19 @@ def _with_states(
         text = by if is_done else purpose
         if not is_done and name in needs and _cannot(needs[name]):
             state, text = "left out", _cannot(needs[name])
+        elif (
+            not is_done and name in needs and runs.last_complete(name) is None and _any_done_after(name, done)
+        ):
+            # Whoever went on without it has decided so.
+            state, text = "left out", f"gone on without it; {purpose}"
         elif not is_done:
             state, open_yet = ("next" if open_yet else "later"), False
         yield Stage(name, name in needs, state, text, commands.of(name, runs))
+
+
+def _any_done_after(name: str, done: list[tuple[str, str, bool, str]]) -> bool:
+    names = [each[0] for each in done]
+    return any(is_done for _, _, is_done, _ in done[names.index(name) + 1 :])
 
 
 @dataclass(frozen=True)
@@ -128,6 +138,10 @@ class _Commands:
 def _cannot(needs: list[Need]) -> str:
     """Return why a procedure cannot be planned on this cell at all; empty when it can."""
     return next((need.text for need in needs if need.what == "plan" and need.met == "missing"), "")
+
+
+def _warmed(warm: CellRun | None, measured: CellRun | None) -> str:
+    return "the measurement is made" if warm is None and measured is not None else _by(warm)
 
 
 def _by(run: CellRun | None) -> str:
