@@ -1,0 +1,122 @@
+"""The arm moved by keys in a real terminal: the controller's emulator tells where it is, and when it stands."""
+
+import tempfile
+import time
+from collections.abc import Callable, Iterator
+
+import pytest
+
+from tests.system.command import Emulated, emulated
+from tests.system.screen import Screen, on_screen
+
+REPEAT_S = 0.033
+"""Between two repeats of a held key, as keyboards do it."""
+
+DELAY_S = 0.5
+"""From the press to the first repeat."""
+
+
+@pytest.fixture(scope="module")
+def bench(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Emulated]:
+    with (
+        tempfile.TemporaryDirectory(dir="/tmp") as runtime,
+        pytest.MonkeyPatch.context() as patch,
+        emulated(tmp_path_factory.mktemp("jog-by-keys"), "--speed", "1") as running,
+    ):
+        patch.setenv("XDG_RUNTIME_DIR", runtime)
+        yield running
+
+
+@pytest.fixture
+def screen(bench: Emulated) -> Iterator[Screen]:
+    """Return a terminal in which somebody jogs at the lowest speed."""
+    with on_screen("tui", "--cell", bench.cell, cwd=bench.cell.parent) as screen:
+        screen.shows("● robot", "● interferometer")
+        screen.press("f5")
+        screen.shows("drives on, then the keys move the arm")
+        screen.press("-", "-", "-", "-")
+        screen.shows("1 % (cap 20 %)")
+        screen.press("f8")
+        screen.shows("JOG 1 %", "servo on")
+        yield screen
+    settled(bench, lambda: not moving(bench))
+
+
+def moving(bench: Emulated) -> bool:
+    return bool(bench.ask(op="state")["moving"])
+
+
+def j1_deg(bench: Emulated) -> float:
+    return float(bench.ask(op="state")["joints"][0])
+
+
+def settled(bench: Emulated, met: Callable[[], bool], limit_s: float = 10.0) -> float:
+    """Wait until something is so; return how long that took, s."""
+    start_s = time.monotonic()
+    while not met():
+        assert time.monotonic() < start_s + limit_s, bench.ask(op="state")
+        time.sleep(0.005)
+    return time.monotonic() - start_s
+
+
+def hold(bench: Emulated, screen: Screen, key: str, for_s: float) -> None:
+    """Hold a key as a keyboard does; the arm moves at last."""
+    screen.press(key)
+    time.sleep(DELAY_S)
+    assert not moving(bench), "nothing moves before the key has repeated"
+    end_s = time.monotonic() + for_s
+    while time.monotonic() < end_s:
+        screen.press(key)
+        time.sleep(REPEAT_S)
+    assert moving(bench)
+
+
+def test_a_step_is_as_long_as_it_says_and_esc_gives_the_arm_back(bench: Emulated, screen: Screen) -> None:
+    start_deg = j1_deg(bench)
+    screen.press("3", "left")
+    settled(bench, lambda: abs(j1_deg(bench) - start_deg - 1.0) < 0.01 and not moving(bench))
+    screen.press("right")
+    settled(bench, lambda: abs(j1_deg(bench) - start_deg) < 0.01 and not moving(bench))
+    screen.press("escape")
+    screen.shows("ended it", "servo off")
+    screen.press("left")
+    time.sleep(0.5)
+    assert abs(j1_deg(bench) - start_deg) < 0.01
+
+
+def test_a_tap_moves_nothing_and_a_held_key_moves_until_it_is_let_go(bench: Emulated, screen: Screen) -> None:
+    start_deg = j1_deg(bench)
+    screen.press("m")
+    screen.shows("[hold]")
+    screen.press("left")
+    time.sleep(1.2)
+    assert j1_deg(bench) == start_deg
+    hold(bench, screen, "left", 2.0)
+    took_s = settled(bench, lambda: not moving(bench))
+    print(f"\nfrom the last repeat of a held key to standstill: {1e3 * took_s:.0f} ms (limit 800 ms)")  # noqa: T201  # the figure
+    assert took_s <= 0.8
+    assert j1_deg(bench) > start_deg
+    screen.shows("stands")
+
+
+@pytest.mark.parametrize(
+    "let_go",
+    [
+        pytest.param(lambda screen: screen.process.kill(), id="SIGKILL"),
+        pytest.param(lambda screen: screen.close(), id="closed terminal"),
+        pytest.param(lambda screen: screen.press("f12"), id="STOP"),
+        pytest.param(lambda screen: screen.press("f2"), id="another screen"),
+        pytest.param(lambda screen: screen.press("\x1b[O"), id="focus lost"),
+    ],
+)
+def test_what_stops_the_arm_although_the_key_is_held(
+    bench: Emulated, screen: Screen, let_go: Callable[[Screen], None]
+) -> None:
+    screen.press("m")
+    screen.shows("[hold]")
+    hold(bench, screen, "right", 1.0)
+    let_go(screen)
+    took_s = settled(bench, lambda: not moving(bench))
+    assert took_s <= 0.8
+    time.sleep(0.3)
+    assert not moving(bench)
