@@ -1,0 +1,71 @@
+"""The bench of an engine's cell file: read when somebody looks, as it is then."""
+
+from pathlib import Path
+
+import pytest
+
+from app.bench.cell_devices import cell_devices
+from app.bench.gauges import Gauges
+from app.bench.observed import ObservedAir, ObservedSensor
+from app.cell.model import FurtherDevice, Material
+from app.cell.template import TEMPLATE
+from app.service.engine_bench import EngineBench
+from app.service.errors import RefusedError
+from app.service.hub import Hub
+from tests.unit.app.bench.benches import cell_from_template
+from tests.unit.app.engine.fakes import ManualClock
+
+
+def bench_at(cell: Path, hub: Hub | None = None) -> EngineBench:
+    return EngineBench(hub or Hub(ManualClock()), ManualClock(), cell, cell.parent / "runs")
+
+
+def test_every_device_of_a_cell_is_kept_once_and_by_the_name_in_its_file() -> None:
+    steel, floor = (
+        FurtherDevice(name=name, driver="modbus-air", endpoint=f"tcp://127.0.0.1:{port}")
+        for name, port in (("steel", 1), ("floor", 2))
+    )
+    cell = cell_from_template().model_copy(
+        update={"device": [steel, floor], "material": Material(sensor="steel", cte_per_k=1e-5)}
+    )
+    lines: list[tuple[str, str, bytes]] = []
+    made = cell_devices(cell, Gauges(ManualClock()), ManualClock(), lambda *line: lines.append(line))
+    assert list(made.kept) == ["robot", "interferometer", "environment", "tracker", "steel", "floor"]
+    assert all(name == device.name for name, device in made.kept.items())
+    material: object = made.devices.material
+    assert made.kept["steel"] is material
+    # Only the air of the beam is the air that is told.
+    assert [type(made.kept[name]) for name in ("environment", "steel", "floor")] == [
+        ObservedAir,
+        ObservedSensor,
+        ObservedSensor,
+    ]
+    assert lines == []
+
+
+def test_a_cell_file_that_cannot_be_used_is_told_to_whoever_wants_to_watch(tmp_path: Path) -> None:
+    cell = tmp_path / "cell.toml"
+    bench = bench_at(cell)
+    with pytest.raises(RefusedError, match=r"cell\.toml"):
+        bench.telemetry.prepare()
+    cell.write_text(TEMPLATE.replace("link1_mm", "link9_mm"), encoding="utf-8")
+    with pytest.raises(RefusedError, match="link9_mm"):
+        bench.telemetry.prepare()
+    cell.write_text(TEMPLATE, encoding="utf-8")
+    bench.telemetry.prepare()
+    assert bench.telemetry.bench()["cell"] == cell_from_template().name
+    cell.write_text(TEMPLATE.replace('name = "lab-1"', 'name = "lab-2"'), encoding="utf-8")
+    bench.telemetry.prepare()
+    assert bench.telemetry.bench()["cell"] == bench.facts().cell == "lab-2"
+
+
+def test_during_a_run_the_file_is_not_looked_at(tmp_path: Path) -> None:
+    cell = tmp_path / "cell.toml"
+    cell.write_text(TEMPLATE, encoding="utf-8")
+    hub = Hub(ManualClock())
+    bench = bench_at(cell, hub)
+    bench.telemetry.prepare()
+    cell.unlink()
+    hub.beginning = True
+    bench.telemetry.prepare()
+    assert bench.telemetry.facts is not None
