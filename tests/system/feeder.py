@@ -5,10 +5,19 @@ Arguments: path of the engine's socket, joint. A line on stdout says that the jo
 
 import sys
 import time
+from typing import Any
 
 from tests.system.socket_client import Lines
 
 FEED_S = 0.05
+
+
+def hold(client: Lines, joint: str, direction: int) -> dict[str, Any]:
+    """Feed once; what a busy machine did not set going within the time of one feed is asked for anew."""
+    while True:
+        answer = client.ask("jog-hold", joint=joint, direction=direction)
+        if answer["ok"] or "not fed any more" not in answer["error"]:
+            return answer
 
 
 def feed(path: str, joint: str) -> None:
@@ -19,7 +28,7 @@ def feed(path: str, joint: str) -> None:
     begun = client.ask("jog", on=True, percent=5.0)
     assert begun["ok"], begun
     while True:
-        fed = client.ask("jog-hold", joint=joint, direction=1)
+        fed = hold(client, joint, 1)
         assert fed["ok"], fed
         if fed.get("moving"):
             sys.stdout.write("moving\n")
