@@ -18,12 +18,17 @@ import numpy as np
 import pytest
 
 from app.bench.facts import facts_of
+from app.bench.observed import ObservedInterferometer
 from app.bench.telemetry import Telemetry
+from app.engine.waiting import cancel
 from app.service.client import EngineClient, connect
 from app.service.hub import Hub
 from app.service.mailbox import Mailbox
 from app.service.messages import encode
 from drivers.clock import SystemClock
+from drivers.umd.display import UmdDisplay
+from tests.benchmarks.stream_peers import RATE_HZ
+from tests.benchmarks.test_stream import peer
 from tests.benchmarks.test_time_per_point import FEW_NODES, searched
 from tests.system.command import emulated, start
 from tests.unit.app.bench.benches import bench_from_template, cell_from_template
@@ -156,3 +161,45 @@ async def test_what_one_turn_of_telling_keeps_the_loop_from(tmp_path: Path) -> N
         f"{p99_ms:.3f} ms (limit {LIMIT_MS} ms); one sample of a stream for {np.median(taken_us):.1f} µs"
     )
     assert p99_ms <= LIMIT_MS
+
+
+async def read_out(mailbox: Mailbox) -> None:
+    """Write out what a client is told, as its session does."""
+    while True:
+        encode(await mailbox.take())
+
+
+async def test_a_watcher_delays_no_value_of_a_stream(tmp_path: Path) -> None:
+    """A thousand values a second with their time of sending; a client watches during every other second."""
+    hub = Hub(SystemClock())
+    telemetry = Telemetry(hub, SystemClock(), tmp_path)
+    telemetry.describe(facts_of(cell_from_template(), bench_from_template()))
+    member = hub.join("test", "Ada", Mailbox(), lambda _reason: None)
+    reading = asyncio.create_task(read_out(member.mailbox))
+    late_ms: dict[bool, list[list[float]]] = {False: [], True: []}
+    async with peer("emitter") as endpoint:
+        driver = UmdDisplay.at(
+            endpoint, SystemClock(), lambda way, data: telemetry.traffic.record("interferometer", way, data)
+        )
+        counter = ObservedInterferometer("interferometer", driver, telemetry.gauges)
+        await counter.connect()
+        samples = driver.samples()
+        for second in range(20):
+            watched = second % 2 == 1
+            hub.listen(member, "watch", on=watched)
+            hub.listen(member, "traffic", on=watched)
+            telemetry.wake()
+            taken = [await anext(samples) for _ in range(RATE_HZ)]
+            late_ms[watched].append([1e3 * (each.time_s - 1e-6 * each.sample.low_data) for each in taken])
+        await counter.close()
+    await telemetry.end()
+    await cancel(reading)
+    plain, seen = np.array(late_ms[False]), np.array(late_ms[True])
+    low_ms, high_ms = difference_interval_ms(plain, seen)
+    plain99, seen99 = np.percentile(plain, 99), np.percentile(seen, 99)
+    print(  # noqa: T201  # the figure
+        f"\nvalues of a stream after they were sent: unwatched p99 {plain99:.3f} ms, watched p99 {seen99:.3f} ms of "
+        f"{seen.size} each: differs by {seen99 - plain99:+.3f} ms ({low_ms:+.3f} … {high_ms:+.3f} ms with 95 %; "
+        f"limit {LIMIT_MS} ms)"
+    )
+    assert low_ms <= LIMIT_MS
