@@ -1,6 +1,7 @@
 """The screen Jog: joints and beam by hand."""
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
+from functools import partial
 from typing import Any, ClassVar, Final
 
 from textual.app import ComposeResult, SystemCommand
@@ -10,7 +11,7 @@ from textual.widgets import Input
 
 from app.tui.dialogs.motion_dialog import MotionDialog
 from app.tui.hands import Hands, Joint, Step, Way
-from app.tui.jog_words import Choices, cap_percent, entry_lines, is_simulated, jog_lines
+from app.tui.jog_words import STEPS, Choices, cap_percent, entry_lines, is_simulated, jog_lines
 from app.tui.picture import Picture
 from app.tui.screens.base import MainScreen
 from app.tui.session import Session
@@ -18,7 +19,7 @@ from app.tui.widgets.beam_panel import BeamPanel
 from app.tui.widgets.plan_view import PlanView
 from app.tui.widgets.told import Told, lines
 
-_MOVES: Final = (
+_MOVES: Final[tuple[tuple[str, Joint, Way, str], ...]] = (
     ("left,a", "j1", 1, "J1 counter-clockwise"),
     ("right,d", "j1", -1, "J1 clockwise"),
     ("up,w", "j2", 1, "J2 counter-clockwise"),
@@ -80,7 +81,7 @@ class JogScreen(MainScreen):
             Binding(
                 str(place + 1), f"size({place})", f"step {place + 1}", show=False, id=f"jog.step-{place + 1}"
             )
-            for place in range(5)
+            for place in range(len(STEPS))
         ),
         *(
             Binding(
@@ -132,8 +133,8 @@ class JogScreen(MainScreen):
         self.hands.let_go()
 
     def commands(self) -> Iterable[SystemCommand]:
-        """Return what this screen can do; joints move by their own keys only."""
-        yield SystemCommand("Begin to jog", "drives on; F8", self.action_begin)
+        """Return what this screen can do; what moves asks for F8 first, for the palette is left by Enter."""
+        yield SystemCommand("Begin to jog", "drives on; asks first", self._ask_to_begin)
         yield SystemCommand("End the jog", "the arm stops, drives as before", self.action_end)
         yield SystemCommand("Steps or hold", "how keys move the arm", self.action_mode)
         yield SystemCommand("Next aim", "reflector that the beam is kept on", self.action_aim)
@@ -142,6 +143,12 @@ class JogScreen(MainScreen):
         yield SystemCommand("Slower jog", "before it begins", self.action_slower)
         yield SystemCommand("Beam or bench from above", "where there is room for one only", self.action_view)
         yield SystemCommand("Length of the strip", "10, 30 or 60 s", self.action_window)
+        for place, size in enumerate(STEPS):
+            yield SystemCommand(f"Steps of {size:g} deg", "mm for the beam", partial(self.action_size, place))
+        for _, joint, way, text in _MOVES:
+            yield SystemCommand(
+                f"One step: {text}", "asks first", partial(self._ask_to_step, joint, way, text)
+            )
 
     def show_picture(self, picture: Picture, now_s: float) -> None:
         """Show what the keys do, or what has to be known before they do anything."""
@@ -170,6 +177,7 @@ class JogScreen(MainScreen):
         """Stop the arm and end the jog."""
         self.hands.let_go()
         if self._jogs or self._beginning:
+            self._beginning = False
             self.catseye.order(
                 "jog", "The jog is not ended: USE THE EMERGENCY STOP if the arm moves", on=False
             )
@@ -217,13 +225,8 @@ class JogScreen(MainScreen):
             self._say(f"J4 cannot point at {aim} within its limits")
             return
         steps = turn_of_j4(target_deg - joints[3])
-        text = (
-            f"J4 turns from {joints[3]:.3f} to {target_deg:.3f} deg ({target_deg - joints[3]:+.3f} deg), at "
-            f"{float((self.session.link.picture.jog or {}).get('percent') or 0.0):g} % of the programmed speed."
-        )
-        self.app.push_screen(
-            MotionDialog(f"Point the beam at {aim}", text), lambda move: self._take(*steps) if move else None
-        )
+        text = f"J4 turns from {joints[3]:.3f} to {target_deg:.3f} deg ({target_deg - joints[3]:+.3f} deg)"
+        self._ask(f"Point the beam at {aim}", f"{text}, {self._speed()}.", partial(self._take, *steps))
 
     def action_faster(self) -> None:
         """Choose a higher speed for the next jog."""
@@ -260,6 +263,30 @@ class JogScreen(MainScreen):
         if self._jogs and self.hands.step(*steps):
             self._say("")
 
+    def _speed(self) -> str:
+        """Return the speed of motions by hand in words."""
+        jog = self.session.link.picture.jog or {}
+        return f"at {float(jog.get('percent') or 0.0):g} % of the programmed speed"
+
+    def _ask(self, title: str, text: str, then: Callable[[], None]) -> None:
+        """Say what will move, and have it done when F8 confirms it."""
+        self.app.push_screen(MotionDialog(title, text), lambda confirmed: then() if confirmed else None)
+
+    def _ask_to_begin(self) -> None:
+        picture = self.session.link.picture
+        percent = min(float(self.choices.percent), cap_percent(picture))
+        kind = (
+            "emulators" if is_simulated(picture) else "a REAL ARM, whose cell has to be named on this screen"
+        )
+        self._ask("Jog", f"The drives go on, at {percent:g} %; this is {kind}.", self.action_begin)
+
+    def _ask_to_step(self, joint: Joint, way: Way, text: str) -> None:
+        unit = "mm" if joint == "beam" else "deg"
+        if self._jogs and (joint != "beam" or self.choices.aim is not None):
+            step = Step(joint, way * self.choices.by, self.choices.aim)
+            told = f"{text} by {self.choices.by:g} {unit}, {self._speed()}."
+            self._ask("One step", told, partial(self._take, step))
+
     async def _begin(self, percent: float, arm: str | None) -> None:
         from app.service.errors import RefusedError, ServiceError
 
@@ -272,6 +299,9 @@ class JogScreen(MainScreen):
             self._say("")
         except (RefusedError, ServiceError) as error:
             self._say("")
+            if not self._beginning:
+                # It was ended before it had begun.
+                return
             self.catseye.tell_error("The arm cannot be moved by hand", str(error))
         finally:
             self._beginning = False

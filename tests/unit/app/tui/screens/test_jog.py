@@ -381,3 +381,34 @@ async def test_each_action_stands_in_the_palette() -> None:
         await asks(play.link, {"op": "jog", "on": False})
 
     await jogging(call)
+
+
+async def test_what_moves_asks_for_f8_when_it_comes_from_the_palette() -> None:
+    async def call(play: Play) -> None:
+        callbacks = {command.title: command.callback for command in jog_screen(play.app).commands()}
+        callbacks["Steps of 1 deg"]()
+        callbacks["One step: J2 clockwise"]()
+        assert "J2 clockwise by 1 deg, at 5 %" in await shown(play.app, play.pilot)
+        await play.pilot.press("enter", "escape")
+        await play.pilot.pause()
+        assert play.link.asked == []
+        callbacks["One step: J2 clockwise"]()
+        await play.pilot.press("f8")
+        await asks(play.link, {"op": "jog-step", "joint": "j2", "by": -1.0, "aim": None})
+
+    await jogging(call)
+
+
+async def test_a_jog_that_is_begun_from_the_palette_asks_for_f8() -> None:
+    link = ScriptedLink()
+    app = make_app(link, "jog")
+    async with app.run_test(size=(80, 24)) as pilot:
+        link.tell("bench", **BENCH)
+        callbacks = {command.title: command.callback for command in jog_screen(app).commands()}
+        callbacks["Begin to jog"]()
+        assert "at 5 %; this is emulators" in await shown(app, pilot)
+        await pilot.press("enter")
+        await pilot.pause()
+        assert link.asked == []
+        await pilot.press("f8")
+        await asks(link, {"op": "jog", "on": True, "percent": 5.0, "arm": None})
