@@ -28,7 +28,7 @@ Sentence = tuple[str, str]
 
 def file_row(file: ResultFile) -> list[str]:
     """Return what the row of a file says: name, model, distances, rms, simulated, time."""
-    when = f"{file.changed_utc.astimezone():%m-%d %H:%M}"
+    when = f"{file.changed_utc:%m-%d %H:%M}"
     result = file.result
     if result is None:
         return [file.path.name, "! no result", "", "", "", when]

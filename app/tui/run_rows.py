@@ -23,7 +23,7 @@ MARK: Final = "●"
 
 _WIDTHS: Final = {
     "mark": 1,
-    "started": 11,
+    "started UTC": 11,
     "procedure": 16,
     "state": 10,
     "h:min:s": 8,
@@ -38,7 +38,7 @@ _WIDE_CELL: Final = 24
 
 def columns(*, wide: bool) -> list[tuple[str, int]]:
     """Return name and width of each column; a cell of blank between two is part of the width."""
-    wider = {"started": _WIDE_STARTED, "cell": _WIDE_CELL} if wide else {}
+    wider = {"started UTC": _WIDE_STARTED, "cell": _WIDE_CELL} if wide else {}
     return [(name, wider.get(name, width) + 1) for name, width in _WIDTHS.items()]
 
 

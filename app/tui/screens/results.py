@@ -53,7 +53,7 @@ _FILE_COLUMNS: Final = (
     ("distances", 10),
     ("rms µm", 8),
     (" sim", 5),
-    ("written", 12),
+    ("written UTC", 12),
 )
 _VALUE_COLUMNS: Final = (("quantity", 22), ("value", 14), ("u (k=1)", 10), ("U (k=2)", 10), ("unit", 6))
 _RIGHT: Final = frozenset({"value", "u (k=1)", "U (k=2)", "distances", "rms µm"})

@@ -325,8 +325,11 @@ class RunsScreen(WorkScreen):
 
     def _identified(self, file: Path, done: Done) -> None:
         del done
+        marked = self._marked_lines()
         self._marked.clear()
-        self._fill()
+        for line in marked:
+            self._show_line(line)
+        self._count()
         self.tell_written(file, "identified; F6 shows it")
 
     async def _tell_story(self, line: "RunLine") -> None:
