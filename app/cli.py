@@ -152,11 +152,15 @@ def emulate(
 
 
 @cli.command()
-def doctor(file: CellFile, as_json: AsJson = False) -> None:
+def doctor(
+    file: CellFile,
+    device: Annotated[str | None, typer.Option(help="only this device, by its name in the cell file")] = None,
+    as_json: AsJson = False,
+) -> None:
     """Connect to each device of a cell file: who answers, its status, what is wrong and what to do."""
     from app.commands.doctor import doctor_command
 
-    doctor_command(file, as_json)
+    doctor_command(file, device, as_json)
 
 
 @cli.command()

@@ -13,7 +13,7 @@ from app.commands.controller_look import look_at_controller
 from app.commands.output import emit, emit_json
 from app.engine.compensation import AirRule, Compensation
 from app.engine.interlock import RemoteIo
-from app.errors import LinkFailedError
+from app.errors import LinkFailedError, UsageError
 from app.instruments import device_builder, further_device
 from drivers.clock import SystemClock
 from drivers.errors import DeviceError
@@ -47,10 +47,10 @@ class Finding:
     advice: list[str] = field(default_factory=list)
 
 
-def doctor_command(file: Path, as_json: bool) -> None:
-    """Examine every device; exit code 3 when one cannot be used."""
+def doctor_command(file: Path, device: str | None, as_json: bool) -> None:
+    """Examine every device, or one of them; exit code 3 when one cannot be used."""
     loaded = load_cell(file)
-    findings = asyncio.run(_examine_all(loaded.cell))
+    findings = asyncio.run(_examine_all(loaded.cell, device))
     if as_json:
         emit_json({"cell": loaded.cell.name, "devices": [asdict(finding) for finding in findings]})
     else:
@@ -61,7 +61,7 @@ def doctor_command(file: Path, as_json: bool) -> None:
         raise LinkFailedError(f"cannot be used: {', '.join(bad)}; see the advice above")
 
 
-async def _examine_all(cell: Cell) -> list[Finding]:
+async def _examine_all(cell: Cell, only: str | None) -> list[Finding]:
     clock, rule = SystemClock(), air_rule(cell)
     devices = device_builder(cell, clock)(_ignore)
     further = [(device, further_device(device, clock, _ignore)) for device in cell.device]
@@ -74,15 +74,20 @@ async def _examine_all(cell: Cell) -> list[Finding]:
         endpoints["io"] = cell.io.endpoint
     if cell.tracker is not None:
         endpoints["tracker"] = cell.tracker.endpoint
-    examinations = [
-        _examine(name, endpoints[name], driver, _look_at(driver, rule, cell.robot.limits_deg))
-        for name, driver in devices.named().items()
-        if name in endpoints
-    ]
-    for device, driver in further:
-        look = _look_at(driver, rule, cell.robot.limits_deg)
-        examinations.append(_examine(device.name, device.endpoint, driver, look))
-    return list(await asyncio.gather(*examinations))
+    found = [(name, endpoints[name], driver) for name, driver in devices.named().items() if name in endpoints]
+    found += [(device.name, device.endpoint, driver) for device, driver in further]
+    names = [name for name, _, _ in found]
+    if only is not None and only not in names:
+        raise UsageError(f"--device {only}: the cell has no such device; there are {', '.join(names)}")
+    return list(
+        await asyncio.gather(
+            *(
+                _examine(name, endpoint, driver, _look_at(driver, rule, cell.robot.limits_deg))
+                for name, endpoint, driver in found
+                if only in {None, name}
+            )
+        )
+    )
 
 
 def _look_at(driver: Any, rule: AirRule, limits: Limits) -> Look:

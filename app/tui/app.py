@@ -2,7 +2,7 @@
 
 import asyncio
 import signal
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Coroutine, Iterable
 from functools import partial
 from typing import Any, ClassVar, Final
 
@@ -161,7 +161,7 @@ class CatseyeApp(App[int]):
             return
         if picture.jogging:
             self.order("stop", "The arm could not be stopped")
-        self._spawn(self._leave(end_engine=True))
+        self.keep(self._leave(end_engine=True))
 
     def order(
         self,
@@ -183,16 +183,18 @@ class CatseyeApp(App[int]):
             then: is given the answer.
             fields: of the request.
         """
-        self._spawn(self._order(op, failure, control=control, done=done, then=then, **fields))
+        self.keep(self._order(op, failure, control=control, done=done, then=then, **fields))
 
     def tell_error(self, title: str, text: str) -> None:
         """Show an error that can be copied."""
         self.push_screen(ErrorDialog(title, text))
 
-    def _spawn(self, action: Any) -> None:
-        task: asyncio.Task[None] = asyncio.get_running_loop().create_task(action)
+    def keep(self, action: Coroutine[Any, Any, None]) -> asyncio.Task[None]:
+        """Have something go on until it is done or the program ends, whatever screen is shown."""
+        task = asyncio.get_running_loop().create_task(action)
         self._orders.add(task)
         task.add_done_callback(self._orders.discard)
+        return task
 
     async def _order(
         self,
@@ -222,7 +224,7 @@ class CatseyeApp(App[int]):
 
     def _quit_as_chosen(self, choice: Choice | None) -> None:
         if choice is not None:
-            self._spawn(self._end_run_and_leave(choice))
+            self.keep(self._end_run_and_leave(choice))
 
     async def _end_run_and_leave(self, choice: Choice) -> None:
         from app.service.errors import RefusedError, ServiceError

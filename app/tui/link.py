@@ -33,9 +33,11 @@ class Link(Protocol):
 
     Attributes:
         picture: what it has told.
+        cell: cell file that an engine is started with; None while there is none.
     """
 
     picture: Picture
+    cell: Path | None
 
     async def serve(self, changed: Callable[[], None]) -> None:
         """Keep the connection until cancelled; `changed` is called after each message."""

@@ -158,15 +158,15 @@ class Draft:
     def to_find_out(self) -> list[str]:
         """Return what nobody has answered and what the person at the bench has to find out."""
         found = [
-            f"{question.title.strip()}: {question.find_out}"
+            f"{page.title}, {question.title.strip()}: {question.find_out}"
             for page in PAGES
             for question in self.questions(page)
             if question.find_out and not self.answer(question.key)
         ]
         if self.answer("interferometer.profile") == "distax":
             found.append(
-                "Profile: a DISTAX's protocol is not published: copy the profile, complete it with the manual and "
-                "catseye terminal (docs/guide.md, section 2), and give the copy's path"
+                "Interferometer, Profile: a DISTAX's protocol is not published: copy the profile, complete it with "
+                "the manual and catseye terminal (docs/guide.md, section 2), and give the copy's path"
             )
         return found
 
@@ -301,3 +301,15 @@ def default_text(key: str) -> str:
     """Return what is taken when a question is left unanswered; empty when nothing is."""
     default = _default(key)
     return text_of(default) if not isinstance(default, (dict, Mapping)) else ""
+
+
+def with_one_device(data: Data, device: str) -> Data:
+    """Return a whole cell file in which one device is as the answers have it, to test its connection.
+
+    Args:
+        data: values of the file in the making, right or wrong.
+        device: robot, interferometer, environment, io or tracker.
+    """
+    whole = tomllib.loads(TEMPLATE)
+    sections = {device, *({"air"} if device == "interferometer" else ())}
+    return whole | {key: data[key] for key in sections if key in data}

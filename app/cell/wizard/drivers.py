@@ -8,7 +8,7 @@ from typing import Any, Final, Literal, Union, get_args, get_origin
 
 from pydantic.fields import FieldInfo
 
-from app.cell.wizard.question import Choice, Question
+from app.cell.wizard.question import Choice, Question, text_of
 from drivers.registry import driver_names, load_driver
 
 Role = Literal["robot", "interferometer", "environment", "io", "tracker"]
@@ -90,17 +90,17 @@ def _attributes(model: Any) -> dict[str, str]:
 def _question(section: str, name: str, field: FieldInfo, words: str) -> Question | None:
     key = f"{section}.settings.{name}"
     kinds = list(_kinds(field.annotation))
-    default = "" if field.is_required() else f" Default {field.default!r}."
-    text = f"{words[:1].upper()}{words[1:]}{default}"
+    default = "" if field.is_required() else text_of(field.default)
     choices = [value for kind in kinds for value in (get_args(kind) if get_origin(kind) is Literal else ())]
     if bool in kinds:
         choices = [True, False]
     if choices:
-        return Question(key, name, text, "choice", tuple(Choice(value) for value in choices))
+        offered = tuple(Choice(value) for value in choices)
+        return Question(key, name, words, "choice", offered, default=default)
     if set(kinds) <= {int, float}:
-        return Question(key, name, text, "number")
+        return Question(key, name, words, "number", default=default)
     # Tables within settings are written into the file by hand; docs/files.md has their keys.
-    return Question(key, name, text) if kinds == [str] else None
+    return Question(key, name, words, default=default) if kinds == [str] else None
 
 
 def _kinds(annotation: Any) -> Iterator[Any]:

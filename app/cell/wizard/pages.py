@@ -108,6 +108,7 @@ def _interferometer(answer: Answer) -> list[Question]:
         "Profile",
         "default or vacuum (the emulator's dialects), distax, or the path of a profile of your own (TOML)",
         find_out="which commands the counter understands: its manual, and catseye terminal",
+        default="default",
     )
     driver = answer("interferometer.driver")
     return [

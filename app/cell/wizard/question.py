@@ -39,6 +39,7 @@ class Question:
         kind: how an answer is typed.
         choices: what can be chosen.
         find_out: what somebody has to find out who cannot answer; empty where the default serves.
+        default: what a driver takes without an answer; empty where the cell file's model knows it.
     """
 
     key: str
@@ -47,6 +48,7 @@ class Question:
     kind: Kind = "text"
     choices: tuple[Choice, ...] = ()
     find_out: str = ""
+    default: str = ""
 
     def value(self, text: str) -> Any:
         """Return what a typed text means; a text that means nothing stays itself, for the model to refuse."""

@@ -61,8 +61,11 @@ class ErrorDialog(ModalScreen[None]):
 
 def split_remedy(text: str) -> tuple[str, str]:
     """Return cause and remedy: the texts of this program put what to do behind the last colon or semicolon."""
+    if "\n" in text:
+        # A list of faults has no remedy of its own.
+        return text, ""
     for mark in sorted((": ", "; "), key=text.rfind, reverse=True):
         cause, found, remedy = text.rpartition(mark)
-        if found and remedy and remedy[0].islower() and "\n" not in remedy:
+        if found and remedy and remedy[0].islower():
             return cause, remedy
     return text, ""

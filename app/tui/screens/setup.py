@@ -1,16 +1,365 @@
-"""The screen Setup."""
+"""The screen Set-up: a cell file by questions, an emulated bench, the demo."""
 
-from textual.app import ComposeResult
-from textual.widgets import Static
+import asyncio
+from collections.abc import Iterable
+from functools import partial
+from pathlib import Path
+from typing import TYPE_CHECKING, ClassVar, Final
 
-from app.tui.screens.base import MainScreen
+from textual.app import ComposeResult, SystemCommand
+from textual.binding import Binding, BindingType
+from textual.containers import Vertical
+from textual.widgets import OptionList
+
+from app.tui.cell_change import use_cell
+from app.tui.dialogs.confirm_dialog import ConfirmDialog
+from app.tui.dialogs.form_dialog import Answers, Field, FormDialog
+from app.tui.picture import Picture
+from app.tui.screens.working import WorkScreen
+from app.tui.session import Session
+from app.tui.setup.start import CHOICES, Start
+from app.tui.widgets.task_line import TaskLine
+from app.tui.work import Done
+
+if TYPE_CHECKING:
+    # The first screen is painted before the drivers and the cell file's model are imported.
+    from app.cell.wizard.draft import Draft
+    from app.tui.setup.wizard import Wizard
+
+DEMO_FOLDER: Final = Path("catseye-demo")
+_NARROW: Final = 70
 
 
-class SetupScreen(MainScreen):
-    """Under construction by its own commit."""
+class SetupScreen(WorkScreen):
+    """Offers the ways to a bench; the wizard takes their place."""
 
     PLACE = "setup"
 
+    DEFAULT_CSS = """
+    SetupScreen #place { height: 1fr; }
+    SetupScreen.wizard Start { display: none; }
+    SetupScreen.-narrow #pages { display: none; }
+    """
+
+    _START: ClassVar[tuple[str, ...]] = tuple(CHOICES)
+    _WIZARD: ClassVar[tuple[str, ...]] = ("next", "before", "test", "save", "add", "remove")
+
+    BINDINGS: ClassVar[list[BindingType]] = [
+        *(
+            Binding(key, name, title.split(" ", maxsplit=1)[0].lower(), id=f"setup.{name}", tooltip=text)
+            for name, (key, title, text) in CHOICES.items()
+        ),
+        Binding("pagedown,ctrl+n", "next", "next", id="setup.next", tooltip="next page of questions"),
+        Binding("pageup,ctrl+b", "before", "before", id="setup.before", tooltip="the page before"),
+        Binding("ctrl+t", "test", "test", id="setup.test", tooltip="connect to the device of this page"),
+        Binding("ctrl+s", "save", "save", id="setup.save", tooltip="write the cell file and use it"),
+        Binding("ctrl+r", "add", "add", id="setup.add", tooltip="one more reflector"),
+        Binding("ctrl+y", "remove", "remove", id="setup.remove", tooltip="this reflector"),
+        Binding("escape", "leave", "leave", id="setup.leave", tooltip="answers are kept; ends the demo"),
+    ]
+
+    def __init__(self, session: Session) -> None:
+        super().__init__(session)
+        self._draft: Draft | None = None
+        self._file = ""
+        self._source: Path | None = None
+        self._emulators: asyncio.Task[None] | None = None
+
     def body(self) -> ComposeResult:
-        """Return nothing yet."""
-        yield Static("Setup")
+        """Put the choices and the place of the wizard together."""
+        with Vertical(id="place"):
+            yield Start()
+        yield TaskLine(self.session.now_s)
+
+    def commands(self) -> Iterable[SystemCommand]:
+        """Return every action of this screen."""
+        for name, (_, title, text) in CHOICES.items():
+            yield SystemCommand(f"Set-up: {title}", text, getattr(self, f"action_{name}"))
+        yield SystemCommand("Questions: next page", "of the wizard", self.action_next)
+        yield SystemCommand("Questions: page before", "of the wizard", self.action_before)
+        yield SystemCommand("Questions: connection test", "of the device of this page", self.action_test)
+        yield SystemCommand("Questions: write the cell file", "and use it", self.action_save)
+        yield SystemCommand("Questions: add a reflector", "on its page", self.action_add)
+        yield SystemCommand("Questions: take a reflector away", "on its page", self.action_remove)
+        yield SystemCommand("Questions: leave", "answers are kept", self.action_leave)
+
+    def check_action(self, action: str, _parameters: tuple[object, ...]) -> bool | None:
+        """Offer what can be done where one is."""
+        if action in self._START:
+            return not self.asking and (action != "change" or self.session.cell is not None)
+        if action in {"add", "remove"}:
+            return self.asking and self._wizard.page.name == "reflector"
+        if action == "test":
+            return self.asking and bool(self._wizard.page.device)
+        if action in self._WIZARD:
+            return self.asking
+        if action == "leave":
+            return self.asking or self.working
+        return True
+
+    @property
+    def asking(self) -> bool:
+        """The wizard is shown."""
+        return self.has_class("wizard") and bool(self.query("Wizard"))
+
+    @property
+    def _wizard(self) -> "Wizard":
+        from app.tui.setup.wizard import Wizard
+
+        return self.query_one(Wizard)
+
+    def on_mount(self) -> None:
+        """Say what there is."""
+        self.query_one("#choices", OptionList).focus()
+
+    def show_picture(self, picture: Picture, now_s: float) -> None:
+        """Say what there is."""
+        del picture, now_s
+        self.set_class(self.size.width < _NARROW, "-narrow")
+        self.query_one(Start).show(self.session.cell, self._draft is not None)
+
+    def on_option_list_option_selected(self, event: OptionList.OptionSelected) -> None:
+        """Do what was chosen."""
+        event.stop()
+        if event.option_id is not None and self.check_action(event.option_id, ()):
+            getattr(self, f"action_{event.option_id}")()
+
+    def action_wizard(self) -> None:
+        """Ask from nothing, or go on with the questions that were left."""
+        self.spawn(partial(self._ask, None), "ask", exclusive=True)
+
+    def action_change(self) -> None:
+        """Ask about the present cell file."""
+        if self.session.cell is not None:
+            self.spawn(partial(self._ask, self.session.cell), "ask", exclusive=True)
+
+    def action_open(self) -> None:
+        """Ask for a cell file that is there."""
+        present = str(self.session.cell or "cell.toml")
+        self.app.push_screen(
+            FormDialog("Open a cell file", [Field("file", "file", present)]), self._open_file
+        )
+
+    def action_emulated(self) -> None:
+        """Write a cell file for emulators and start them."""
+        self.spawn(self._emulate, "emulate", exclusive=True)
+
+    def action_demo(self) -> None:
+        """Run the demo as a process, then show its results."""
+        self.let_work(
+            "SIMULATION demo", "The demo failed", "demo", "--out", DEMO_FOLDER, "--json", done=self._demo_done
+        )
+
+    async def action_next(self) -> None:
+        """Show the next page."""
+        await self._wizard.turn(1)
+        self.refresh_bindings()
+
+    async def action_before(self) -> None:
+        """Show the page before."""
+        await self._wizard.turn(-1)
+        self.refresh_bindings()
+
+    async def action_add(self) -> None:
+        """Add a reflector."""
+        await self._wizard.add_reflector()
+
+    async def action_remove(self) -> None:
+        """Take a reflector away."""
+        await self._wizard.remove_reflector()
+
+    def action_test(self) -> None:
+        """Connect to the device of this page, with the answers as they are."""
+        self.spawn(self._test, "test", exclusive=True)
+
+    def action_save(self) -> None:
+        """Write the cell file, if nothing is wrong with it."""
+        self.spawn(self._save, "save", exclusive=True)
+
+    def action_leave(self) -> None:
+        """Cancel the demo, or leave the questions for now."""
+        if not self.cancel_work():
+            self.remove_class("wizard")
+            self.query_one("#choices", OptionList).focus()
+            self.refresh_bindings()
+
+    async def _ask(self, source: Path | None) -> None:
+        """Show the questions.
+
+        Args:
+            source: cell file to change; None for a new one.
+        """
+        from app.cell.wizard.pages import PAGES
+        from app.errors import CatseyeError
+
+        if self._draft is None or source is not None:
+            try:
+                draft = await asyncio.to_thread(_draft_of, source)
+            except (CatseyeError, OSError, UnicodeDecodeError) as error:
+                self.catseye.tell_error(f"{source} cannot be changed here", str(error))
+                return
+            self._draft, self._source = draft, source
+            self._file = str(source or await asyncio.to_thread(_new_file))
+            # Drivers tell their settings; they are loaded beside the screen.
+            await asyncio.to_thread(lambda: [draft.questions(page) for page in PAGES])
+        await self._show_wizard(self._draft)
+
+    async def _show_wizard(self, draft: "Draft") -> None:
+        from app.tui.setup.wizard import Wizard
+
+        await self.query("Wizard").remove()
+        await self.query_one("#place").mount(Wizard(draft, draft.answer("file") or self._file))
+        self.add_class("wizard")
+        self.refresh_bindings()
+
+    async def _test(self) -> None:
+        from app.cell.rewriting import plain
+        from app.cell.wizard.draft import with_one_device
+        from app.tui.setup.device_test import DeviceTest
+
+        wizard = self._wizard
+        await wizard.judge()
+        device, faults = wizard.page.device, wizard.draft.page_faults(wizard.page, wizard.faults)
+        data = wizard.draft.data()
+        if faults or device not in data:
+            self.notify("answer the questions of this device first", severity="warning")
+            return
+        if self.session.link.picture.running:
+            self.notify("a run is under way: its devices are not touched", severity="warning")
+            return
+        # Controllers serve one link; an engine that nobody watches lets its links go.
+        await self._watch(on=False)
+        text = plain(with_one_device(data, device))
+        await self.app.push_screen_wait(DeviceTest(device, text, self.session.work, self.session.now_s))
+        await self._watch(on=True)
+
+    async def _watch(self, *, on: bool) -> None:
+        from contextlib import suppress
+
+        from app.service.errors import RefusedError, ServiceError
+
+        with suppress(RefusedError, ServiceError):
+            await self.session.link.request("watch", on=on)
+
+    async def _save(self) -> None:
+        from app.cell.wizard.pages import PAGES
+
+        wizard = self._wizard
+        await wizard.judge()
+        if wizard.faults:
+            await wizard.show_page(PAGES[-1])
+            self.notify("not written: mend what is marked first", severity="warning")
+            return
+        text, commented = wizard.draft.written()
+        path = wizard.path
+        if not commented and self._source is not None and path.absolute() == self._source.absolute():
+            path = path.with_name(f"{path.stem}-new.toml")
+            told = (
+                f"{self._source} is written in a way that cannot be changed line by line: its comments cannot be "
+                f"kept. It stays as it is, and {path} is written beside it, without comments."
+            )
+            if not await self.app.push_screen_wait(
+                ConfirmDialog("A new file", told, "write it", "do not write")
+            ):
+                return
+        if await asyncio.to_thread(path.exists) and not await self._may_replace(path):
+            return
+        await self._write(path, text)
+
+    async def _may_replace(self, path: Path) -> bool:
+        dialog = ConfirmDialog(
+            "The file exists", f"{path} is there already. Its text is replaced.", "replace it", "do not write"
+        )
+        return await self.app.push_screen_wait(dialog)
+
+    async def _write(self, path: Path, text: str) -> None:
+        from app.errors import CatseyeError
+        from app.files.atomic import write_atomically
+
+        try:
+            await asyncio.to_thread(write_atomically, path, text)
+        except (CatseyeError, OSError) as error:
+            self.catseye.tell_error("The cell file was not written", str(error))
+            return
+        await self.query("Wizard").remove()
+        self._draft = None
+        self.action_leave()
+        await self._use(path)
+
+    async def _use(self, path: Path) -> None:
+        """Have a command check a cell file as anybody would, then go on with it."""
+        done = await self.session.work.do("config", "validate", path)
+        if done.code != 0:
+            self.catseye.tell_error(f"{path} cannot be used", done.talk.strip().removeprefix("catseye: "))
+            return
+        warnings = [line for line in done.talk.splitlines() if line.startswith("warning: ")]
+        self.notify("\n".join([str(path), *warnings]), title="this cell is used now", markup=False)
+        use_cell(self.catseye, path)
+        self.show_now()
+
+    def _open_file(self, answers: Answers | None) -> None:
+        if answers is not None and answers["file"]:
+            self.spawn(partial(self._use, Path(answers["file"]).expanduser()), "open", exclusive=True)
+
+    def _demo_done(self, done: Done) -> None:
+        report = str(done.data()["report"])
+        self.notify(report, title="SIMULATION: demo done; its report", markup=False, timeout=15.0)
+        self.catseye.action_go("results")
+
+    async def _emulate(self) -> None:
+        from app.errors import CatseyeError
+        from app.files.atomic import write_atomically
+        from app.tui.setup.emulators import emulated_cell, free_file
+
+        if self._emulators is not None and not self._emulators.done():
+            self.notify("the emulators run already", severity="warning")
+            return
+        path = await asyncio.to_thread(free_file, Path())
+        try:
+            await asyncio.to_thread(write_atomically, path, await asyncio.to_thread(emulated_cell))
+        except CatseyeError as error:
+            self.catseye.tell_error("The emulated bench was not set up", str(error))
+            return
+        self.query_one(TaskLine).begin("SIMULATION: starting the emulators")
+        ready = asyncio.Event()
+        self._emulators = self.catseye.keep(self._serve_emulators(path, ready))
+        await asyncio.wait(
+            {self._emulators, asyncio.create_task(ready.wait())}, return_when=asyncio.FIRST_COMPLETED
+        )
+        self.query_one(TaskLine).end()
+        if ready.is_set():
+            self.notify(
+                f"{path}: emulators answer; they end with this program", title="SIMULATION", markup=False
+            )
+            use_cell(self.catseye, path)
+            self.catseye.action_go("bench")
+
+    async def _serve_emulators(self, path: Path, ready: asyncio.Event) -> None:
+        """Keep the emulators until the program ends."""
+        from app.emulation import emulator_process
+        from app.errors import CatseyeError
+
+        try:
+            async with emulator_process(path, self.session.speed, _SEED, None) as emulators:
+                ready.set()
+                code = await emulators.process.wait()
+                self.catseye.tell_error(
+                    "The emulators have ended", f"they ended with code {code}: start them again (F10, e)"
+                )
+        except CatseyeError as error:
+            self.catseye.tell_error("The emulators did not start", str(error))
+
+
+_SEED: Final = 2
+
+
+def _draft_of(source: Path | None) -> "Draft":
+    from app.cell.wizard.draft import Draft
+
+    return Draft.new() if source is None else Draft.of_text(source.read_text(encoding="utf-8-sig"))
+
+
+def _new_file() -> Path:
+    """Return a name for a new cell file that is not taken."""
+    names = ["cell.toml", *(f"cell-{number}.toml" for number in range(2, 100))]
+    return next((Path(name) for name in names if not Path(name).exists()), Path("cell-new.toml"))

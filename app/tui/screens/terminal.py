@@ -12,7 +12,7 @@ from textual.containers import Horizontal, Vertical
 from textual.content import Content
 from textual.widgets import Input
 
-from app.tui.dialogs.name_dialog import NameDialog
+from app.tui.dialogs.form_dialog import Answers, Field, FormDialog
 from app.tui.dialogs.start_dialog import Permission, StartDialog
 from app.tui.picture import Picture
 from app.tui.screens.base import MainScreen
@@ -142,7 +142,9 @@ class TerminalScreen(MainScreen):
 
     def action_save(self) -> None:
         """Ask where, then write all lines that pass the filter."""
-        self.app.push_screen(NameDialog("Save these lines to", "traffic.log"), self._save)
+        self.app.push_screen(
+            FormDialog("Save these lines", [Field("file", "file", "traffic.log")]), self._save
+        )
 
     def action_end(self) -> None:
         """Take the next line end."""
@@ -345,10 +347,10 @@ class TerminalScreen(MainScreen):
         line.value = self._history[-self._recalled] if self._recalled else ""
         line.cursor_position = len(line.value)
 
-    def _save(self, name: str | None) -> None:
-        if name:
+    def _save(self, answers: Answers | None) -> None:
+        if answers is not None and answers["file"]:
             text = "".join(f"{saved_line(line)}\n" for line in self.query_one(WireView).lines)
-            self.run_worker(self._write(Path(name).expanduser(), text), exit_on_error=False)
+            self.run_worker(self._write(Path(answers["file"]).expanduser(), text), exit_on_error=False)
 
     async def _write(self, path: Path, text: str) -> None:
         from app.errors import CatseyeError, UsageError

@@ -55,4 +55,4 @@ def test_a_wrong_setting_of_a_further_device_is_told_before_anything_is_connecte
     file.write_text(f"{TEMPLATE}\n[[device]]\n{display}", encoding="utf-8")
     # Warnings are errors here: no examination may be left unawaited.
     with pytest.raises(ConfigError, match=r"\[nd\] decimals"):
-        doctor_command(file, as_json=False)
+        doctor_command(file, None, as_json=False)

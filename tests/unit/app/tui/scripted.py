@@ -45,6 +45,7 @@ class ScriptedLink:
 
     Attributes:
         picture: what was told.
+        cell: cell file of the next engine.
         asked: requests, in order.
         refusals: text by request; such a request is refused.
         answers: what a request is answered with.
@@ -53,6 +54,7 @@ class ScriptedLink:
 
     def __init__(self, snapshot: dict[str, Any] | None = None) -> None:
         self.picture = Picture()
+        self.cell: Path | None = Path("/bench/cell.toml")
         self.asked: list[dict[str, Any]] = []
         self.refusals: dict[str, str] = {}
         self.answers: dict[str, dict[str, Any]] = {}

@@ -9,7 +9,7 @@ from textual.widgets import Input
 
 from app.tui.app import CatseyeApp
 from app.tui.dialogs.error_dialog import ErrorDialog
-from app.tui.dialogs.name_dialog import NameDialog
+from app.tui.dialogs.form_dialog import FormDialog
 from app.tui.dialogs.start_dialog import StartDialog
 from app.tui.widgets.wire_view import WireView
 from tests.unit.app.tui.scripted import ScriptedLink, compare, make_app, shown
@@ -270,7 +270,7 @@ async def test_copies_and_saves(tmp_path: Path) -> None:
         for _ in range(2):
             await pilot.press("s")
             await pilot.pause()
-            assert isinstance(app.screen, NameDialog)
+            assert isinstance(app.screen, FormDialog)
             app.screen.query_one(Input).value = str(tmp_path / "traffic.log")
             await pilot.press("enter")
             await app.workers.wait_for_complete()

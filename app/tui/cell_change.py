@@ -1,0 +1,77 @@
+"""Another cell file for this program and its engine."""
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from app.tui.dialogs.confirm_dialog import ConfirmDialog
+from app.tui.picture import Picture
+
+if TYPE_CHECKING:
+    from app.tui.app import CatseyeApp
+
+
+def use_cell(app: "CatseyeApp", path: Path) -> None:
+    """Have everything go on with a cell file; the idle engine is started anew with it.
+
+    Args:
+        app: the program.
+        path: the cell file; it has passed every check.
+    """
+    link = app.session.link
+    app.session.cell = link.cell = path.absolute()
+    picture = link.picture
+    if not picture.connected:
+        return
+    if picture.running:
+        app.notify(
+            "the run under way keeps its cell; the engine takes the new one when it is started anew",
+            title=path.name,
+            severity="warning",
+            markup=False,
+        )
+    elif _is_of(picture, path) and len(picture.clients) <= 1:
+        _start_anew(app)
+    else:
+        _ask(app, path)
+
+
+def look_at_cell(app: "CatseyeApp") -> None:
+    """Ask what is to be done when the engine that was found has another cell file than this program."""
+    picture, cell = app.session.link.picture, app.session.cell
+    if cell is None:
+        app.session.cell = app.session.link.cell = _cell_of(picture)
+    elif not _is_of(picture, cell) and not picture.running:
+        _ask(app, cell)
+
+
+def _ask(app: "CatseyeApp", path: Path) -> None:
+    picture = app.session.link.picture
+    others = len(picture.clients) - 1
+    used = f"{others} other program(s) use it. " if others > 0 else ""
+    text = (
+        f"The engine that runs has {_cell_of(picture)}.\n{used}Nothing moves. Shall it end, and one with {path} be "
+        "started?"
+    )
+
+    def answered(agreed: bool | None) -> None:
+        if agreed:
+            _start_anew(app)
+        else:
+            app.session.cell = app.session.link.cell = _cell_of(picture) or path
+
+    app.push_screen(ConfirmDialog("An engine of another cell", text, "start anew", "keep its cell"), answered)
+
+
+def _start_anew(app: "CatseyeApp") -> None:
+    # The link looks for an engine again by itself, finds none, and starts one.
+    app.order("shutdown", "The engine was not started anew with the cell")
+
+
+def _cell_of(picture: Picture) -> Path | None:
+    cell = picture.facts.get("cell")
+    return Path(str(cell)) if cell else None
+
+
+def _is_of(picture: Picture, path: Path) -> bool:
+    cell = _cell_of(picture)
+    return cell is not None and cell.absolute() == path.absolute()

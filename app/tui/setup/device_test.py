@@ -1,0 +1,115 @@
+"""Looks at one device of a cell file in the making: who answers, what is wrong, what to do."""
+
+import asyncio
+import tempfile
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any, ClassVar
+
+from textual.app import ComposeResult
+from textual.binding import Binding, BindingType
+from textual.containers import Vertical, VerticalScroll
+from textual.content import Content
+from textual.screen import ModalScreen
+from textual.widgets import Footer, Label
+
+from app.tui.widgets.told import Told, lines
+from app.tui.words import duration_text
+from app.tui.work import Work
+
+_NOT_USABLE = 3
+
+
+class DeviceTest(ModalScreen[None]):
+    """Runs `catseye doctor` on one device. Esc cancels, and closes.
+
+    Args:
+        device: its name.
+        text: a cell file with it.
+        work: runs commands.
+        now_s: monotonic time, s.
+    """
+
+    DEFAULT_CSS = """
+    DeviceTest { align: center middle; }
+    DeviceTest > Vertical {
+        width: 76; max-width: 96%; height: auto; max-height: 92%;
+        border: heavy $primary; background: $surface; padding: 0 1;
+    }
+    DeviceTest Label { text-style: bold; width: 100%; }
+    DeviceTest VerticalScroll { height: auto; max-height: 16; }
+    """
+
+    BINDINGS: ClassVar[list[BindingType]] = [
+        Binding("escape,enter", "close", "cancel, close", id="test.close"),
+        Binding("r", "again", "once more", id="test.again"),
+        Binding("c", "copy", "copy", id="test.copy"),
+    ]
+
+    def __init__(self, device: str, text: str, work: Work, now_s: Callable[[], float]) -> None:
+        super().__init__()
+        self._device = device
+        self._text = text
+        self._work = work
+        self._now_s = now_s
+        self._begun_s = 0.0
+        self._running = False
+
+    def compose(self) -> ComposeResult:
+        """Title and findings."""
+        with Vertical():
+            yield Label(f"Connection test: {self._device}", markup=False)
+            with VerticalScroll():
+                yield Told(id="found")
+            yield Footer(compact=True)
+
+    def on_mount(self) -> None:
+        """Begin at once."""
+        self.set_interval(0.5, self._show_time)
+        self.action_again()
+
+    def action_again(self) -> None:
+        """Look once more."""
+        self._begun_s, self._running = self._now_s(), True
+        self._show_time()
+        self.run_worker(self._look(), group="look", exclusive=True, exit_on_error=False)
+
+    def action_close(self) -> None:
+        """End the test and close."""
+        self.workers.cancel_group(self, "look")
+        self.dismiss()
+
+    def action_copy(self) -> None:
+        """Put the findings on the clipboard."""
+        self.app.copy_to_clipboard(self.query_one("#found", Told).told.plain)
+        self.notify("copied")
+
+    def _show_time(self) -> None:
+        if self._running:
+            gone = duration_text(self._now_s() - self._begun_s)
+            self.query_one("#found", Told).tell(Content(f"asking who answers … {gone}   Esc cancels"))
+
+    async def _look(self) -> None:
+        try:
+            told = await self._findings()
+        finally:
+            self._running = False
+        self.query_one("#found", Told).tell(told)
+
+    async def _findings(self) -> Content:
+        with tempfile.TemporaryDirectory(prefix="catseye-test-") as folder:
+            path = Path(folder) / "cell.toml"
+            await asyncio.to_thread(path.write_text, self._text, encoding="utf-8")
+            done = await self._work.do("doctor", path, "--device", self._device, "--json")
+        if done.code not in {0, _NOT_USABLE} or not done.out.strip():
+            return Content.assemble(("✗ ", "$error"), done.fault or "the test told nothing")
+        return lines(*(line for device in done.data()["devices"] for line in _lines_of(device)))
+
+
+def _lines_of(device: dict[str, Any]) -> list[Content]:
+    sign = ("✓ ", "$success bold") if device["ok"] else ("✗ ", "$error bold")
+    emulated = ("  SIMULATION", "black on yellow") if device["simulated"] else ""
+    first = Content.assemble(sign, device["identity"] or "nobody answers", emulated)
+    told = [first, Content.assemble((str(device["endpoint"]), "dim"))]
+    told += [Content(f"  {fact}") for fact in device["status"]]
+    return told + [Content.assemble(("→ ", "$warning"), text) for text in device["advice"]]

@@ -1,0 +1,56 @@
+"""An emulated bench of one's own: a cell file for emulators, and the process that serves it."""
+
+import socket
+import tomllib
+from pathlib import Path
+from typing import Any, Final
+
+from app.cell.rewriting import rewritten
+from app.cell.template import TEMPLATE
+
+NAME: Final = "emulated-bench"
+_PLACES: Final = (
+    ("robot", "endpoint"),
+    ("interferometer", "endpoint"),
+    ("environment", "endpoint"),
+    ("tracker", "endpoint"),
+)
+
+
+def emulated_cell() -> str:
+    """Return a cell file whose devices are emulators at ports that are free now."""
+    data = tomllib.loads(TEMPLATE)
+    data["name"] = NAME
+    for (section, key), port in zip(_PLACES, _free_ports(len(_PLACES)), strict=True):
+        data[section][key] = f"tcp://127.0.0.1:{port}"
+    return rewritten(TEMPLATE, data)
+
+
+def is_emulated(text: str) -> bool:
+    """Tell whether a cell file was written for emulators of this program: its name says so."""
+    try:
+        data: dict[str, Any] = tomllib.loads(text)
+    except tomllib.TOMLDecodeError:
+        return False
+    return data.get("name") == NAME
+
+
+def free_file(folder: Path) -> Path:
+    """Return a file name that is not taken by anything but an emulated bench of before."""
+    for number in range(1, 100):
+        path = folder / (f"{NAME}.toml" if number == 1 else f"{NAME}-{number}.toml")
+        if not path.exists() or is_emulated(path.read_text(encoding="utf-8", errors="replace")):
+            return path
+    return folder / f"{NAME}-new.toml"
+
+
+def _free_ports(count: int) -> list[int]:
+    """Return ports that nobody listens at."""
+    holders = [socket.socket() for _ in range(count)]
+    try:
+        for holder in holders:
+            holder.bind(("127.0.0.1", 0))
+        return [int(holder.getsockname()[1]) for holder in holders]
+    finally:
+        for holder in holders:
+            holder.close()

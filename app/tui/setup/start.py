@@ -1,0 +1,61 @@
+"""What a first start offers."""
+
+from pathlib import Path
+from typing import Final
+
+from textual.app import ComposeResult
+from textual.containers import Vertical
+from textual.content import Content
+from textual.widgets import OptionList
+from textual.widgets.option_list import Option
+
+from app.tui.widgets.told import Told
+
+CHOICES: Final = {
+    "wizard": (
+        "w",
+        "Describe a bench by questions",
+        "writes a cell file; each device's connection can be tested",
+    ),
+    "change": ("c", "Change the present cell file", "the same questions, with its values"),
+    "open": ("o", "Open a cell file", "one that is there already"),
+    "emulated": ("e", "Emulated bench", "SIMULATION: emulators of all devices; they end with this program"),
+    "demo": ("d", "Demo", "SIMULATION: the whole job on emulators, about a minute; then its results"),
+}
+"""By name: key, title, what it does."""
+
+
+class Start(Vertical):
+    """The ways to a bench."""
+
+    DEFAULT_CSS = """
+    Start { padding: 0 2; height: 1fr; }
+    Start #present { height: auto; padding: 1 0; }
+    Start OptionList { height: auto; max-height: 14; border: none; background: $background; padding: 0; }
+    Start OptionList:focus { border: none; }
+    """
+
+    def compose(self) -> ComposeResult:
+        """What there is, and the choices."""
+        yield Told(id="present")
+        yield OptionList(*(Option(_prompt(name), id=name) for name in CHOICES), id="choices")
+
+    def show(self, cell: Path | None, going: bool) -> None:
+        """Say what there is.
+
+        Args:
+            cell: the cell file; None while there is none.
+            going: questions have been begun.
+        """
+        there = (
+            Content.assemble("Cell file  ", (str(cell), "bold"))
+            if cell is not None
+            else Content("catseye knows of no bench yet: its cell file says what stands there.")
+        )
+        more = Content("\nThe questions were left half-way: w goes on with them.") if going else Content("")
+        self.query_one("#present", Told).tell(there + more)
+
+
+def _prompt(name: str) -> Content:
+    key, title, text = CHOICES[name]
+    return Content.assemble((f" {key} ", "bold reverse"), f"  {title}\n", (f"     {text}", "dim"))

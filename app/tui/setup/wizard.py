@@ -1,0 +1,221 @@
+"""The questions, a page for each topic; what is wrong stands beside the answer."""
+
+import asyncio
+import copy
+from pathlib import Path
+from typing import ClassVar, Final
+
+from textual.app import ComposeResult
+from textual.binding import Binding, BindingType
+from textual.containers import Container, Horizontal, Vertical
+from textual.content import Content
+from textual.events import DescendantFocus
+from textual.timer import Timer
+
+from app.cell.wizard.draft import Draft, default_text
+from app.cell.wizard.pages import PAGES, Page
+from app.tui.setup.question_row import Answered, Fault, QuestionRow
+from app.tui.setup.reflector_rows import HELP, ReflectorRows
+from app.tui.widgets.told import Told, lines
+
+_PAUSE_S: Final = 0.15
+"""After the last key, before the answers are judged."""
+
+_REBUILDING: Final = (".driver", "io", "tracker", "material")
+"""Answers that other questions depend on."""
+
+FILE: Final = "file"
+
+
+class Wizard(Horizontal):
+    """Asks for a cell file.
+
+    Args:
+        draft: answers so far.
+        file: where it is written, as it is typed.
+
+    Attributes:
+        draft: answers so far.
+        faults: what is wrong by key, when it was judged last.
+        page: that is shown.
+    """
+
+    DEFAULT_CSS = """
+    Wizard { height: 1fr; }
+    Wizard #pages { width: 19; padding: 0 1; background: $surface; }
+    Wizard #asked { width: 1fr; height: 1fr; padding: 0 1; }
+    Wizard #intro { text-style: bold; height: 1; }
+    Wizard #form { height: 1fr; overflow-y: auto; scrollbar-size-vertical: 1; }
+    Wizard #rows { height: auto; }
+    Wizard #help { height: 3; color: $text-muted; }
+    Wizard #summary { height: auto; }
+    """
+
+    BINDINGS: ClassVar[list[BindingType]] = [
+        Binding("down", "down", "next field", show=False, id="setup.down", tooltip="on the summary: scroll"),
+        Binding("up", "up", "field before", show=False, id="setup.up", tooltip="on the summary: scroll"),
+    ]
+
+    def __init__(self, draft: Draft, file: str) -> None:
+        super().__init__()
+        self.draft = draft
+        self.faults: dict[str, str] = {}
+        self.page: Page = PAGES[0]
+        self.draft.give(FILE, file)
+        self._judging: Timer | None = None
+
+    def compose(self) -> ComposeResult:
+        """Pages to the left, questions to the right, help below."""
+        yield Told(id="pages")
+        with Vertical(id="asked"):
+            yield Told(id="intro")
+            # Not a scrollable widget of its own: page up and page down turn the pages.
+            with Container(id="form"):
+                yield Vertical(id="rows")
+                yield Fault(id="page-fault")
+            yield Told(id="help")
+
+    async def on_mount(self) -> None:
+        """Show the first page."""
+        await self.show_page(self.page)
+        self._judge_soon()
+
+    @property
+    def path(self) -> Path:
+        """Where the file is written."""
+        return Path(self.draft.answer(FILE)).expanduser()
+
+    def action_down(self) -> None:
+        """Go to the next field, or scroll where there is none."""
+        if self.page.name == "summary":
+            self.query_one("#form", Container).scroll_down(animate=False)
+        else:
+            self.screen.focus_next()
+
+    def action_up(self) -> None:
+        """Go to the field before, or scroll where there is none."""
+        if self.page.name == "summary":
+            self.query_one("#form", Container).scroll_up(animate=False)
+        else:
+            self.screen.focus_previous()
+
+    async def turn(self, by: int) -> None:
+        """Show the next page or the one before."""
+        await self.show_page(PAGES[min(max(PAGES.index(self.page) + by, 0), len(PAGES) - 1)])
+
+    async def show_page(self, page: Page) -> None:
+        """Show a page."""
+        await self._fill(page, "")
+
+    async def _fill(self, page: Page, key: str) -> None:
+        """Show a page with the focus on a question; empty for the first."""
+        self.page = page
+        rows = self.query_one("#rows", Vertical)
+        with self.app.batch_update():
+            await rows.remove_children()
+            if page.name == "summary":
+                await rows.mount(Told(id="summary"))
+            elif page.name == "reflector":
+                await rows.mount(ReflectorRows(self.draft.reflectors))
+            else:
+                await rows.mount_all(
+                    QuestionRow(
+                        question,
+                        self.draft.answer(question.key),
+                        question.default or default_text(question.key),
+                    )
+                    for question in self.draft.questions(page)
+                )
+        self.query_one("#intro", Told).tell(Content(page.intro))
+        self.query_one("#help", Told).tell(Content(HELP if page.name == "reflector" else ""))
+        self._show_faults()
+        self._focus(key)
+
+    async def add_reflector(self) -> None:
+        """Add a line for a reflector."""
+        for rows in self.query(ReflectorRows):
+            await rows.add()
+
+    async def remove_reflector(self) -> None:
+        """Take the line of a reflector away."""
+        for rows in self.query(ReflectorRows):
+            await rows.take_away()
+
+    async def judge(self) -> None:
+        """Have the model judge all answers, beside the screen."""
+        draft = copy.deepcopy(self.draft)
+        self.faults = await asyncio.to_thread(draft.faults)
+        if self.is_attached:
+            self._show_faults()
+
+    async def on_answered(self, event: Answered) -> None:
+        """Take an answer; other questions may follow from it."""
+        event.stop()
+        self.draft.give(event.key, event.text)
+        if event.key.endswith(_REBUILDING):
+            await self._fill(self.page, event.key)
+        self._judge_soon()
+
+    def on_reflector_rows_changed(self) -> None:
+        """Judge the reflectors anew."""
+        self._judge_soon()
+
+    def on_descendant_focus(self, event: DescendantFocus) -> None:
+        """Say what is asked where the focus is."""
+        row = next((one for one in event.widget.ancestors if isinstance(one, QuestionRow)), None)
+        if row is None:
+            return
+        question = row.question
+        told = [Content(question.help)]
+        if question.find_out and not self.draft.answer(question.key):
+            told.append(Content.assemble(("to find out: ", "$warning"), question.find_out))
+        self.query_one("#help", Told).tell(lines(*told))
+
+    def _focus(self, key: str) -> None:
+        for row in self.query(QuestionRow):
+            if not key or row.question.key == key:
+                self.call_after_refresh(row.field.focus)
+                return
+        if self.query(ReflectorRows):
+            self.call_after_refresh(self.query("ReflectorRows Input").first().focus)
+        elif self.page.name == "summary":
+            self.can_focus = True
+            self.focus()
+
+    def _judge_soon(self) -> None:
+        if self._judging is not None:
+            self._judging.stop()
+        self._judging = self.set_timer(_PAUSE_S, self._judge_now)
+
+    def _judge_now(self) -> None:
+        self.run_worker(self.judge(), group="judge", exclusive=True, exit_on_error=False)
+
+    def _show_faults(self) -> None:
+        mine = self.draft.page_faults(self.page, self.faults)
+        for row in self.query(QuestionRow):
+            row.tell_fault(mine.get(row.question.key, ""))
+        for rows in self.query(ReflectorRows):
+            rows.tell_faults(mine)
+        self.query_one("#page-fault", Fault).tell_fault(mine.get(self.page.name, ""))
+        self.query_one("#pages", Told).tell(lines(*(self._page_line(page) for page in PAGES)))
+        for summary in self.query("#summary").results(Told):
+            summary.tell(self._summary())
+
+    def _page_line(self, page: Page) -> Content:
+        wrong = self.draft.page_faults(page, self.faults)
+        sign, style = ("✗", "$error") if wrong else ("✓", "$success")
+        shown = page is self.page
+        return Content.assemble(
+            (f"{sign} ", style), "▸" if shown else " ", (page.title, "bold" if shown else "")
+        )
+
+    def _summary(self) -> Content:
+        told: list[Content] = [Content.assemble("file  ", (str(self.path), "bold"))]
+        for page in PAGES:
+            for key, text in self.draft.page_faults(page, self.faults).items():
+                told.append(Content.assemble(("✗ ", "$error"), f"{page.title}: {key}: {text}"))
+        if not self.faults:
+            told.append(Content.assemble(("✓ ", "$success"), "every check is passed: ctrl+s writes the file"))
+        for text in self.draft.to_find_out():
+            told.append(Content.assemble(("? ", "$warning"), text))
+        return lines(*told)

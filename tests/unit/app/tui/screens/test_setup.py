@@ -1,0 +1,370 @@
+"""The screen Set-up: from nothing to a cell file that loads, by keys."""
+
+import json
+from pathlib import Path
+from typing import Any
+
+import pytest
+from textual.pilot import Pilot
+from textual.widgets import Input, Select
+
+from app.cell.load import load_cell
+from app.cell.template import TEMPLATE
+from app.cell.wizard.pages import PAGES
+from app.tui.app import CatseyeApp
+from app.tui.dialogs.confirm_dialog import ConfirmDialog
+from app.tui.dialogs.error_dialog import ErrorDialog
+from app.tui.dialogs.form_dialog import FormDialog
+from app.tui.screens.setup import SetupScreen
+from app.tui.setup.device_test import DeviceTest
+from app.tui.setup.question_row import QuestionRow
+from app.tui.setup.wizard import Wizard
+from app.tui.work import Done
+from tests.unit.app.tui.scripted import ScriptedLink, compare, make_app, shown, work_of
+
+ENDPOINTS = {
+    "robot.endpoint": "tcp://192.168.0.20:10001",
+    "interferometer.endpoint": "serial:///dev/ttyUSB0?baud=9600",
+    "environment.endpoint": "tcp://192.168.0.30:502",
+}
+
+
+@pytest.fixture(autouse=True)
+def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+def first_start() -> tuple[CatseyeApp, ScriptedLink]:
+    link = ScriptedLink()
+    link.picture.lost("there is no cell file yet: set one up (F10), or try the demo")
+    link.cell = None
+    app = make_app(link, "setup")
+    app.session.cell = None
+    return app, link
+
+
+async def settled(app: CatseyeApp, pilot: Pilot[Any]) -> str:
+    await pilot.pause()
+    await app.workers.wait_for_complete()
+    return await shown(app, pilot)
+
+
+async def judged(app: CatseyeApp, pilot: Pilot[Any]) -> str:
+    await app.screen_stack[0].query_one(Wizard).judge()
+    return await shown(app, pilot)
+
+
+def wizard_of(app: CatseyeApp) -> Wizard:
+    return app.screen_stack[0].query_one(Wizard)
+
+
+async def begin(app: CatseyeApp, pilot: Pilot[Any]) -> Wizard:
+    await pilot.press("w")
+    await settled(app, pilot)
+    return wizard_of(app)
+
+
+async def to_page(app: CatseyeApp, pilot: Pilot[Any], name: str) -> None:
+    await wizard_of(app).show_page(next(page for page in PAGES if page.name == name))
+    app.screen.refresh_bindings()
+    await settled(app, pilot)
+
+
+async def type_answer(app: CatseyeApp, pilot: Pilot[Any], key: str, text: str) -> None:
+    row = next(row for row in wizard_of(app).query(QuestionRow) if row.question.key == key)
+    row.field.focus()
+    await pilot.press("end", "ctrl+u", *text)
+    await pilot.pause()
+
+
+async def answer_all(app: CatseyeApp, pilot: Pilot[Any]) -> None:
+    await type_answer(app, pilot, "name", "lab-7")
+    for key, text in ENDPOINTS.items():
+        await to_page(app, pilot, key.partition(".")[0])
+        await type_answer(app, pilot, key, text)
+
+
+@pytest.mark.parametrize("size", [(80, 24), (120, 40)])
+async def test_first_start(size: tuple[int, int]) -> None:
+    app, _ = first_start()
+    async with app.run_test(size=size) as pilot:
+        compare(f"setup_start_{size[0]}x{size[1]}", await shown(app, pilot))
+
+
+@pytest.mark.parametrize("size", [(80, 24), (120, 40)])
+@pytest.mark.parametrize("page", ["robot", "interferometer", "reflector", "summary"])
+async def test_pages(size: tuple[int, int], page: str) -> None:
+    app, _ = first_start()
+    async with app.run_test(size=size) as pilot:
+        await begin(app, pilot)
+        await to_page(app, pilot, page)
+        # The cursor blinks by a clock of its own.
+        for field in app.screen.query(Input):
+            field.cursor_blink = False
+        compare(f"setup_{page}_{size[0]}x{size[1]}", await judged(app, pilot))
+
+
+@pytest.mark.parametrize("size", [(60, 20), (100, 30), (200, 60)])
+async def test_other_sizes(size: tuple[int, int]) -> None:
+    app, _ = first_start()
+    async with app.run_test(size=size) as pilot:
+        await begin(app, pilot)
+        for page in PAGES:
+            await to_page(app, pilot, page.name)
+            assert page.intro in await shown(app, pilot)
+
+
+async def test_from_nothing_to_a_cell_file(folder: Path) -> None:
+    app, link = first_start()
+    async with app.run_test(size=(80, 24)) as pilot:
+        await begin(app, pilot)
+        await answer_all(app, pilot)
+        await pilot.press("ctrl+s")
+        await settled(app, pilot)
+        cell = load_cell(folder / "cell.toml").cell
+        assert (cell.name, cell.robot.endpoint) == ("lab-7", ENDPOINTS["robot.endpoint"])
+        assert "# the program never drives faster" in (folder / "cell.toml").read_text(encoding="utf-8")
+        assert work_of(app).done == [("config", "validate", "cell.toml")]
+        assert link.cell == app.session.cell == folder / "cell.toml"
+        assert not app.screen_stack[0].has_class("wizard")
+
+
+async def test_what_is_wrong_stands_beside_the_field_and_is_not_written(folder: Path) -> None:
+    app, _ = first_start()
+    async with app.run_test(size=(80, 24)) as pilot:
+        await begin(app, pilot)
+        await answer_all(app, pilot)
+        await to_page(app, pilot, "robot")
+        await type_answer(app, pilot, "robot.link1_mm", "-1")
+        assert "✗ Input should be greater than 0, not -1" in await judged(app, pilot)
+        await pilot.press("ctrl+s")
+        text = await settled(app, pilot)
+        assert "Robot: robot.link1_mm" in text
+        assert not (folder / "cell.toml").exists()
+
+
+async def test_a_driver_brings_its_own_questions() -> None:
+    app, _ = first_start()
+    async with app.run_test(size=(120, 40)) as pilot:
+        await begin(app, pilot)
+        await to_page(app, pilot, "interferometer")
+        assert "Profile" in await shown(app, pilot)
+        row = next(r for r in wizard_of(app).query(QuestionRow) if r.question.key == "interferometer.driver")
+        row.query_one(Select).value = "attocube-ids"
+        await settled(app, pilot)
+        text = await settled(app, pilot)
+        assert "dialect" in text
+        assert "Profile" not in text
+
+
+async def test_reflectors_are_added_and_taken_away() -> None:
+    app, _ = first_start()
+    async with app.run_test(size=(80, 24)) as pilot:
+        await begin(app, pilot)
+        await to_page(app, pilot, "reflector")
+        await pilot.press("ctrl+r")
+        await pilot.pause()
+        await pilot.press(*"12", "tab", *"-3")
+        await pilot.pause()
+        names = [one["name"] for one in wizard_of(app).draft.reflectors]
+        assert names == ["P1", "P2", "P3", "P4"]
+        assert wizard_of(app).draft.reflectors[-1] == {
+            "name": "P4",
+            "x_mm": "12",
+            "y_mm": "-3",
+            "facing_deg": "",
+        }
+        await pilot.press("ctrl+y")
+        await pilot.pause()
+        assert [one["name"] for one in wizard_of(app).draft.reflectors] == ["P1", "P2", "P3"]
+
+
+async def test_a_device_is_asked_who_it_is() -> None:
+    app, link = first_start()
+    found = {
+        "device": "robot",
+        "endpoint": ENDPOINTS["robot.endpoint"],
+        "ok": False,
+        "identity": "RH-3FRH5515 F2",
+        "simulated": False,
+        "status": ["servo off, override 10 %"],
+        "advice": ["alarm 60: reset it"],
+    }
+    work_of(app).outcomes["doctor"] = Done(
+        (), 3, json.dumps({"cell": "x", "devices": [found]}), "catseye: no"
+    )
+    async with app.run_test(size=(80, 24)) as pilot:
+        await begin(app, pilot)
+        await to_page(app, pilot, "robot")
+        await pilot.press("ctrl+t")
+        await settled_but_dialogs(app, pilot)
+        assert not isinstance(app.screen, DeviceTest)  # its endpoint is not known yet
+        await type_answer(app, pilot, "robot.endpoint", ENDPOINTS["robot.endpoint"])
+        await pilot.press("ctrl+t")
+        await settled_but_dialogs(app, pilot)
+        assert isinstance(app.screen, DeviceTest)
+        assert work_of(app).done[-1][0] == "doctor"
+        assert work_of(app).done[-1][2:] == ("--device", "robot", "--json")
+        text = await shown(app, pilot)
+        for part in ("RH-3FRH5515 F2", "servo off", "→ alarm 60: reset it"):
+            assert part in text
+        await pilot.press("c")
+        assert "alarm 60" in app.clipboard
+        await pilot.press("r")
+        await settled_but_dialogs(app, pilot)
+        assert len(work_of(app).done) == 2
+        await pilot.press("escape")
+        await settled(app, pilot)
+        assert [one["on"] for one in link.asked if one["op"] == "watch"] == [False, True]
+
+
+async def settled_but_dialogs(app: CatseyeApp, pilot: Pilot[Any]) -> None:
+    """Wait for everything but workers that wait for a dialog."""
+    for _ in range(400):
+        await pilot.pause(0.005)
+        busy = [one for one in app.workers if one.group in {"look", "judge"} and not one.is_finished]
+        waiting = [one for one in app.workers if one.group in {"test", "save"} and not one.is_finished]
+        if not busy and (not waiting or isinstance(app.screen, (DeviceTest, ConfirmDialog))):
+            break
+    await pilot.pause()
+
+
+async def test_an_existing_file_is_not_replaced_unasked(folder: Path) -> None:
+    app, _ = first_start()
+    (folder / "other.toml").write_text("mine", encoding="utf-8")
+    async with app.run_test(size=(80, 24)) as pilot:
+        await begin(app, pilot)
+        await type_answer(app, pilot, "file", "other.toml")
+        await answer_all(app, pilot)
+        await pilot.press("ctrl+s")
+        await settled_but_dialogs(app, pilot)
+        assert isinstance(app.screen, ConfirmDialog)
+        await pilot.press("escape")
+        await settled(app, pilot)
+        assert (folder / "other.toml").read_text(encoding="utf-8") == "mine"
+        await pilot.press("ctrl+s")
+        await settled_but_dialogs(app, pilot)
+        await pilot.press("y")
+        await settled(app, pilot)
+        assert load_cell(folder / "other.toml").cell.name == "lab-7"
+
+
+async def test_a_file_is_changed_and_keeps_its_comments(folder: Path) -> None:
+    path = folder / "mine.toml"
+    path.write_text(
+        TEMPLATE.replace("# the program never drives faster", "# ask Ada first"), encoding="utf-8"
+    )
+    link = ScriptedLink({"cell": str(path)})
+    app = make_app(link, "setup", cell=path)
+    async with app.run_test(size=(80, 24)) as pilot:
+        await pilot.press("c")
+        await settled(app, pilot)
+        await to_page(app, pilot, "robot")
+        await type_answer(app, pilot, "robot.override_cap_percent", "7")
+        await pilot.press("ctrl+s")
+        await settled_but_dialogs(app, pilot)
+        await pilot.press("y")
+        await settled(app, pilot)
+        assert load_cell(path).cell.robot.override_cap_percent == 7
+        assert "# ask Ada first" in path.read_text(encoding="utf-8")
+        # The idle engine reads the file when it starts: it is started anew.
+        assert link.asked[-1]["op"] == "shutdown"
+
+
+async def test_comments_that_cannot_be_kept_are_told_and_the_file_is_left(folder: Path) -> None:
+    path = folder / "mine.toml"
+    start, end = TEMPLATE.index("[robot.limits_deg]"), TEMPLATE.index("[interferometer]")
+    dotted = TEMPLATE[:start] + "limits_deg.j1 = [-170.0, 170.0]\n\n" + TEMPLATE[end:]
+    path.write_text(dotted, encoding="utf-8")
+    app = make_app(ScriptedLink(), "setup", cell=path)
+    async with app.run_test(size=(80, 24)) as pilot:
+        await pilot.press("c")
+        await settled(app, pilot)
+        await to_page(app, pilot, "robot")
+        await type_answer(app, pilot, "robot.limits_deg.j1", "-100 100")
+        await pilot.press("ctrl+s")
+        await settled_but_dialogs(app, pilot)
+        assert "cannot be kept" in " ".join((await shown(app, pilot)).split())
+        await pilot.press("y")
+        await settled_but_dialogs(app, pilot)
+        assert path.read_text(encoding="utf-8") == dotted
+        assert load_cell(folder / "mine-new.toml").cell.robot.limits_deg.j1 == [-100.0, 100.0]
+
+
+async def test_a_file_that_is_no_cell_is_told(folder: Path) -> None:
+    path = folder / "mine.toml"
+    path.write_text("a = 1\n", encoding="utf-8")
+    app = make_app(ScriptedLink(), "setup", cell=path)
+    async with app.run_test(size=(80, 24)) as pilot:
+        await pilot.press("c")
+        await settled(app, pilot)
+        assert isinstance(app.screen, ErrorDialog)
+        assert "not a cell file" in await shown(app, pilot)
+
+
+async def test_a_cell_file_is_opened_and_an_engine_of_another_one_asked_about(folder: Path) -> None:
+    path = folder / "mine.toml"
+    path.write_text(TEMPLATE, encoding="utf-8")
+    link = ScriptedLink()
+    app = make_app(link, "setup")
+    async with app.run_test(size=(80, 24)) as pilot:
+        await pilot.press("o")
+        await pilot.pause()
+        assert isinstance(app.screen, FormDialog)
+        app.screen.query_one(Input).value = str(path)
+        await pilot.press("enter")
+        await settled(app, pilot)
+        assert isinstance(app.screen, ConfirmDialog)
+        await pilot.press("y")
+        await settled(app, pilot)
+        assert link.cell == path
+        assert link.asked[-1]["op"] == "shutdown"
+
+
+async def test_a_cell_file_with_faults_is_not_used() -> None:
+    link = ScriptedLink()
+    app = make_app(link, "setup")
+    work_of(app).outcomes["config"] = Done(
+        (), 2, "", "catseye: the cell file cannot be used:\n  x.toml:3: name"
+    )
+    async with app.run_test(size=(80, 24)) as pilot:
+        await pilot.press("o")
+        await pilot.pause()
+        await pilot.press("enter")
+        await settled(app, pilot)
+        assert isinstance(app.screen, ErrorDialog)
+        assert "x.toml:3: name" in await shown(app, pilot)
+        assert [one["op"] for one in link.asked if one["op"] == "shutdown"] == []
+
+
+async def test_the_demo_runs_and_shows_results() -> None:
+    app, _ = first_start()
+    work_of(app).outcomes["demo"] = Done((), 0, json.dumps({"report": "catseye-demo/report.html"}), "")
+    async with app.run_test(size=(80, 24)) as pilot:
+        await pilot.press("d")
+        await settled(app, pilot)
+        assert work_of(app).done == [("demo", "--out", "catseye-demo", "--json")]
+        assert app.current_mode == "results"
+
+
+async def test_answers_are_kept_when_the_questions_are_left() -> None:
+    app, _ = first_start()
+    async with app.run_test(size=(80, 24)) as pilot:
+        await begin(app, pilot)
+        await type_answer(app, pilot, "name", "lab-7")
+        await pilot.press("pagedown", "pageup", "escape")
+        assert "half-way" in await shown(app, pilot)
+        await begin(app, pilot)
+        assert wizard_of(app).draft.answer("name") == "lab-7"
+
+
+async def test_the_palette_has_every_key() -> None:
+    app, _ = first_start()
+    async with app.run_test(size=(80, 24)) as pilot:
+        await shown(app, pilot)
+        screen = app.screen
+        assert isinstance(screen, SetupScreen)
+        actions = {binding.action for binding in screen.BINDINGS}  # type: ignore[union-attr]  # all are Binding
+        offered = {command.callback.__name__.removeprefix("action_") for command in screen.commands()}
+        assert actions == offered
