@@ -68,6 +68,7 @@ class Seen:
 
     run: Message = field(default_factory=dict)
     state: Message = field(default_factory=dict)
+    step: Message | None = None
     prompt: Message | None = None
     progress: Message | None = None
     live: Message | None = None
@@ -81,6 +82,10 @@ class Seen:
                 self.live = event
             case "state" if "kind" not in event:
                 self.state = event
+            case "step-started":
+                self.step = event
+            case "step-done":
+                self.step = None
             case "prompt":
                 self.prompt = event
             case "answer" | "run-ended":
@@ -307,6 +312,7 @@ class Hub:
             "simulated": run.simulated if run else None,
             "state": state,
             "reason": seen.state.get("reason") if run else None,
+            "step": seen.step if run else None,
             "prompt": seen.prompt if run else None,
             "progress": seen.progress if run else None,
             "live": seen.live if run else None,

@@ -183,7 +183,7 @@ class RunPicture:
         run.state, run.reason = str(snapshot["state"]), str(snapshot.get("reason") or "")
         run.active = run.state not in _ENDED
         run.prompt, run.prompt_at_s = snapshot.get("prompt"), now_s
-        for part in ("progress", "live"):
+        for part in ("step", "progress", "live"):
             if isinstance(seen := snapshot.get(part), dict):
                 run.take(seen, now_s)
         return run
@@ -202,13 +202,14 @@ class RunPicture:
             if step_id not in self.steps or step.stored:
                 self.steps[step_id] = step
         seen = {row["step"] for row in self.points}
-        before = [row for row in so_far.points if row["step"] not in seen]
-        self.points.extendleft(reversed(before))
+        self.points.extendleft(row for row in reversed(so_far.points) if row["step"] not in seen)
         self.points_seen = max(self.points_seen, so_far.point_count)
         known = [each for each in so_far.map_known if each not in self.map_known]
         self.map_known.extendleft(reversed(known))
         first = self.log[0].t if self.log else ""
-        self.log.extendleft(line for line in reversed(so_far.log) if not first or line.t < first)
+        lately = {(line.t[:19], line.text) for line in self.log}
+        before = [line for line in so_far.log if not first or line.t < first]
+        self.log.extendleft(line for line in reversed(before) if (line.t[:19], line.text) not in lately)
         self.recorded, self.command = True, so_far.command
 
     def lost_sight(self) -> None:

@@ -252,6 +252,7 @@ class Recovery:
             choices=("retry", "skip", "stop"),
             safe_answer="stop",
             task={"do": "clear-beam"},
+            motion=True,
         )
         answer = await self._ctx.ask(prompt)
         if answer == "stop" or (answer == "retry" and number >= _MOST_QUESTIONS):

@@ -227,8 +227,9 @@ class ReflectorCampaign:
                 f"place/{self._name}",
                 "confirm",
                 f"Put the reflector into nest {self._name} at x {reflector.x_mm:.0f} mm, y {reflector.y_mm:.0f} mm, "
-                f"facing {reflector.facing_deg:.0f}°, and clamp it.",
+                f"facing {reflector.facing_deg:.0f}°, clamp it, step back, then confirm.",
                 task={"do": "place-reflector", "reflector": self._name},
+                motion=True,
             )
         )
         if answer != "yes":

@@ -44,7 +44,7 @@ class ProceduresScreen(MainScreen):
     ProceduresScreen #buttons { height: 1; }
     ProceduresScreen #buttons Button { height: 1; min-width: 15; border: none; margin-right: 1; }
     ProceduresScreen #buttons Told { width: 1fr; color: $text-muted; }
-    ProceduresScreen #totals { height: auto; max-height: 6; }
+    ProceduresScreen #totals { height: auto; max-height: 7; }
     ProceduresScreen #head-line { height: 1; color: $primary; }
     ProceduresScreen #table { height: 1fr; scrollbar-size: 1 1; background: $background; }
     ProceduresScreen.-low.rehearsal #needs { display: none; }
@@ -414,8 +414,8 @@ def _totals(rehearsal: Rehearsal) -> Content:
     told += [Content.styled(f"! {text}", "$warning") for text in rehearsal.warnings]
     if rehearsal.questions:
         asked = rehearsal.questions
-        more = f" and {len(asked) - 1} more" if len(asked) > 1 else ""
-        told.append(Content(f"? {asked[0]}{more}"))
+        count = "1 question" if len(asked) == 1 else f"{len(asked)} questions, the first"
+        told.append(Content(f"? {count}: {asked[0]}"))
     return lines(*told)
 
 

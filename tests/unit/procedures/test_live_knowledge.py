@@ -162,6 +162,8 @@ async def test_a_single_reflector_is_asked_for_before_it_is_needed() -> None:
     await ran(carried(), context)
     assert [prompt.id for prompt in context.prompts] == ["place/P1", "place/P2"]
     for prompt, name in zip(context.prompts, ("P1", "P2"), strict=True):
+        # Hands are at the nest, and the arm goes there next.
+        assert prompt.motion
         assert prompt.kind == "confirm"
         assert prompt.text.startswith(f"Put the reflector into nest {name} at x ")
         assert prompt.task == {"do": "place-reflector", "reflector": name}

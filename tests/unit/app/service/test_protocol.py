@@ -105,6 +105,9 @@ async def test_nothing_but_safety_is_done_for_a_client_that_did_not_say_hello() 
 async def test_hello_is_said_once_and_answered_with_the_state_of_things() -> None:
     async with ServiceBench().running() as bench:
         bench.publish("run-started", procedure="script", title="Scripted")
+        bench.publish("step-started", step="a", title="first", attempt=1)
+        bench.publish("step-done", step="a", title="first", stored=False)
+        bench.publish("step-started", step="b", title="second", attempt=1)
         bench.publish("progress", done=1.0, total=4.0, text="x", elapsed_s=1.0, remaining_s=3.0)
         bench.publish("state", state="EXECUTE", kind="live", data={"name": "offset", "value": 0.1})
         bench.publish("prompt", id="door", kind="confirm", text="Close the door.", motion=False)
@@ -113,6 +116,7 @@ async def test_hello_is_said_once_and_answered_with_the_state_of_things() -> Non
             assert (seen["run"], seen["procedure"], seen["state"]) == ("run-1", "script", "EXECUTE")
             assert seen["simulated"] is True
             assert seen["prompt"]["id"] == "door"
+            assert seen["step"]["title"] == "second"
             assert seen["progress"]["done"] == 1.0
             assert seen["live"]["data"]["value"] == 0.1
             assert seen["control"] is None

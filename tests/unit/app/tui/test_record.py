@@ -131,3 +131,13 @@ def test_a_live_value_remembers_its_band() -> None:
         data = {"name": "innovation", "value": value, "unit": "µm", "low": -5.0, "high": 5.0, "text": ""}
         tell(run, "state", kind="live", data=json.loads(json.dumps(data)))
     assert [seen.accepted for seen in run.live["innovation"].history] == [True, False]
+
+
+def test_a_client_that_comes_later_knows_the_step_under_way() -> None:
+    step = {"event": "step-started", "run": RUN, "t": "", "step": "P1/0003", "title": "third"}
+    snapshot = {"run": RUN, "procedure": "open-loop", "title": "Open loop", "state": "EXECUTE", "step": step}
+    run = RunPicture.of_snapshot(snapshot, 5.0)
+    run.take_record(so_far(steps=[("P1/0002", "second")]))
+    assert run.current is not None
+    assert run.current.title == "third"
+    assert list(run.steps) == ["P1/0002", "P1/0003"]
