@@ -187,6 +187,11 @@ class JogMachine(RuleBasedStateMachine):
             self.arm.state, alarm_number=number, alarm_text="collision" if number else ""
         )
 
+    @rule(answer_s=st.sampled_from([0.002, 0.02, 0.08]), speed_deg_s=st.sampled_from([2.0, 15.0, 21.0]))
+    def another_pace(self, answer_s: float, speed_deg_s: float) -> None:
+        """The controller answers faster or slower from now on; its next motion is faster or slower."""
+        self.arm.answer_s, self.arm.speed_deg_s = answer_s, speed_deg_s
+
     def look(self) -> None:
         """Check the arm at this moment."""
         self.arm.settle()
