@@ -41,6 +41,7 @@ class RawLink:
         self._transport: Transport | None = None
         self._reason = ""
         self._given_back = False
+        self._moves = False
         self._task = asyncio.create_task(self._serve())
 
     def add_done_callback(self, done: Callable[["RawLink"], None]) -> None:
@@ -96,8 +97,8 @@ class RawLink:
             self.begun.set_exception(refusal_of(error))
             return
         self._bench.tell("raw", device=self.device, on=False, by=self._who, reason=self._reason)
-        if self.device == ROBOT and not self._given_back:
-            await self._stop_robot()
+        if self._moves and not self._given_back:
+            await self._stop_what_moves()
 
     async def _pass_bytes(self) -> None:
         facts = await self._bench.facts()
@@ -124,15 +125,19 @@ class RawLink:
                 f"arm names {self._arm!r} and the cell is {facts.cell!r}: nothing was opened; check which robot it is"
             )
         identity = self._bench.identities().get(device.name)
-        moves = device.name == ROBOT or device.driver.startswith("melfa-")
-        if moves and self._arm is None and (identity is None or not identity.simulated):
+        self._moves = device.name == ROBOT or device.driver.startswith("melfa-")
+        if self._moves and self._arm is None and (identity is None or not identity.simulated):
             raise UsageError(
                 f"what is sent to {device.name} may move the arm: type the cell's name to let it pass, "
                 f"--arm {facts.cell}"
             )
 
-    async def _stop_robot(self) -> None:
+    async def _stop_what_moves(self) -> None:
         """Stop what was started by hand: whoever started it is gone."""
+        if self.device != ROBOT:
+            text = f"what was started at {self.device} goes on, and is not stopped from here: look at it"
+            self._bench.tell("warning", text=text, data={})
+            return
         try:
             async with self._bench.lender.lent() as devices:
                 report = await halt(devices.robot, self._bench.clock, HaltLimits(), lambda: None)

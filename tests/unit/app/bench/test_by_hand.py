@@ -2,12 +2,14 @@
 
 import asyncio
 from collections.abc import Awaitable, Callable
+from dataclasses import replace
 from typing import Any
 
 import pytest
 
 from app.bench import raw_link
 from app.bench.by_hand import ByHand
+from app.bench.facts import DeviceFacts
 from app.exitcode import ExitCode
 from app.service.errors import RefusedError
 from app.service.hub import Hub, Member
@@ -317,6 +319,23 @@ def test_a_robot_whose_client_is_gone_is_stopped_when_its_driver_has_it_back(
     engine = played(script, monkeypatch)
     assert engine.arm.said("stop") == ["stop"]
     assert engine.fixture.events("warning") == []
+
+
+def test_another_robot_of_the_cell_is_warned_about(monkeypatch: pytest.MonkeyPatch) -> None:
+    async def script(engine: Engine) -> None:
+        second = DeviceFacts("second", "memory://second", "melfa-r3")
+        facts = engine.fixture.facts_now
+        engine.fixture.facts_now = replace(facts, devices=(*facts.devices, second))
+        with pytest.raises(RefusedError, match="what is sent to second may move the arm"):
+            await engine.raw("second")
+        await asyncio.sleep(0)
+        await engine.raw("second", arm="lab-1")
+        engine.hub.leave(engine.ada, "it closed the connection")
+        await asyncio.sleep(0.1)
+
+    engine = played(script, monkeypatch)
+    assert engine.arm.log == []
+    assert "what was started at second goes on" in str(engine.fixture.events("warning")[0]["text"])
 
 
 @pytest.mark.parametrize("word", ["stop", "abort"])
