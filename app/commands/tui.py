@@ -4,7 +4,7 @@ import sys
 import tomllib
 from pathlib import Path
 
-from app.errors import UsageError
+from app.errors import ConfigError, UsageError
 from app.runs_folder import runs_folder
 
 
@@ -20,14 +20,25 @@ def tui_command(cell: Path | None, runs: Path | None, speed: float) -> None:
     from app.tui.work import Commands
     from drivers.clock import SystemClock
 
-    keymap = read_keymap(keys_file())
+    keymap: dict[str, str] = {}
+    trouble: tuple[str, str] | None = None
+    try:
+        keymap = read_keymap(keys_file())
+    except ConfigError as error:
+        trouble = ("Your keys are not used, those of the program are", str(error))
     clock, root = SystemClock(), runs_folder(runs)
     found = cell if cell is not None else _only_cell(Path())
     if cell is not None and not cell.is_file():
-        raise UsageError(f"{cell}: there is no such file; write one with catseye init {cell}")
+        raise UsageError(
+            f"{cell}: there is no such file; write one with catseye init {cell}, or without --cell"
+        )
+    if cell is not None and not _is_cell(cell):
+        raise UsageError(
+            f'{cell}: not a cell file: its first key is format = "catseye-cell/1"; see catseye init'
+        )
     link = EngineLink(root, found, clock)
     session = Session(link, Commands(), root, found, clock.monotonic_s, speed)
-    code = CatseyeApp(session, keymap, "bench" if found is not None else "setup").run()
+    code = CatseyeApp(session, keymap, "bench" if found is not None else "setup", trouble).run()
     sys.exit(code or 0)
 
 
@@ -39,7 +50,7 @@ def _only_cell(folder: Path) -> Path | None:
 
 def _is_cell(path: Path) -> bool:
     try:
-        table = tomllib.loads(path.read_text(encoding="utf-8"))
+        table = tomllib.loads(path.read_text(encoding="utf-8-sig"))
     except (OSError, ValueError):
         return False
     return str(table.get("format", "")).startswith("catseye-cell/")

@@ -10,11 +10,13 @@ from textual.app import App, SystemCommand
 from textual.binding import Binding, BindingType
 from textual.screen import Screen
 
+from app.tui.cell_change import look_at_cell
 from app.tui.dialogs.error_dialog import ErrorDialog
 from app.tui.dialogs.quit_dialog import Choice, QuitDialog
 from app.tui.places import PLACES, make_screen
 from app.tui.screens.base import MainScreen
 from app.tui.session import Session
+from app.tui.start_checks import tell_what_is_wrong
 from app.tui.themes import THEMES
 
 _REFRESH_S: Final = 0.2
@@ -30,6 +32,7 @@ class CatseyeApp(App[int]):
         session: link, work and places.
         keymap: a user's keys by the name of what they do.
         place: screen that is shown first.
+        trouble: title and text of what went wrong before; told at once.
     """
 
     TITLE = "catseye"
@@ -51,9 +54,18 @@ class CatseyeApp(App[int]):
         ),
     ]
 
-    def __init__(self, session: Session, keymap: dict[str, str] | None = None, place: str = "bench") -> None:
+    def __init__(
+        self,
+        session: Session,
+        keymap: dict[str, str] | None = None,
+        place: str = "bench",
+        trouble: tuple[str, str] | None = None,
+    ) -> None:
         super().__init__()
         self.session = session
+        self._keymap_names = frozenset(keymap or {})
+        self._trouble = trouble
+        self._known_facts: dict[str, Any] = {}
         self._first = place
         self._ended = asyncio.Event()
         self._link_task: asyncio.Task[None] | None = None
@@ -74,6 +86,9 @@ class CatseyeApp(App[int]):
             loop.add_signal_handler(number, self._signalled, number)
         self._link_task = asyncio.create_task(self.session.link.serve(self._note_change))
         self.set_interval(_REFRESH_S, self._show_changes)
+        if self._trouble is not None:
+            self.tell_error(*self._trouble)
+        self.keep(tell_what_is_wrong(self, self._keymap_names))
 
     async def on_unmount(self) -> None:
         """Let the engine go; without a word of release it does what `on_client_lost` says."""
@@ -257,10 +272,14 @@ class CatseyeApp(App[int]):
         self.exit(128 + number)
 
     def _note_change(self) -> None:
-        if self.session.link.picture.running:
+        picture = self.session.link.picture
+        if picture.running:
             self._ended.clear()
         else:
             self._ended.set()
+        if picture.connected and picture.facts is not self._known_facts:
+            self._known_facts = picture.facts
+            look_at_cell(self)
 
     def _show_changes(self) -> None:
         """Paint the screen; ages grow also when nothing comes."""

@@ -73,13 +73,14 @@ async def to_page(app: CatseyeApp, pilot: Pilot[Any], name: str) -> None:
 
 async def type_answer(app: CatseyeApp, pilot: Pilot[Any], key: str, text: str) -> None:
     row = next(row for row in wizard_of(app).query(QuestionRow) if row.question.key == key)
-    row.field.focus()
-    await pilot.press("end", "ctrl+u", *text)
+    field = row.field
+    assert isinstance(field, Input)
+    field.value = text
     await pilot.pause()
 
 
 async def answer_all(app: CatseyeApp, pilot: Pilot[Any]) -> None:
-    await type_answer(app, pilot, "name", "lab-7")
+    await pilot.press("down", *"lab-7")
     for key, text in ENDPOINTS.items():
         await to_page(app, pilot, key.partition(".")[0])
         await type_answer(app, pilot, key, text)

@@ -1,0 +1,90 @@
+"""What a start tells of keys and cell files that cannot be used, and the engine of another cell."""
+
+from pathlib import Path
+
+import pytest
+
+from app.cell.template import TEMPLATE
+from app.commands import tui
+from app.errors import UsageError
+from app.tui.app import CatseyeApp
+from app.tui.dialogs.confirm_dialog import ConfirmDialog
+from app.tui.dialogs.error_dialog import ErrorDialog
+from app.tui.key_table import key_table
+from app.tui.session import Session
+from app.tui.start_checks import cell_fault, unknown_names
+from tests.unit.app.tui.scripted import ScriptedLink, ScriptedWork, make_app, shown
+
+
+def test_unknown_names_are_told_with_the_nearest() -> None:
+    assert unknown_names(frozenset({"go.jog", "run.hold"})) == ""
+    told = unknown_names(frozenset({"go.jogg", "run.hold"}))
+    assert "go.jogg: no such name; did you mean go.jog?" in told
+    assert "run.hold" not in told
+
+
+def test_a_cell_file_is_judged_by_its_model(tmp_path: Path) -> None:
+    path = tmp_path / "cell.toml"
+    assert cell_fault(path) == ""
+    path.write_text(TEMPLATE, encoding="utf-8")
+    assert cell_fault(path) == ""
+    path.write_text(TEMPLATE.replace("link1_mm = 325.0", "link1_mm = -1"), encoding="utf-8")
+    assert "robot.link1_mm" in cell_fault(path)
+
+
+def test_names_belong_to_one_action_within_a_screen() -> None:
+    places = [(key.where, key.name, key.keys) for key in key_table()]
+    assert len(places) == len(set(places))
+
+
+async def test_trouble_before_the_start_is_told_in_a_dialog() -> None:
+    link = ScriptedLink()
+    session = Session(link, ScriptedWork(), Path("runs"), Path("/bench/cell.toml"), lambda: link.now_s)
+    app = CatseyeApp(session, {"go.jogg": "f5"}, "bench", ("Your keys are not used", "keys.toml: wrong"))
+    async with app.run_test(size=(80, 24)) as pilot:
+        for _ in range(200):
+            await pilot.pause(0.01)
+            if len([one for one in app.screen_stack if isinstance(one, ErrorDialog)]) == 2:
+                break
+        assert "did you mean go.jog?" in await shown(app, pilot)
+        await pilot.press("escape")
+        assert "Your keys are not used" in await shown(app, pilot)
+
+
+async def test_an_engine_of_another_cell_is_asked_about(tmp_path: Path) -> None:
+    cell = tmp_path / "cell.toml"
+    cell.write_text(TEMPLATE, encoding="utf-8")
+    link = ScriptedLink()
+    app = make_app(link, cell=cell)
+    async with app.run_test(size=(80, 24)) as pilot:
+        await shown(app, pilot)
+        assert isinstance(app.screen, ConfirmDialog)
+        await pilot.press("escape")
+        await pilot.pause()
+        assert app.session.cell == Path("/bench/cell.toml")
+        assert [one for one in link.asked if one["op"] == "shutdown"] == []
+
+
+async def test_an_engine_of_another_cell_is_left_alone_during_a_run(tmp_path: Path) -> None:
+    cell = tmp_path / "cell.toml"
+    cell.write_text(TEMPLATE, encoding="utf-8")
+    link = ScriptedLink(
+        {"run": "20261121T090000Z_open-loop_abc123", "procedure": "open-loop", "title": "Open loop"}
+    )
+    app = make_app(link, cell=cell)
+    async with app.run_test(size=(80, 24)) as pilot:
+        await shown(app, pilot)
+        assert not isinstance(app.screen, ConfirmDialog)
+
+
+@pytest.mark.parametrize(("text", "fault"), [(None, "no such file"), ("a = 1\n", "not a cell file")])
+def test_a_wrong_cell_option_is_refused(
+    tmp_path: Path, text: str | None, fault: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    path = tmp_path / "cell.toml"
+    if text is not None:
+        path.write_text(text, encoding="utf-8")
+    for stream in ("stdin", "stdout", "stderr"):
+        monkeypatch.setattr(f"sys.{stream}.isatty", lambda: True, raising=False)
+    with pytest.raises(UsageError, match=fault):
+        tui.tui_command(path, tmp_path / "runs", 1.0)
