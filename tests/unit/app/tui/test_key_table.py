@@ -1,0 +1,31 @@
+"""docs/terminal-ui.md lists every key of the program."""
+
+import os
+import re
+from pathlib import Path
+
+from app.tui.key_table import key_table, key_table_markdown
+from app.tui.places import PLACES
+
+PAGE = Path(__file__).parents[4] / "docs" / "terminal-ui.md"
+PART = re.compile(r"(<!-- keys: [^>]*-->\n).*?(<!-- end of keys -->)", re.DOTALL)
+
+
+def test_the_page_lists_every_key() -> None:
+    """CATSEYE_RENEW_SCREENS=1 writes the table anew."""
+    text = PAGE.read_text(encoding="utf-8")
+    table = f"{key_table_markdown()}\n"
+    if os.environ.get("CATSEYE_RENEW_SCREENS"):
+        text = PART.sub(lambda found: f"{found[1]}{table}{found[2]}", text)
+        PAGE.write_text(text, encoding="utf-8")
+    found = PART.search(text)
+    assert found is not None
+    assert table in found[0]
+
+
+def test_every_screen_has_its_key_and_the_stop_key_is_there() -> None:
+    keys = {key.name: key.keys for key in key_table()}
+    assert keys["run.stop"] == "f12"
+    assert {name: keys[f"go.{name}"] for name in PLACES} == {
+        name: place.key for name, place in PLACES.items()
+    }
