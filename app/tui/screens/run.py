@@ -42,6 +42,7 @@ class RunScreen(MainScreen):
     RunScreen #right { width: 3fr; }
     RunScreen RunLog { height: 5; }
     RunScreen.-high RunLog { height: 9; }
+    RunScreen.-high.asked RunLog { height: 5; }
     RunScreen.log #middle { display: none; }
     RunScreen.log RunLog { height: 1fr; }
     RunScreen.-low.asked RunLog { display: none; }
@@ -88,7 +89,7 @@ class RunScreen(MainScreen):
     def __init__(self, session: Session) -> None:
         super().__init__(session)
         self.HORIZONTAL_BREAKPOINTS = [(0, "-narrow"), (66, "-wide")]
-        self.VERTICAL_BREAKPOINTS = [(0, "-low"), (32, "-high")]
+        self.VERTICAL_BREAKPOINTS = [(0, "-low"), (36, "-high")]
         self._planned: list[PlannedStep] = []
         self._planned_for: RunPicture | None = None
         self._doing = ""

@@ -17,6 +17,9 @@ Schema = dict[str, dict[str, Any]]
 _CHOSEN: Final = "chosen"
 """Stands where the program chooses a value that is left out."""
 
+_UNITS: Final = {"_mdeg": "mdeg", "_deg": "deg", "_mm": "mm", "_um": "µm", "_min": "min", "_s": "s"}
+"""Units by the endings of names."""
+
 
 class ParameterRow(Horizontal):
     """One parameter.
@@ -75,6 +78,11 @@ class ParameterRow(Horizontal):
         return typed_fault(self.facts, self.text)
 
     @property
+    def unit(self) -> str:
+        """The unit that its name ends with, behind a blank."""
+        return next((f" {unit}" for ending, unit in _UNITS.items() if self.parameter.endswith(ending)), "")
+
+    @property
     def description(self) -> str:
         """What the parameter is, with its range."""
         return f"{self.facts.get('description', '')}: {range_text(self.facts)}"
@@ -97,7 +105,7 @@ class ParameterRow(Horizontal):
     def _judge(self) -> None:
         told = self.query_one(Told)
         told.set_class(bool(self.fault), "bad")
-        told.update(("✗ " if self.fault else "") + _short(range_text(self.facts)))
+        told.update(("✗ " if self.fault else "") + _short(range_text(self.facts)) + self.unit)
 
 
 class ParameterForm(VerticalScroll):
