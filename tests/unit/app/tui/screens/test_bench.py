@@ -45,16 +45,18 @@ async def test_before_anything_is_told() -> None:
         compare("bench-nothing-80x24", await shown(app, pilot))
 
 
-@pytest.mark.parametrize("size", [(60, 20), (100, 30), (200, 60), (20, 8), (160, 24)])
-async def test_other_sizes(size: tuple[int, int]) -> None:
+async def test_other_sizes_and_changes_of_size() -> None:
     link = ScriptedLink()
     app = make_app(link)
-    async with app.run_test(size=size) as pilot:
+    async with app.run_test(size=(80, 24)) as pilot:
         link.tell("bench", **BENCH)
         tell_strip(link)
-        assert "robot" in await shown(app, pilot)
-        await pilot.press("v")
-        await shown(app, pilot)
+        for size in ((60, 20), (100, 30), (200, 60), (20, 8), (160, 24)):
+            await pilot.resize_terminal(*size)
+            await pilot.press("v")
+            text = await shown(app, pilot)
+            assert "robot" in text
+            assert max(map(len, text.splitlines())) <= size[0]
 
 
 async def test_the_bench_from_above_takes_the_place_of_the_beam_on_a_small_screen() -> None:

@@ -88,13 +88,14 @@ async def test_looks_while_jogging(size: tuple[int, int]) -> None:
     await jogging(look, size)
 
 
-@pytest.mark.parametrize("size", [(60, 20), (100, 30), (200, 60), (20, 8)])
-async def test_other_sizes(size: tuple[int, int]) -> None:
+async def test_other_sizes_and_changes_of_size() -> None:
     async def look(play: Play) -> None:
-        await play.pilot.press("v")
-        assert "JOG" in await shown(play.app, play.pilot)
+        for size in ((60, 20), (100, 30), (200, 60), (20, 8)):
+            await play.pilot.resize_terminal(*size)
+            await play.pilot.press("v")
+            assert "JOG" in await shown(play.app, play.pilot)
 
-    await jogging(look, size)
+    await jogging(look)
 
 
 async def test_only_f8_begins() -> None:
