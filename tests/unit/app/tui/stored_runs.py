@@ -5,7 +5,7 @@ from pathlib import Path
 from app.store.lock import RunLock
 from app.store.run_store import RunStore
 from app.store.seal import DATABASE
-from procedures.context import Row
+from procedures.context import Json, Row
 from tests.unit.app.store.fakes import TickingClock
 
 POINT: Row = {
@@ -51,7 +51,7 @@ async def make_runs(root: Path) -> RunLock:
 
 async def _store(root: Path, name: str, status: str, *, simulated: bool, points: int = 0) -> None:
     """Make a run; one with an empty status has no end."""
-    meta = {"cell": "lab-1", "simulated": simulated}
+    meta: dict[str, Json] = {"cell": "lab-1", "simulated": simulated}
     store = await RunStore.create(root, name.split("_")[1], meta, TickingClock(), reserve_bytes=0)
     for number in range(points):
         await store.append_step(f"measure/{number}", 1, "a point", {}, [("points", POINT)])

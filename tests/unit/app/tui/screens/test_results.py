@@ -1,0 +1,276 @@
+"""The screen Results: every part, every key, its numbers against the result file."""
+
+import json
+import os
+from pathlib import Path
+from typing import Any
+
+import pytest
+from textual.pilot import Pilot
+from textual.widgets import ContentSwitcher, DataTable, Input
+
+from app.tui.app import CatseyeApp
+from app.tui.dialogs.error_dialog import ErrorDialog
+from app.tui.dialogs.form_dialog import FormDialog
+from app.tui.dialogs.text_dialog import TextDialog
+from app.tui.screens.results import ResultsScreen
+from app.tui.work import Done
+from tests.unit.app.tui.screens.test_runs import settle
+from tests.unit.app.tui.scripted import ScriptedLink, compare, make_app, shown, work_of
+from tests.unit.app.tui.stored_results import (
+    DIAGNOSIS,
+    RUN,
+    WRITTEN_S,
+    error_map,
+    validation,
+    write_results,
+)
+
+
+@pytest.fixture
+def bench(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """A working folder with results and the run that they come from."""
+    write_results(tmp_path)
+    (tmp_path / "runs" / RUN).mkdir(parents=True)
+    (tmp_path / "runs" / "20261119T090000Z_validation-path_bbbbbb").mkdir()
+    (tmp_path / "runs" / "20261119T093000Z_validation-path_cccccc").mkdir()
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+def open_app(bench: Path) -> CatseyeApp:
+    app = make_app(ScriptedLink(), "results", root=bench / "runs")
+    work = work_of(app)
+    work.outcomes["diagnose"] = Done((), 0, json.dumps(DIAGNOSIS), "")
+    work.outcomes["validate"] = Done((), 0, json.dumps(validation()), "")
+    return app
+
+
+async def press(app: CatseyeApp, pilot: Pilot[Any], *keys: str) -> str:
+    """Press keys, each after everything that the one before has begun; return the screen."""
+    for key in keys:
+        await settle(app, pilot)
+        await pilot.press(key)
+    await settle(app, pilot)
+    return await shown(app, pilot)
+
+
+@pytest.mark.parametrize("size", [(80, 24), (120, 40)])
+@pytest.mark.parametrize(
+    ("name", "keys"),
+    [
+        ("files", ()),
+        ("maps", ("enter",)),
+        ("values", ("enter", "3")),
+        ("layout", ("enter", "4")),
+        ("residuals", ("enter", "d", "5")),
+        ("fit", ("enter", "d", "6")),
+        ("path", ("enter", "t", "enter")),
+        ("compare", ("enter", "1", "down", "c")),
+        ("compare-in-u", ("enter", "1", "down", "c", "u")),
+    ],
+)
+async def test_parts_as_they_are_seen(
+    bench: Path, size: tuple[int, int], name: str, keys: tuple[str, ...]
+) -> None:
+    app = open_app(bench)
+    async with app.run_test(size=size) as pilot:
+        compare(f"results-{name}-{size[0]}x{size[1]}", await press(app, pilot, *keys))
+
+
+async def test_files_newest_first_and_what_is_none_at_the_end(bench: Path) -> None:
+    app = open_app(bench)
+    async with app.run_test(size=(120, 40)) as pilot:
+        await press(app, pilot)
+        table = app.screen.query_one("#file-table", DataTable)
+        names = [Path(str(key.value)).name for key in table.rows]
+        assert names == ["error-map.json", "later.json", "conventional.json", "broken.json"]
+        text = await press(app, pilot, "down", "down", "down", "enter")
+        assert isinstance(app.screen, ErrorDialog)
+        assert "broken.json cannot be read" in text
+
+
+async def test_values_are_those_of_the_file(bench: Path) -> None:
+    app = open_app(bench)
+    async with app.run_test(size=(120, 60)) as pilot:
+        await press(app, pilot, "enter", "3")
+        table = app.screen.query_one("#value-table", DataTable)
+        rows = {
+            str(cells[0]): [str(cell).strip() for cell in cells[1:]]
+            for cells in map(table.get_row, table.rows)
+        }
+    assert rows["L1"] == ["325.0123", "0.0040", "0.0080", "mm"]
+    stored = error_map()
+    for joint in (1, 2):
+        part = stored[f"theta{joint}_map"]
+        for sign, direction in (("+", "positive"), ("−", "negative")):
+            for place, node in enumerate(part["node_deg"]):
+                value, u = part[f"{direction}_mdeg"][place], part[f"u_{direction}_mdeg"][place]
+                expected = [f"{value:.2f}", f"{u:.2f}", f"{2 * u:.2f}", "mdeg"]
+                assert rows[f"Δθ{joint}({node:g}°, {sign})"] == expected
+    assert rows["P1.x"] == ["650.1250", "0.0200", "0.0400", "mm"]
+    assert rows["dead path P1/0"] == ["512.3456", "0.0250", "0.0500", "mm"]
+    # Two links, six nodes of each joint, two coordinates of two reflectors, two dead paths.
+    assert len(rows) == 2 + 6 + 6 + 4 + 2
+
+
+async def test_conventional_model_has_no_map_and_says_so(bench: Path) -> None:
+    app = open_app(bench)
+    async with app.run_test(size=(80, 24)) as pilot:
+        text = await press(app, pilot, "down", "down", "enter", "2")
+        assert "no map: θ20 = 4.00 mdeg, U = 1.00" in text
+
+
+async def test_outliers_are_marked_and_listed_after_a_diagnosis(bench: Path) -> None:
+    app = open_app(bench)
+    async with app.run_test(size=(120, 40)) as pilot:
+        text = await press(app, pilot, "enter", "5")
+        assert "d: diagnosis" in text
+        assert "left out: row 12" in text
+        text = await press(app, pilot, "d")
+        assert work_of(app).done == [("diagnose", RUN, "--runs", str(bench / "runs"), "--json")]
+        assert "1     +60.0 µm   +9.4  row 7 (reflector P1, θ1 -28°)" in text
+        assert "2     -45.0 µm   -6.1  row 31 (reflector P2, θ1 20°)" in text
+        text = await press(app, pilot, "6")
+        assert "✓ The error map leaves 12.3 µm" in text
+        assert "✗ 2 distances stand out" in text
+
+
+async def test_a_diagnosis_needs_the_runs(bench: Path) -> None:
+    (bench / "runs" / RUN).rmdir()
+    app = open_app(bench)
+    async with app.run_test(size=(80, 24)) as pilot:
+        text = await press(app, pilot, "enter", "d")
+        assert isinstance(app.screen, ErrorDialog)
+        assert "→ put the runs there" in text
+        assert work_of(app).done == []
+
+
+async def test_validation_takes_the_newest_path_and_the_conventional_model_of_the_same_run(
+    bench: Path,
+) -> None:
+    app = open_app(bench)
+    async with app.run_test(size=(80, 24)) as pilot:
+        await press(app, pilot, "enter", "t")
+        assert isinstance(app.screen, FormDialog)
+        text = await press(app, pilot, "enter")
+        exported, validated = work_of(app).done
+        assert exported[:4] == (
+            *("export", "20261119T093000Z_validation-path_cccccc"),
+            *("--runs", str(bench / "runs")),
+        )
+        scratch = Path(exported[-1])
+        assert validated == (
+            *("validate", str(bench / "error-map.json"), "--measured", str(scratch)),
+            *("--reference", str(bench / "conventional.json"), "--json"),
+        )
+        assert "31 of 33 rows compared" in text
+        assert "ratio 0.080" in text
+    assert not scratch.parent.exists()
+
+
+async def test_validation_on_a_measured_file(bench: Path) -> None:
+    (bench / "tracker.csv").write_text("", encoding="utf-8")
+    app = open_app(bench)
+    async with app.run_test(size=(80, 24)) as pilot:
+        await press(app, pilot, "enter", "t")
+        app.screen.query_one("#measured", Input).value = "tracker.csv"
+        app.screen.query_one("#reference", Input).value = "nowhere.json"
+        assert "there is no file nowhere.json" in await press(app, pilot, "enter")
+        app.screen.query_one("#reference", Input).value = ""
+        await press(app, pilot, "enter")
+        measured = ("--measured", "tracker.csv", "--json")
+        assert work_of(app).done == [("validate", str(bench / "error-map.json"), *measured)]
+
+
+async def test_a_path_that_cannot_be_exported_ends_the_validation(bench: Path) -> None:
+    app = open_app(bench)
+    work_of(app).outcomes["export"] = Done(
+        (), 2, "", "catseye: it holds nothing to export: look at its story\n"
+    )
+    async with app.run_test(size=(80, 24)) as pilot:
+        text = await press(app, pilot, "enter", "t", "enter")
+        assert isinstance(app.screen, ErrorDialog)
+        assert "→ look at its story" in text
+        assert [words[0] for words in work_of(app).done] == ["export"]
+
+
+async def test_comparison_in_mdeg_and_in_combined_uncertainties(bench: Path) -> None:
+    """L1 changed by 20 µm with u = 5 µm, one node by 5 mdeg with u = √2 · 2.5 mdeg."""
+    app = open_app(bench)
+    async with app.run_test(size=(120, 60)) as pilot:
+        text = await press(app, pilot, "enter", "1", "down", "c")
+        assert app.screen.query_one(ContentSwitcher).current == "compare"
+        assert "later.json (second) minus error-map.json (first)" in text
+        squeezed = " ".join(text.split())
+        assert "L1 325.0123 325.0323 +0.0200 0.0050 +4.00 mm" in squeezed
+        assert "60° +5.00 3.54 +1.41 +0.00 1.77 +0.00" in squeezed
+        assert "Δθ2 difference mdeg" in text
+        assert "Δθ2 difference / u" in await press(app, pilot, "u")
+
+
+async def test_a_result_is_not_compared_with_itself(bench: Path) -> None:
+    app = open_app(bench)
+    async with app.run_test(size=(80, 24)) as pilot:
+        await press(app, pilot, "enter", "c")
+        assert app.screen.query_one(ContentSwitcher).current == "files"
+
+
+async def test_report_export_and_commands_to_type(bench: Path) -> None:
+    app = open_app(bench)
+    result = bench / "error-map.json"
+    async with app.run_test(size=(120, 40)) as pilot:
+        await press(app, pilot, "enter", "p")
+        await press(app, pilot, "e", "enter")
+        assert work_of(app).done == [
+            ("report", str(result), "-o", str(bench / "error-map.html")),
+            ("export", str(result), "-o", str(bench / "error-map.csv")),
+        ]
+        text = await press(app, pilot, "y")
+        assert isinstance(app.screen, TextDialog)
+        squeezed = " ".join(text.replace("┃", " ").split())
+        assert "catseye predict" in squeezed
+        assert "catseye compensate" in squeezed
+
+
+async def test_a_result_that_is_written_anew_is_shown_anew(bench: Path) -> None:
+    app = open_app(bench)
+    async with app.run_test(size=(120, 40)) as pilot:
+        await press(app, pilot, "enter", "d", "6")
+        changed = {**error_map(), "link1_mm": {"value": 325.5, "u": 0.004}}
+        (bench / "error-map.json").write_text(json.dumps(changed), encoding="utf-8")
+        os.utime(bench / "error-map.json", (WRITTEN_S + 900, WRITTEN_S + 900))
+        assert isinstance(app.screen, ResultsScreen)
+        app.screen.on_screen_resume()
+        text = await press(app, pilot)
+        assert "L1 = 325.5000 mm" in text
+        assert "d: diagnosis" in text
+
+
+async def test_nothing_to_show_yet(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    app = make_app(ScriptedLink(), "results", root=tmp_path / "runs")
+    async with app.run_test(size=(80, 24)) as pilot:
+        text = await press(app, pilot, *"12345678", *"dtcupoey", "escape", "enter")
+        assert isinstance(app.screen, ResultsScreen)
+        assert "0 results; none yet: identify on Runs (F7), i" in text
+
+
+@pytest.mark.parametrize("size", [(60, 20), (100, 30), (200, 60), (30, 8)])
+async def test_any_size(bench: Path, size: tuple[int, int]) -> None:
+    app = open_app(bench)
+    async with app.run_test(size=size) as pilot:
+        await press(app, pilot, "enter", "d", *"345678", "1", "down", "c")
+        assert app.is_running
+
+
+async def test_every_key_stands_in_the_palette(bench: Path) -> None:
+    app = open_app(bench)
+    async with app.run_test(size=(80, 24)) as pilot:
+        await settle(app, pilot)
+        screen = app.screen
+        assert isinstance(screen, ResultsScreen)
+        titles = [command.title for command in screen.commands()]
+        actions = {binding.action for binding in screen.BINDINGS if not isinstance(binding, tuple)}
+        # All parts, and one command for each other action; back is cancelling and the first part.
+        assert len(titles) == len(set(titles)) == len(actions - {"back"}) + 1
