@@ -21,7 +21,8 @@ def opener(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     return tmp_path
 
 
-def test_a_display_is_needed(opener: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+@pytest.mark.usefixtures("opener")
+def test_a_display_is_needed(monkeypatch: pytest.MonkeyPatch) -> None:
     assert not can_open()
     monkeypatch.setenv("WAYLAND_DISPLAY", "wayland-0")
     assert can_open()
