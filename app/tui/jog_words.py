@@ -6,7 +6,7 @@ from typing import Final
 from textual.content import Content
 
 from app.tui.picture import Picture
-from app.tui.widgets.status_bar import age_style
+from app.tui.widgets.status_bar import STALE_S, age_style
 
 STEPS: Final = (0.01, 0.1, 1.0, 5.0, 10.0)
 """Sizes of a step, deg; mm for the beam."""
@@ -78,6 +78,14 @@ def entry_lines(picture: Picture, choices: Choices, said: str) -> list[Content]:
 def is_simulated(picture: Picture) -> bool:
     """Return whether every device is known to be an emulator."""
     return bool(picture.bench and picture.bench.get("simulated") is True)
+
+
+def fresh_joints(picture: Picture, now_s: float) -> list[float] | None:
+    """Return the joints as the engine told them just now, deg and mm; None when they are old or not known."""
+    robot = (picture.bench or {}).get("robot") or {}
+    age_s = robot.get("age_s")
+    fresh = age_s is not None and age_s + now_s - picture.bench_at_s <= STALE_S
+    return robot.get("joints") if fresh else None
 
 
 def cap_percent(picture: Picture) -> float:

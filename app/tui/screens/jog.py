@@ -11,7 +11,7 @@ from textual.widgets import Input
 
 from app.tui.dialogs.motion_dialog import MotionDialog
 from app.tui.hands import Hands, Joint, Step, Way
-from app.tui.jog_words import STEPS, Choices, cap_percent, entry_lines, is_simulated, jog_lines
+from app.tui.jog_words import STEPS, Choices, cap_percent, entry_lines, fresh_joints, is_simulated, jog_lines
 from app.tui.picture import Picture
 from app.tui.screens.base import MainScreen
 from app.tui.session import Session
@@ -211,12 +211,14 @@ class JogScreen(MainScreen):
 
     def action_point(self) -> None:
         """Turn J4 until the beam points at the aim, once F8 confirms it."""
-        robot = (self.session.link.picture.bench or {}).get("robot") or {}
-        joints, aim = robot.get("joints"), self.choices.aim
-        if not self._jogs or self.hands.busy or joints is None:
+        if not self._jogs or self.hands.busy:
             return
+        joints, aim = fresh_joints(self.session.link.picture, self.session.now_s()), self.choices.aim
         if aim is None:
             self._say("there is nothing to point at: choose a reflector with t")
+            return
+        if joints is None:
+            self._say("the joints that were told are too old")
             return
         from app.tui.pointing import pointing_j4_deg, turn_of_j4
 

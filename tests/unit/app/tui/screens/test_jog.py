@@ -226,6 +226,16 @@ async def test_pointing_asks_first() -> None:
     await jogging(press)
 
 
+async def test_where_the_arm_points_is_not_reckoned_from_old_joints() -> None:
+    async def press(play: Play) -> None:
+        play.link.now_s += 5.0
+        await play.pilot.press("t", "p")
+        assert "the joints that were told are too old" in await shown(play.app, play.pilot)
+        assert not isinstance(play.app.screen, MotionDialog)
+
+    await jogging(press, (120, 40))
+
+
 async def hold_j1(play: Play) -> None:
     """Hold a key until the joint is fed."""
     await play.pilot.press("m", "left")
