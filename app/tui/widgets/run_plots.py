@@ -12,7 +12,7 @@ from app.tui.widgets.inks import Line, painted
 
 if TYPE_CHECKING:
     # numpy is not loaded before the first screen is painted.
-    from app.tui.widgets.braille import Canvas
+    from app.tui.widgets.braille import Canvas, Floats
 
 INNOVATION: Final = "innovation"
 """Name of the live value: measured minus predicted from all points before."""
@@ -117,20 +117,29 @@ def _watched(run: RunPicture | None) -> LiveValue | None:
 
 def _values(seen: Sequence[Seen], width: int, rows: int) -> list[Line]:
     """Draw one cell a value: dots within their bands, a cross for what is outside."""
-    from app.tui.widgets.braille import DOTS_DOWN, Canvas
+    import numpy as np
+
+    from app.tui.widgets.braille import DOTS_ACROSS, DOTS_DOWN, Canvas
 
     canvas = Canvas(width, rows)
     low, high = _scale(seen)
-    per_unit = (canvas.height - 1) / (high - low)
+
+    def down(values: Sequence[float | None]) -> "Floats":
+        """Return the place of values from the upper edge, in dots; NaN beyond the axis."""
+        found = np.array(values, dtype=np.float64)
+        return np.where(
+            (found >= low) & (found <= high), (high - found) / (high - low) * (canvas.height - 1), np.nan
+        )
+
+    x = DOTS_ACROSS * np.arange(width - len(seen), width, dtype=np.float64)
+    for limits in ([each.low for each in seen], [each.high for each in seen]):
+        canvas.points(x, down(limits), "band")
+    inside = down([each.value if each.accepted else None for each in seen])
+    canvas.points(x, inside, "in")
+    canvas.points(x + 1.0, inside, "in")
     for column, each in enumerate(seen, width - len(seen)):
-        for limit in (each.low, each.high):
-            if limit is not None and low <= limit <= high:
-                canvas.points(2.0 * column, (high - limit) * per_unit, "band")
-        y = (high - each.value) * per_unit
-        if each.accepted:
-            canvas.points(2.0 * column, y, "in")
-            canvas.points(2.0 * column + 1.0, y, "in")
-        else:
+        if not each.accepted:
+            y = (high - each.value) / (high - low) * (canvas.height - 1)
             canvas.text(column, min(max(round(y / DOTS_DOWN), 0), rows - 1), "×", "out")
     return _with_numbers(canvas, {0: f"{high:.3g}", rows - 1: f"{low:.3g}"})
 
@@ -158,7 +167,7 @@ def _uncertainties(known: Sequence[dict[str, Any]], width: int, rows: int) -> li
     """Draw both curves against the rows of J2 that were measured."""
     import numpy as np
 
-    from app.tui.widgets.braille import Canvas
+    from app.tui.widgets.braille import DOTS_DOWN, Canvas
 
     curves = [
         np.array([np.nan if each.get(key) is None else float(each[key]) for each in known])
@@ -172,18 +181,18 @@ def _uncertainties(known: Sequence[dict[str, Any]], width: int, rows: int) -> li
     if high - low < 0.3:
         low, high = low - 0.15, high + 0.15
     canvas = Canvas(width, rows)
-    x = np.linspace(0.0, canvas.width - 1.0, len(known)) if len(known) > 1 else np.array([0.0])
-    for curve, ink in zip(curves, ("one", "two"), strict=True):
+    for curve, ink, sign in zip(curves, ("one", "two"), ("●", "○"), strict=True):
         with np.errstate(invalid="ignore", divide="ignore"):
             y = (high - np.log10(curve)) / (high - low) * (canvas.height - 1)
-        for number in range(1, len(known)):
-            canvas.line((x[number - 1], y[number - 1]), (x[number], y[number]), ink)
-        canvas.points(x, y, ink)
-        ends = np.flatnonzero(np.isfinite(y))
-        if ends.size:
-            at = ends[-1]
-            sign = "●" if ink == "one" else "○"
-            canvas.text(min(int(x[at]) // 2, width - 1), min(int(y[at]) // 4, rows - 1), sign, ink)
+        finite = np.flatnonzero(np.isfinite(y))
+        if finite.size == 0:
+            continue
+        rows_of_j2 = np.linspace(0.0, len(known) - 1.0, canvas.width)
+        drawn = np.interp(rows_of_j2, finite, y[finite], left=np.nan, right=np.nan)
+        before = np.concatenate((drawn[:1], drawn[:-1]))
+        canvas.bars(np.fmin(drawn, before), np.fmax(drawn, before), ink)
+        at = int(finite[-1] / max(len(known) - 1, 1) * (width - 1))
+        canvas.text(at, min(int(y[finite[-1]]) // DOTS_DOWN, rows - 1), sign, ink)
     return _with_numbers(canvas, {0: f"{10.0**high:.3g}", rows - 1: f"{10.0**low:.3g}"})
 
 
