@@ -19,7 +19,7 @@ from textual.widgets import ContentSwitcher, DataTable
 
 from app.tui.dialogs.form_dialog import Answers, Field, FormDialog
 from app.tui.dialogs.text_dialog import TextDialog
-from app.tui.screens.working import WorkScreen, why_not_written
+from app.tui.screens.working import WorkScreen, free_name, why_not_written
 from app.tui.session import Session
 from app.tui.widgets.drawing import Draw, Drawing
 from app.tui.widgets.tab_line import TabLine
@@ -284,7 +284,7 @@ class ResultsScreen(WorkScreen):
     def action_export(self) -> None:
         """Ask for a file, and write the values."""
         if (file := self._shown_file()) is not None:
-            fields = [Field("file", "file", str(file.path.with_suffix(".csv")))]
+            fields = [Field("file", "file", str(free_name(file.path.with_suffix(".csv"))))]
             text = f"{file.path.name}: the file ends in .csv, .json or .parquet"
             dialog = FormDialog("Export", fields, text, lambda answers: why_not_written(answers["file"]))
             self.app.push_screen(dialog, partial(self._export, file))

@@ -19,7 +19,7 @@ from app.tui.dialogs.form_dialog import Answers, Field, FormDialog
 from app.tui.dialogs.start_dialog import Permission, StartDialog
 from app.tui.dialogs.text_dialog import TextDialog
 from app.tui.run_rows import STATES, cells, columns, passes
-from app.tui.screens.working import WorkScreen, why_not_written
+from app.tui.screens.working import WorkScreen, free_name, why_not_written
 from app.tui.session import Session
 from app.tui.widgets.task_line import TaskLine
 from app.tui.widgets.told import Told
@@ -231,7 +231,7 @@ class RunsScreen(WorkScreen):
     def action_export(self) -> None:
         """Ask for a file, and write the rows."""
         if (line := self._chosen()) is not None:
-            file = self._folder / f"{line.procedure}-{line.id}.csv"
+            file = free_name(self._folder / f"{line.procedure}-{line.id}.csv")
             fields = [Field("file", "file", str(file))]
             text = f"{line.name}: the file ends in .csv, .json or .parquet"
             dialog = FormDialog("Export", fields, text, lambda answers: why_not_written(answers["file"]))
@@ -248,7 +248,7 @@ class RunsScreen(WorkScreen):
                 "uncertainty", "uncertainty", "jacobian", ("jacobian", "monte-carlo"), "monte-carlo: slower"
             ),
             Field("draws", "draws", "10000", hint="Monte Carlo only, 2000 or more"),
-            Field("file", "result file", str(self._folder / f"result-{lines[0].id}.json")),
+            Field("file", "result file", str(free_name(self._folder / f"result-{lines[0].id}.json"))),
         ]
         text = "from " + ", ".join(line.name for line in lines)
         dialog = FormDialog("Identify", fields, text, _identify_fault)

@@ -3,6 +3,7 @@
 import asyncio
 from collections.abc import Callable, Coroutine
 from functools import partial
+from itertools import chain, count
 from pathlib import Path
 from typing import Any
 
@@ -23,6 +24,12 @@ def why_not_written(text: str) -> str:
     if not text:
         return "a file is needed"
     return f"{file.name} is there already: give another name" if file.exists() else ""
+
+
+def free_name(path: Path) -> Path:
+    """Return a path, with a number where its name is taken."""
+    names = (path.with_stem(f"{path.stem}-{number}") for number in count(2))
+    return next((name for name in chain([path], names) if not name.exists()), path)
 
 
 class WorkScreen(MainScreen):
@@ -121,7 +128,7 @@ class WorkScreen(MainScreen):
                     break
         except asyncio.CancelledError:
             if self.is_attached:
-                self.notify(f"{title}: cancelled; nothing was written", markup=False)
+                self.notify(f"{title}: cancelled", markup=False)
             raise
         except OSError as error:
             self.catseye.tell_error(failure, f"catseye could not be started: {error}")
@@ -131,6 +138,6 @@ class WorkScreen(MainScreen):
         if ended.code == 0:
             done(ended)
         elif ended.code in _INTERRUPTED:
-            self.notify(f"{title}: interrupted from outside; nothing was written", markup=False)
+            self.notify(f"{title}: interrupted from outside", markup=False)
         else:
             self.catseye.tell_error(failure, ended.fault)

@@ -306,6 +306,9 @@ async def test_export_asks_for_a_file_that_is_not_there_yet(root: Path) -> None:
         await pilot.press("e")
         await pilot.pause()
         assert isinstance(app.screen, FormDialog)
+        file = app.screen.query_one("#file", Input)
+        assert file.value == str(root.parent / "open-loop-bbbbbb-2.csv")
+        file.value = str(taken)
         await pilot.press("enter")
         assert "open-loop-bbbbbb.csv is there already" in await shown(app, pilot)
         app.screen.query_one("#file", Input).value = str(root.parent / "rows.parquet")
@@ -394,7 +397,7 @@ async def test_work_shows_its_progress_and_escape_cancels_it(root: Path) -> None
         await settle(app, pilot)
         assert work.cancelled
         text = await shown(app, pilot)
-        assert "cancelled; nothing was written" in text
+        assert "verify bbbbbb: cancelled" in text
         assert "Esc cancels" not in text.replace("Esc cancels what is under way", "")
 
 
