@@ -343,7 +343,7 @@ def test_points_that_cannot_be_used_are_refused(
 def test_a_missing_output_folder_is_a_storage_failure(desk: Path) -> None:
     put_points(desk, rows())
     said = identified(desk, "absent/result.json")
-    assert_refused(said, 6, "absent/result.json: cannot be written", "check the folder")
+    assert_refused(said, 6, "absent/result.json: cannot be written", "make it first")
     assert said.out == ""
     assert files(desk) == {"cell.toml", "points.csv"}
 
