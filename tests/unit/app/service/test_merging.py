@@ -1,4 +1,4 @@
-"""A client that reads slowly gets the newest bench, and columns and lines that are not too old; others are counted."""
+"""A client that reads slowly gets the newest bench, and columns and lines that are not too old; others count."""
 
 import asyncio
 from typing import Any
