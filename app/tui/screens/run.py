@@ -125,6 +125,11 @@ class RunScreen(MainScreen):
                 f"After the run: {kind}", "where it is sensible", partial(self.action_after, kind)
             )
 
+    def on_screen_resume(self) -> None:
+        """Show what has happened meanwhile; the open question has the keyboard's focus."""
+        super().on_screen_resume()
+        self._panel.take_focus()
+
     def show_picture(self, picture: Picture, now_s: float) -> None:
         """Show the run."""
         run = picture.run

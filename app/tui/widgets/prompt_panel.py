@@ -110,6 +110,11 @@ class PromptPanel(Vertical):
         if self._prompt is not None and self._prompt["id"] == prompt:
             self._tell("refused", Content(f"✗ {text}"))
 
+    def take_focus(self) -> None:
+        """Put the keyboard's focus on what is typed, or on the safe answer."""
+        for each in self.query("#answers .first"):
+            each.focus()
+
     def yes(self) -> None:
         """Answer yes where no motion follows."""
         if self._kind() == "confirm" and self._motion():
@@ -203,9 +208,8 @@ class PromptPanel(Vertical):
         self._tell("question", Content(str(prompt["text"])))
         self._tell("motion", _motion_text(prompt))
         await answers.mount_all(_answers(prompt, self._choices()))
-        focused = [each for each in answers.children if each.has_class("first")]
-        if focused and self.screen.is_current:
-            focused[0].focus()
+        if self.screen.is_current:
+            self.take_focus()
 
 
 def _answers(prompt: Prompt, choices: list[str]) -> list[Button | Input | Label]:

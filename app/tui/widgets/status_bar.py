@@ -20,7 +20,6 @@ _STATES = {
     "STOPPED": "bold red",
     "COMPLETE": "bold green",
 }
-_ENDS = {"complete": "bold green"}
 _LITTLE_BYTES = 1_000_000_000
 
 
@@ -62,13 +61,15 @@ class StatusBar(Widget):
         text.append(f"{picture.state} ", _STATES.get(picture.state, "bold"))
         if picture.jogging:
             text.append("JOG ", "bold magenta")
+        if picture.run is not None and picture.run.prompt is not None:
+            text.append("QUESTION: F4", "bold black on yellow")
+            text.append(" ")
         if picture.run is not None:
             text.append(f"{picture.run.name} ", "" if picture.run.active else "dim")
         if picture.run is not None and not picture.run.active:
-            how = picture.run.ended
-            text.append(
-                f"{how['status']} " if how else "ended unseen ", _ENDS.get(how and how["status"], "bold red")
-            )
+            ended = picture.run.ended
+            word = str(ended["status"]) if ended else "ended unseen"
+            text.append(f"{word} ", "bold green" if word == "complete" else "bold red")
         if picture.aborted:
             text.append(f"aborted: {picture.aborted} ", "red")
         elif picture.reason and picture.state not in {"EXECUTE", "COMPLETE"}:

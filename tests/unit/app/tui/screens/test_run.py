@@ -265,6 +265,23 @@ async def test_a_question_that_is_withdrawn_while_somebody_types_is_gone() -> No
         assert not app.screen.query("#prompt Input")
 
 
+async def test_a_question_is_seen_from_every_screen_and_has_the_focus_when_it_is_shown() -> None:
+    link = ScriptedLink(SNAPSHOT)
+    app = app_of(link)
+    async with app.run_test(size=(80, 24)) as pilot:
+        await shown(app, pilot)
+        await pilot.press("f2")
+        ask(link, id="height", kind="number", text="How high is it?", unit="mm")
+        text = await shown(app, pilot)
+        assert "QUESTION: F4" in text
+        await pilot.press("f4")
+        await settled(app, pilot, link)
+        assert isinstance(app.focused, Input)
+        await pilot.press("7", "enter")
+        await settled(app, pilot, link)
+        assert answers(link) == [("height", "7")]
+
+
 async def test_the_time_to_answer_counts_down() -> None:
     link = ScriptedLink(SNAPSHOT)
     app = app_of(link)
