@@ -75,6 +75,9 @@ def test_a_step_is_as_long_as_it_says_and_esc_gives_the_arm_back(bench: Emulated
     start_deg = j1_deg(bench)
     screen.press("3", "left")
     settled(bench, lambda: abs(j1_deg(bench) - start_deg - 1.0) < 0.01 and not moving(bench))
+    # A step is over when the engine has seen the arm stand; keys that come before are not taken.
+    time.sleep(1.0)
+    screen.shows("stands")
     screen.press("right")
     settled(bench, lambda: abs(j1_deg(bench) - start_deg) < 0.01 and not moving(bench))
     screen.press("escape")

@@ -15,7 +15,7 @@ class StopBar(Horizontal):
     StopBar Button { height: 1; min-width: 12; border: none; margin: 0 1 0 0; }
     StopBar #hold { background: $warning; color: $background; }
     StopBar #stop { background: $error; color: $background; text-style: bold; }
-    StopBar #abort { background: $error-darken-2; color: $foreground; }
+    StopBar #abort { background: $error-darken-2; color: auto; }
     StopBar Static { width: 1fr; color: $warning; }
     """
 
