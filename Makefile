@@ -58,8 +58,9 @@ seeds: .venv/installed  ## the demo with seeds 1 to 7: what the error map leaves
 	  "import json, sys; d = json.load(sys.stdin); print('seed', $$seed, 'ratio', round(d['validation']['ratio'], 3), \
 	  'normalised errors', round(d['rms_normalised_error'], 2), 'points', d['fit']['n_points'])"; done
 
-pictures: .venv/installed demo  ## the pictures of the README
+pictures: .venv/installed demo  ## the pictures of the README and of the terminal user interface
 	$(BIN)/python docs/pictures.py catseye-demo
+	$(BIN)/python docs/screens.py
 
 clean:  ## remove the environment and caches
 	rm -rf .venv .mypy_cache .ruff_cache .pytest_cache .hypothesis .import_linter_cache build *.egg-info

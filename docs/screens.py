@@ -1,0 +1,100 @@
+"""Draws the pictures of the terminal user interface: python docs/screens.py; real screens on an emulated bench."""
+
+import asyncio
+import re
+import tempfile
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any, Final
+
+from textual.pilot import Pilot
+
+from app.emulation import emulator_process
+from app.tui.app import CatseyeApp
+from app.tui.link import EngineLink
+from app.tui.session import Session
+from app.tui.setup.emulators import emulated_cell
+from app.tui.work import Commands
+from drivers.clock import SystemClock
+
+_IMAGES: Final = Path(__file__).parent / "images"
+_SIZE: Final = (108, 34)
+_SPEED: Final = 80.0
+_SEED: Final = 2
+_LONGEST_S: Final = 240.0
+_STRIP_S: Final = 4.0
+"""Long enough for the strip to fill."""
+
+
+async def main() -> None:
+    """Write the pictures into docs/images."""
+    with tempfile.TemporaryDirectory() as name:
+        folder = Path(name)
+        cell = folder / "cell.toml"
+        cell.write_text(emulated_cell(), encoding="utf-8")
+        async with emulator_process(cell, _SPEED, _SEED, None):
+            await _visit(folder, cell)
+
+
+async def _visit(folder: Path, cell: Path) -> None:
+    clock, root = SystemClock(), folder / "runs"
+    link = EngineLink(root, cell, clock)
+    app = CatseyeApp(Session(link, Commands(), root, cell, clock.monotonic_s, _SPEED))
+    async with app.run_test(size=_SIZE) as pilot:
+        picture = link.picture
+        await _until(pilot, lambda: bool(picture.bench and picture.bench.get("robot")))
+        await _run(app, pilot, "reflector-search", lambda: picture.run is not None and not picture.running)
+        await pilot.pause(_STRIP_S)
+        await _take(app, pilot, "bench", "bench")
+        await _take(app, pilot, "procedures", "procedures")
+        await _run(app, pilot, "open-loop", lambda: _share(app) > 0.5)
+        await _take(app, pilot, "run", "run")
+        await _take(app, pilot, "terminal", "terminal")
+        await _until(pilot, lambda: not picture.running)
+        await _take(app, pilot, "runs", "runs")
+        await _wizard(app, pilot)
+        await link.leave(end_engine=True)
+
+
+async def _wizard(app: CatseyeApp, pilot: Pilot[Any]) -> None:
+    app.action_go("setup")
+    await pilot.pause(1.0)
+    await pilot.press("c")
+    await _until(pilot, lambda: bool(app.screen.query("Wizard")))
+    await pilot.press("pagedown")
+    await _take(app, pilot, "setup", "setup")
+
+
+async def _run(app: CatseyeApp, pilot: Pilot[Any], procedure: str, ready: Callable[[], bool]) -> None:
+    link = app.session.link
+    before = link.picture.run
+    await link.request("control", take=True)
+    await link.request("start", procedure=procedure, speed=_SPEED)
+    await _until(pilot, lambda: link.picture.run is not before and ready())
+
+
+def _share(app: CatseyeApp) -> float:
+    """Return how much of the run under way is done."""
+    run = app.session.link.picture.run
+    if run is None or run.progress is None:
+        return 0.0
+    return float(run.progress["done"]) / float(run.progress["total"])
+
+
+async def _take(app: CatseyeApp, pilot: Pilot[Any], place: str, name: str) -> None:
+    app.action_go(place)
+    await pilot.pause(2.0)
+    svg = app.export_screenshot(title="catseye")
+    # The picture stands alone: the reader's own font for monospaced text does.
+    svg = re.sub(r"@font-face \{.*?\}\s*", "", svg, flags=re.DOTALL)
+    (_IMAGES / f"screen-{name}.svg").write_text(svg, encoding="utf-8")
+
+
+async def _until(pilot: Pilot[Any], ready: Callable[[], bool]) -> None:
+    async with asyncio.timeout(_LONGEST_S):
+        while not ready():
+            await pilot.pause(0.2)
+
+
+if __name__ == "__main__":
+    asyncio.run(main())
