@@ -6,6 +6,7 @@ import shutil
 import tempfile
 from collections.abc import Iterable
 from functools import partial
+from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar, Final
 
@@ -355,8 +356,8 @@ class ResultsScreen(WorkScreen):
             return
         newest = await asyncio.to_thread(_newest_path_run, self.session.root)
         fields = [
-            Field("measured", "path", newest, hint="run of a path, or measured CSV"),
-            Field("reference", "compared with", self._reference_of(file), hint="result, or empty"),
+            Field("measured", "path", newest, hint="run, or CSV"),
+            Field("reference", "compared with", self._reference_of(file), hint="or empty"),
         ]
         dialog = FormDialog("Validate on a measured path", fields, file.path.name, _path_fault)
         self.app.push_screen(dialog, partial(self._validate, file))
@@ -560,6 +561,9 @@ class ResultsScreen(WorkScreen):
 
 
 def _shelf(root: Path) -> "ResultFiles":
+    # What shows a result is imported here, in a thread: it takes longer than a key may.
+    for module in ("app.tui.result_texts", "app.tui.widgets.result_charts"):
+        import_module(module)
     from app.files.result_files import ResultFiles
 
     return ResultFiles([root.absolute().parent, Path.cwd()])
