@@ -156,7 +156,7 @@ def test_dask_gives_the_same_numbers_and_the_same_errors(scheduler: str) -> None
         with pytest.raises(UnidentifiableError, match="three") as caught:
             share.map(fails_at_three, range(8))
         # The scheduler blames each item that a dying worker had, also one that only waited there.
-        with pytest.raises(WorkerLostError, match="lost item [1-8] of 8"):
+        with pytest.raises(WorkerLostError, match=r"lost item [1-8] of 8"):
             share.map(killed_at_three, range(8))
     assert found == [
         float(np.random.default_rng(seed).normal(size=1000).sum())
