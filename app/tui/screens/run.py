@@ -38,7 +38,7 @@ class RunScreen(MainScreen):
     DEFAULT_CSS = """
     RunScreen #instruction { height: auto; max-height: 2; padding: 0 1; text-style: bold; }
     RunScreen #middle { height: 1fr; }
-    RunScreen StepList { width: 2fr; height: 1fr; }
+    RunScreen StepList { width: 2fr; min-width: 36; height: 1fr; }
     RunScreen #right { width: 3fr; }
     RunScreen RunLog { height: 5; }
     RunScreen.-high RunLog { height: 9; }

@@ -51,6 +51,6 @@ def _outcome(run: RunPicture) -> Content:
         return Content("it ended while nobody here was connected: Runs (F7) has its record")
     status, text = str(run.ended["status"]), str(run.ended.get("text") or "")
     done = sum(step.status == "done" for step in run.steps.values())
-    facts = f"  {done} steps, {run.points_seen} distances"
+    facts = f"  {done} steps" + (f", {run.points_seen} distances" if run.points_seen else "")
     style = "bold $success" if status == "complete" else "bold $error"
     return Content.assemble((status.upper(), style), facts + (f": {text}" if text else ""))
