@@ -316,7 +316,9 @@ class SetupScreen(WorkScreen):
             return
         path = await asyncio.to_thread(free_file, Path())
         try:
-            await asyncio.to_thread(write_atomically, path, await asyncio.to_thread(emulated_cell))
+            # One of before is used as it is: it may have been changed.
+            if not await asyncio.to_thread(path.exists):
+                await asyncio.to_thread(write_atomically, path, await asyncio.to_thread(emulated_cell))
         except CatseyeError as error:
             self.catseye.tell_error("The emulated bench was not set up", str(error))
             return

@@ -95,8 +95,13 @@ class TerminalScreen(MainScreen):
         yield SystemCommand("Back to the lines", "leave the input", self.action_leave)
 
     def on_screen_suspend(self) -> None:
-        """Ask for no more traffic when another screen is shown; a dialog above this one changes nothing."""
-        if self.app.current_mode != self.PLACE and self._subscribed is not None:
+        """Give the link back and ask for no more traffic when another screen is shown; a dialog changes nothing."""
+        if self.app.current_mode == self.PLACE:
+            return
+        if self._is_mine(self.session.link.picture):
+            self.catseye.order("raw", "The link was not given back", device=self._device, on=False)
+            self.notify(f"{self._device} has its link again")
+        if self._subscribed is not None:
             self._subscribed = None
             self.run_worker(self._ask_for_traffic(on=False), exit_on_error=False)
 

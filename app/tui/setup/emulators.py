@@ -36,7 +36,7 @@ def is_emulated(text: str) -> bool:
 
 
 def free_file(folder: Path) -> Path:
-    """Return a file name that is not taken by anything but an emulated bench of before."""
+    """Return the cell file of an emulated bench of before, or a name that is not taken."""
     for number in range(1, 100):
         path = folder / (f"{NAME}.toml" if number == 1 else f"{NAME}-{number}.toml")
         if not path.exists() or is_emulated(path.read_text(encoding="utf-8", errors="replace")):

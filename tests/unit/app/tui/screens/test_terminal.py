@@ -188,6 +188,16 @@ async def test_instruments_are_sent_to_with_enter() -> None:
         assert asked(link, "raw")[1:] == [{"device": "interferometer", "on": False}]
 
 
+async def test_the_link_is_given_back_when_another_screen_is_shown() -> None:
+    link = told()
+    app = make_app(link, "terminal")
+    async with app.run_test(size=(80, 24)) as pilot:
+        await take_link(app, pilot, link, "interferometer")
+        await pilot.press("f2")
+        await shown(app, pilot)
+        assert asked(link, "raw")[1:] == [{"device": "interferometer", "on": False}]
+
+
 async def test_bytes_that_cannot_be_typed_are_not_sent() -> None:
     link = told()
     app = make_app(link, "terminal")

@@ -1,0 +1,30 @@
+"""The cell file of an emulated bench of one's own."""
+
+import socket
+from pathlib import Path
+
+from app.cell.load import load_cell
+from app.tui.setup.emulators import NAME, emulated_cell, free_file, is_emulated
+
+
+def test_it_loads_and_its_ports_are_free_and_its_own(tmp_path: Path) -> None:
+    path = tmp_path / "cell.toml"
+    path.write_text(emulated_cell(), encoding="utf-8")
+    cell = load_cell(path).cell
+    assert cell.tracker is not None
+    endpoints = [one.endpoint for one in (cell.robot, cell.interferometer, cell.environment, cell.tracker)]
+    ports = {int(endpoint.rpartition(":")[2]) for endpoint in endpoints}
+    assert len(ports) == 4
+    for port in ports:
+        with socket.socket() as holder:
+            holder.bind(("127.0.0.1", port))
+
+
+def test_a_file_of_somebody_else_is_never_taken(tmp_path: Path) -> None:
+    first = tmp_path / f"{NAME}.toml"
+    assert free_file(tmp_path) == first
+    first.write_text(emulated_cell(), encoding="utf-8")
+    assert is_emulated(first.read_text(encoding="utf-8"))
+    assert free_file(tmp_path) == first
+    first.write_text('name = "lab-1"\n', encoding="utf-8")
+    assert free_file(tmp_path) == tmp_path / f"{NAME}-2.toml"
