@@ -10,7 +10,7 @@ from textual.widget import Widget
 from app.tui.widgets.inks import Line, painted
 
 _STYLES: Final = {
-    "axis": "$text-muted",
+    "axis": "$foreground-muted",
     "up": "$primary bold",
     "down": "$accent bold",
     "dots": "$foreground",
