@@ -88,6 +88,10 @@ class CatseyeApp(App[int]):
         self.set_interval(_REFRESH_S, self._show_changes)
         if self._trouble is not None:
             self.tell_error(*self._trouble)
+        # Not before the first screen is painted.
+        self.call_after_refresh(self._look_at_settings)
+
+    def _look_at_settings(self) -> None:
         self.keep(tell_what_is_wrong(self, self._keymap_names))
 
     async def on_unmount(self) -> None:

@@ -3,9 +3,13 @@
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Final
 
 from app.tui.link import Link
 from app.tui.work import Work
+
+DEMO_FOLDER: Final = Path("catseye-demo")
+"""Where the demo writes, in the present folder."""
 
 
 @dataclass

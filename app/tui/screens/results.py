@@ -21,7 +21,7 @@ from textual.widgets import ContentSwitcher, DataTable
 from app.tui.dialogs.form_dialog import Answers, Field, FormDialog
 from app.tui.dialogs.text_dialog import TextDialog
 from app.tui.screens.working import WorkScreen, free_name, why_not_written
-from app.tui.session import Session
+from app.tui.session import DEMO_FOLDER, Session
 from app.tui.widgets.drawing import Draw, Drawing
 from app.tui.widgets.tab_line import TabLine
 from app.tui.widgets.task_line import TaskLine
@@ -566,7 +566,7 @@ def _shelf(root: Path) -> "ResultFiles":
         import_module(module)
     from app.files.result_files import ResultFiles
 
-    return ResultFiles([root.absolute().parent, Path.cwd()])
+    return ResultFiles([root.absolute().parent, Path.cwd(), DEMO_FOLDER.absolute()])
 
 
 def _compared(file: "ResultFile", other: "ResultFile") -> "tuple[ResultComparison, str] | str":

@@ -16,7 +16,7 @@ from app.tui.dialogs.confirm_dialog import ConfirmDialog
 from app.tui.dialogs.form_dialog import Answers, Field, FormDialog
 from app.tui.picture import Picture
 from app.tui.screens.working import WorkScreen
-from app.tui.session import Session
+from app.tui.session import DEMO_FOLDER, Session
 from app.tui.setup.start import CHOICES, Start
 from app.tui.widgets.task_line import TaskLine
 from app.tui.work import Done
@@ -26,7 +26,6 @@ if TYPE_CHECKING:
     from app.cell.wizard.draft import Draft
     from app.tui.setup.wizard import Wizard
 
-DEMO_FOLDER: Final = Path("catseye-demo")
 _NARROW: Final = 70
 
 

@@ -53,7 +53,7 @@ class QuestionRow(Vertical):
     QuestionRow { height: auto; }
     QuestionRow Horizontal { height: 1; }
     QuestionRow .title { width: 24; }
-    QuestionRow Input { width: 1fr; background: $boost; }
+    QuestionRow Input { width: 1fr; background: $panel; }
     QuestionRow Input:focus { background: $primary-muted; }
     QuestionRow Select { width: 1fr; }
     """

@@ -30,7 +30,7 @@ class ReflectorRows(Vertical):
     ReflectorRows { height: auto; }
     ReflectorRows Horizontal { height: 1; }
     ReflectorRows Label { width: 14; color: $text-muted; }
-    ReflectorRows Input { width: 13; margin-right: 1; background: $boost; }
+    ReflectorRows Input { width: 13; margin-right: 1; background: $panel; }
     ReflectorRows Input:focus { background: $primary-muted; }
     """
 

@@ -28,7 +28,7 @@ class WireView(ScrollView, can_focus=True):
     """
 
     DEFAULT_CSS = """
-    WireView { height: 1fr; scrollbar-size-vertical: 1; }
+    WireView { height: 1fr; scrollbar-size-vertical: 1; overflow-x: hidden; overflow-y: scroll; }
     """
 
     def __init__(self, *, id: str | None = None) -> None:
