@@ -278,7 +278,7 @@ async def test_comments_that_cannot_be_kept_are_told_and_the_file_is_left(folder
     start, end = TEMPLATE.index("[robot.limits_deg]"), TEMPLATE.index("[interferometer]")
     dotted = TEMPLATE[:start] + "limits_deg.j1 = [-170.0, 170.0]\n\n" + TEMPLATE[end:]
     path.write_text(dotted, encoding="utf-8")
-    app = make_app(ScriptedLink(), "setup", cell=path)
+    app = make_app(ScriptedLink({"cell": str(path)}), "setup", cell=path)
     async with app.run_test(size=(80, 24)) as pilot:
         await pilot.press("c")
         await settled(app, pilot)
@@ -296,8 +296,14 @@ async def test_comments_that_cannot_be_kept_are_told_and_the_file_is_left(folder
 async def test_a_file_that_is_no_cell_is_told(folder: Path) -> None:
     path = folder / "mine.toml"
     path.write_text("a = 1\n", encoding="utf-8")
-    app = make_app(ScriptedLink(), "setup", cell=path)
+    app = make_app(ScriptedLink({"cell": str(path)}), "setup", cell=path)
     async with app.run_test(size=(80, 24)) as pilot:
+        # The start tells of it, too.
+        for _ in range(200):
+            await pilot.pause(0.01)
+            if isinstance(app.screen, ErrorDialog):
+                break
+        await pilot.press("escape")
         await pilot.press("c")
         await settled(app, pilot)
         assert isinstance(app.screen, ErrorDialog)
