@@ -14,8 +14,8 @@ class Advice:
     Attributes:
         kind: which.
         text: what it is good for.
-        command: words of `catseye`; empty where it is no command.
-        writes: what the command writes; None where it writes nothing.
+        command: words of `catseye` without the file that is written; empty where it is no command.
+        writes: that file, if its name is free; None where nothing is written.
     """
 
     kind: Kind
@@ -27,7 +27,7 @@ class Advice:
 def after_run(procedure: str, status: str, run: str, root: Path) -> list[Advice]:
     """Return what is sensible, the most sensible first.
 
-    Results and reports go to `results` below the folder of runs: a run's own folder is sealed.
+    Results and reports go beside the folder of runs: a run's own folder is sealed.
 
     Args:
         procedure: that was run.
@@ -35,14 +35,14 @@ def after_run(procedure: str, status: str, run: str, root: Path) -> list[Advice]
         run: its name.
         root: folder of all runs.
     """
-    page = root / "results" / f"{run}.html"
-    words = ("report", run, "--runs", str(root), "-o", str(page))
-    report = Advice("report", "one page about this run", words, page)
+    folder, run_id = root.absolute().parent, run.rpartition("_")[2]
+    words = ("report", run, "--runs", str(root))
+    report = Advice("report", "one page about this run", words, folder / f"report-{run_id}.html")
     if status != "complete":
         first = [Advice("clear", "when the cause is found and removed")] if status == "aborted" else []
         return [*first, Advice("resume", "go on where it ended", ("resume", run)), report]
     if procedure != "open-loop":
         return [Advice("next", "Procedures (F3) shows what comes next"), report]
-    result = root / "results" / f"{run}-error-map.json"
-    words = ("identify", run, "--runs", str(root), "-o", str(result))
+    words = ("identify", run, "--runs", str(root))
+    result = folder / f"result-{run_id}.json"
     return [Advice("identify", "error maps with their uncertainty", words, result), report]

@@ -121,8 +121,8 @@ class _Commands:
     def of(self, name: str, runs: CellRuns) -> str:
         match name:
             case "identify":
-                run = self.measured.name if self.measured else "RUN"
-                return f"catseye identify {run} -o {run}-error-map.json"
+                run = self.measured.id if self.measured else "RUN"
+                return f"catseye identify {run} -o result-{run}.json"
             case "validate":
                 run = self.path.name if self.path else "RUN"
                 result = self.result or "RESULT"

@@ -40,7 +40,7 @@ class Survey:
 def survey_cell(path: Path, root: Path, now: datetime) -> Survey:
     """Return what a cell is ready for.
 
-    Results are looked for beside the cell file, in the folder of runs, in `results` below it, and above it.
+    Results are looked for beside the cell file, beside the folder of runs, and in it.
 
     Args:
         path: cell file.
@@ -55,5 +55,5 @@ def survey_cell(path: Path, root: Path, now: datetime) -> Survey:
     procedures = [load_procedure(name) for name in procedure_names()]
     aim = aim_of(bench, root, runs)
     needs = {each.name: needs_of(each, bench, aim, runs) for each in procedures}
-    results = results_in((path.parent, root, root / "results", root.parent))
+    results = results_in((path.parent, root.absolute().parent, root))
     return Survey(cell.name, procedures, needs, runs, stages_of(runs, needs, aim.search, results, path))

@@ -180,7 +180,7 @@ class ProceduresScreen(MainScreen):
         elif stage["procedure"]:
             self._highlight(str(stage["name"]))
         else:
-            self.notify(str(stage["command"]), title=f"next: {stage['name']}", timeout=15.0)
+            self.notify(str(stage["command"]), title=f"next: {stage['name']}", timeout=15.0, markup=False)
 
     def action_view(self) -> None:
         """Show parameters, or what the rehearsal found."""
@@ -315,7 +315,7 @@ class ProceduresScreen(MainScreen):
         elif not self._chosen:
             self.notify("cell and runs are being looked at: wait a moment", severity="warning")
         elif faults:
-            self.notify("\n".join(faults), title="not possible", severity="error")
+            self.notify("\n".join(faults), title="not possible", severity="error", markup=False)
         else:
             return True
         return False

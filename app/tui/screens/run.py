@@ -3,6 +3,7 @@
 import asyncio
 from collections.abc import Iterable
 from functools import partial
+from pathlib import Path
 from typing import Any, ClassVar
 
 from textual.app import ComposeResult, SystemCommand
@@ -16,6 +17,7 @@ from app.tui.dialogs.start_dialog import Permission, StartDialog
 from app.tui.picture import Picture
 from app.tui.run_picture import RunPicture
 from app.tui.screens.base import MainScreen
+from app.tui.screens.working import free_name
 from app.tui.session import Session
 from app.tui.widgets.live_panel import LivePanel
 from app.tui.widgets.progress_line import ProgressLine
@@ -222,8 +224,8 @@ class RunScreen(MainScreen):
             self._ask_to_resume(run)
         elif kind == "clear":
             self.catseye.action_clear()
-        else:
-            self.run_worker(self._do(found), group="after", exclusive=True, exit_on_error=False)
+        elif found.writes is not None:
+            self.run_worker(self._do(found, found.writes), group="after", exclusive=True, exit_on_error=False)
 
     def action_back(self) -> None:
         """End a command that was begun here."""
@@ -278,7 +280,7 @@ class RunScreen(MainScreen):
         if permission is not None:
             self.catseye.order("resume", "The run does not go on", control=True, run=name, arm=permission.arm)
 
-    async def _do(self, advice: Advice) -> None:
+    async def _do(self, advice: Advice, wanted: Path) -> None:
         """Run a command; what it says last is shown meanwhile."""
 
         def hear(text: str) -> None:
@@ -286,17 +288,16 @@ class RunScreen(MainScreen):
             self._doing = said[-1] if said else self._doing
 
         self._doing = f"{advice.kind} …  Esc ends it"
+        file = await asyncio.to_thread(free_name, wanted)
         try:
-            if advice.writes is not None:
-                await asyncio.to_thread(advice.writes.parent.mkdir, parents=True, exist_ok=True)
-            done = await self.session.work.do(*advice.command, talk=hear)
+            done = await self.session.work.do(*advice.command, "-o", file, talk=hear)
         finally:
             self._doing = ""
         if done.code:
             self.catseye.tell_error(f"{advice.kind} failed", done.fault)
         else:
-            self._doing = f"written: {advice.writes}"
-            self.notify(f"{advice.writes}", title=f"{advice.kind}: written")
+            self._doing = f"written: {file}"
+            self.notify(str(file), title=f"{advice.kind}: written", markup=False)
 
     def _plan_of(self, run: RunPicture | None) -> None:
         """Rehearse the run that is shown, once, to know the steps to come."""

@@ -417,7 +417,8 @@ async def test_a_held_run_says_how_it_goes_on() -> None:
 
 async def test_a_complete_measurement_is_identified_and_reported_by_keys(tmp_path: Path) -> None:
     link = ScriptedLink(SNAPSHOT)
-    app = make_app(link, "run", root=tmp_path)
+    (tmp_path / "result-abc123.json").write_text("somebody's")
+    app = make_app(link, "run", root=tmp_path / "runs")
     work_of(app).outcomes["report"] = Done((), 2, "", "catseye: the disk is full: make room")
     async with app.run_test(size=(80, 24), notifications=True) as pilot:
         end(link, "complete")
@@ -425,9 +426,9 @@ async def test_a_complete_measurement_is_identified_and_reported_by_keys(tmp_pat
         assert "COMPLETE" in text
         await pilot.press("i")
         text = await settled(app, pilot, link)
-        result = tmp_path / "results" / f"{RUN}-error-map.json"
-        assert work_of(app).done == [("identify", RUN, "--runs", str(tmp_path), "-o", str(result))]
-        assert result.parent.is_dir()
+        # Beside the folder of runs, under a name that is free.
+        result = tmp_path / "result-abc123-2.json"
+        assert work_of(app).done == [("identify", RUN, "--runs", str(tmp_path / "runs"), "-o", str(result))]
         await pilot.press("p")
         text = await settled(app, pilot, link)
         assert isinstance(app.screen, ErrorDialog)
