@@ -92,7 +92,7 @@ class ResultsScreen(WorkScreen):
                 f"part({place})",
                 title,
                 show=False,
-                id=f"results.{name}",
+                id=f"results.show-{name}",
                 tooltip="show this part",
             )
             for place, (name, title) in enumerate(zip(_PARTS, _TITLES, strict=True))

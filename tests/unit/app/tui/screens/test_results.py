@@ -271,6 +271,8 @@ async def test_every_key_stands_in_the_palette(bench: Path) -> None:
         screen = app.screen
         assert isinstance(screen, ResultsScreen)
         titles = [command.title for command in screen.commands()]
+        names = [binding.id for binding in screen.BINDINGS if not isinstance(binding, tuple)]
+        assert len(names) == len(set(names))
         actions = {binding.action for binding in screen.BINDINGS if not isinstance(binding, tuple)}
         # All parts, and one command for each other action; back is cancelling and the first part.
         assert len(titles) == len(set(titles)) == len(actions - {"back"}) + 1
