@@ -22,6 +22,9 @@ from app.tui.themes import THEMES
 _REFRESH_S: Final = 0.2
 """Screens are painted anew at most so often."""
 
+_LOOK_S: Final = 2.0
+"""Keys and cell file are looked at so long after the first screen: what that imports would delay it."""
+
 _STANDSTILL_S: Final = 15.0
 
 
@@ -88,8 +91,7 @@ class CatseyeApp(App[int]):
         self.set_interval(_REFRESH_S, self._show_changes)
         if self._trouble is not None:
             self.tell_error(*self._trouble)
-        # Not before the first screen is painted.
-        self.call_after_refresh(self._look_at_settings)
+        self.set_timer(_LOOK_S, self._look_at_settings)
 
     def _look_at_settings(self) -> None:
         self.keep(tell_what_is_wrong(self, self._keymap_names))

@@ -42,7 +42,7 @@ async def test_trouble_before_the_start_is_told_in_a_dialog() -> None:
     session = Session(link, ScriptedWork(), Path("runs"), Path("/bench/cell.toml"), lambda: link.now_s)
     app = CatseyeApp(session, {"go.jogg": "f5"}, "bench", ("Your keys are not used", "keys.toml: wrong"))
     async with app.run_test(size=(80, 24)) as pilot:
-        for _ in range(200):
+        for _ in range(600):
             await pilot.pause(0.01)
             if len([one for one in app.screen_stack if isinstance(one, ErrorDialog)]) == 2:
                 break

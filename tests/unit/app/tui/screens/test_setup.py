@@ -299,7 +299,7 @@ async def test_a_file_that_is_no_cell_is_told(folder: Path) -> None:
     app = make_app(ScriptedLink({"cell": str(path)}), "setup", cell=path)
     async with app.run_test(size=(80, 24)) as pilot:
         # The start tells of it, too.
-        for _ in range(200):
+        for _ in range(600):
             await pilot.pause(0.01)
             if isinstance(app.screen, ErrorDialog):
                 break
