@@ -52,8 +52,23 @@ async def _visit(folder: Path, cell: Path) -> None:
         await _take(app, pilot, "terminal", "terminal")
         await _until(pilot, lambda: not picture.running)
         await _take(app, pilot, "runs", "runs")
+        await _results(app, pilot, folder)
         await _wizard(app, pilot)
         await link.leave(end_engine=True)
+
+
+async def _results(app: CatseyeApp, pilot: Pilot[Any], folder: Path) -> None:
+    run = app.session.link.picture.run
+    if run is None:
+        raise RuntimeError("no run was seen")
+    root = app.session.root
+    done = await app.session.work.do("identify", run.name, "--runs", root, "-o", folder / "error-map.json")
+    if done.code:
+        raise RuntimeError(done.fault)
+    app.action_go("results")
+    await pilot.pause(3.0)
+    await pilot.press("2")
+    await _take(app, pilot, "results", "results")
 
 
 async def _wizard(app: CatseyeApp, pilot: Pilot[Any]) -> None:
