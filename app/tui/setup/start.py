@@ -54,6 +54,11 @@ class Start(Vertical):
         )
         more = Content("\nThe questions were left half-way: w goes on with them.") if going else Content("")
         self.query_one("#present", Told).tell(there + more)
+        choices = self.query_one(OptionList)
+        if cell is None:
+            choices.disable_option("change")
+        elif choices.get_option("change").disabled:
+            choices.enable_option("change")
 
 
 def _prompt(name: str) -> Content:
