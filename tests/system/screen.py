@@ -35,12 +35,14 @@ KEYS = {
     "down": "\x1b[B",
     "right": "\x1b[C",
     "left": "\x1b[D",
+    "home": "\x1b[H",
     "enter": "\r",
     "tab": "\t",
     "escape": "\x1b",
     "ctrl+c": "\x03",
     "ctrl+p": "\x10",
     "ctrl+q": "\x11",
+    "ctrl+s": "\x13",
 }
 
 
@@ -78,8 +80,9 @@ class Screen:
         return "\n".join(line.rstrip() for line in self._screen.display)
 
     def press(self, *keys: str) -> None:
-        """Press keys by their names, or type text."""
+        """Press keys by their names, or characters."""
         for key in keys:
+            assert key in KEYS or len(key) == 1, key
             os.write(self.descriptor, KEYS.get(key, key).encode())
 
     def shows(self, *texts: str, limit_s: float = LIMIT_S) -> str:

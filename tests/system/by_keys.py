@@ -1,0 +1,84 @@
+"""The whole measurement as a technician does it: by keys alone, reading the screen."""
+
+import json
+import time
+from pathlib import Path
+from typing import Any, Protocol
+
+PATIENCE_S = 90.0
+
+
+class Console(Protocol):
+    """A terminal with the user interface in it."""
+
+    @property
+    def text(self) -> str:
+        """What stands on the screen now."""
+        ...
+
+    def press(self, *keys: str) -> None:
+        """Press keys by their names, or characters."""
+        ...
+
+    def shows(self, *texts: str, limit_s: float = PATIENCE_S) -> str:
+        """Wait until all texts stand on the screen; return it."""
+        ...
+
+
+def measure_by_keys(screen: Console, run_limit_s: float) -> None:
+    """Search the reflectors, measure, identify and look at the maps.
+
+    Args:
+        screen: shows the interface on an emulated bench, just started.
+        run_limit_s: for each run.
+    """
+    screen.shows("SIMULATION", "IDLE")
+    run_procedure(screen, "Reflector search", run_limit_s)
+    run_procedure(screen, "Automated open-loop", run_limit_s)
+    screen.press("f7")
+    screen.shows("2 of 2 runs", "✓ complete")
+    # The newest run stands first.
+    screen.press("home", "i")
+    screen.shows("Identify", "open-loop")
+    screen.press("ctrl+s")
+    screen.shows("identified;")
+    screen.press("f6")
+    screen.shows("result-", "error-map")
+    screen.press("enter")
+    screen.press("2")
+    screen.shows("Δθ1 mdeg", "Δθ2 mdeg", "approached upwards")
+
+
+def run_procedure(screen: Console, title: str, limit_s: float) -> None:
+    """Choose a procedure, look at what begins, let the arm move and wait for the end."""
+    screen.press("f3")
+    screen.shows("beam-level", "limits hold")
+    choose(screen, title)
+    screen.press("s")
+    screen.shows("F8", "default")
+    # Enter is no answer to whether the arm may move.
+    screen.press("enter")
+    screen.shows("F8", "default")
+    screen.press("f8")
+    screen.shows("EXECUTE")
+    screen.shows(" complete", limit_s=limit_s)
+
+
+def choose(screen: Console, title: str) -> None:
+    """Go down the list of procedures to one of them."""
+    screen.press("home")
+    for _ in range(20):
+        end_s = time.monotonic() + 2.0
+        while time.monotonic() < end_s:
+            if f"─ {title}" in screen.text:
+                return
+            time.sleep(0.05)
+        screen.press("down")
+    raise AssertionError(f"{title} is not in the list:\n{screen.text}")
+
+
+def result_of(folder: Path) -> dict[str, Any]:
+    """Return the result file that was written."""
+    (path,) = folder.glob("result-*.json")
+    found: dict[str, Any] = json.loads(path.read_text(encoding="utf-8"))
+    return found

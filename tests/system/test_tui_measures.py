@@ -1,0 +1,41 @@
+"""A full measurement by keys alone in a terminal of 80 columns and 24 lines, on the emulators."""
+
+import tempfile
+from pathlib import Path
+
+import pytest
+
+from tests.system.by_keys import measure_by_keys, result_of
+from tests.system.command import emulated
+from tests.system.screen import on_screen
+
+SPEED = "100"
+LIMIT_S = 100.0
+_FEWER_NODES = {
+    "theta1_deg = [-140.0, -120.0, -100.0, -80.0, -60.0, -40.0, -20.0, 0.0, 20.0, 40.0, 60.0]": (
+        "theta1_deg = [-100.0, -50.0, 0.0, 50.0]"
+    ),
+    "theta2_deg = [0.0, 20.0, 40.0, 60.0, 80.0, 100.0, 120.0, 140.0]": "theta2_deg = [20.0, 70.0, 120.0]",
+}
+
+
+@pytest.mark.slow
+@pytest.mark.timeout(300)
+def test_full_measurement_by_keys_alone(tmp_path: Path) -> None:
+    with (
+        tempfile.TemporaryDirectory(dir="/tmp") as runtime,
+        pytest.MonkeyPatch.context() as patch,
+        emulated(tmp_path, "--speed", SPEED, edit=_FEWER_NODES) as bench,
+    ):
+        patch.setenv("XDG_RUNTIME_DIR", runtime)
+        with on_screen("tui", "--cell", bench.cell, "--speed", SPEED, cwd=tmp_path) as screen:
+            measure_by_keys(screen, LIMIT_S)
+            screen.press("ctrl+q")
+            assert screen.ended() == 0
+        truth = bench.ask(op="truth")
+    result = result_of(tmp_path)
+    assert result["fit"]["n_points"] > 100
+    for name in ("link1_mm", "link2_mm"):
+        found = result[name]
+        # Four standard uncertainties: one case in 16 000 lies outside.
+        assert abs(found["value"] - truth["truth"][name]["value"]) < 4.0 * found["u"], name
