@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any, ClassVar, Final
 from rich.text import Text
 from textual.app import ComposeResult, SystemCommand
 from textual.binding import Binding, BindingType
-from textual.containers import Horizontal, Vertical, VerticalScroll
+from textual.containers import Vertical, VerticalScroll
 from textual.content import Content
 from textual.timer import Timer
 from textual.widgets import ContentSwitcher, DataTable
@@ -22,7 +22,7 @@ from app.tui.dialogs.form_dialog import Answers, Field, FormDialog
 from app.tui.dialogs.text_dialog import TextDialog
 from app.tui.screens.working import WorkScreen, free_name, why_not_written
 from app.tui.session import DEMO_FOLDER, Session
-from app.tui.widgets.drawing import Draw, Drawing
+from app.tui.widgets.result_parts import ComparePart, LayoutPart, MapsPart, PathPart, ResidualsPart
 from app.tui.widgets.tab_line import TabLine
 from app.tui.widgets.task_line import TaskLine
 from app.tui.widgets.told import Told, lines
@@ -59,7 +59,6 @@ _FILE_COLUMNS: Final = (
 _VALUE_COLUMNS: Final = (("quantity", 22), ("value", 14), ("u (k=1)", 10), ("U (k=2)", 10), ("unit", 6))
 _RIGHT: Final = frozenset({"value", "u (k=1)", "U (k=2)", "distances", "rms µm"})
 _RUN_FOLDERS: Final = ("runs", "catseye-runs")
-_MAP_LEGEND: Final = "+ approached upwards   − downwards   ± both   bars ±2u (k = 2)"
 _PATH_RUN: Final = "_validation-path_"
 
 
@@ -135,37 +134,15 @@ class ResultsScreen(WorkScreen):
         with ContentSwitcher(initial="files"):
             with Vertical(id="files", classes="part"):
                 yield DataTable[Text](id="file-table", cursor_type="row", cell_padding=0)
-            with Vertical(id="maps", classes="part"):
-                with Horizontal(classes="charts"):
-                    yield Drawing(id="map1")
-                    yield Drawing(id="map2")
-                yield Told(id="map-legend", classes="legend")
+            yield MapsPart(id="maps", classes="part")
             with Vertical(id="values", classes="part"):
                 yield DataTable[Text](id="value-table", cursor_type="row", cell_padding=0)
-            with Horizontal(id="layout", classes="part charts"):
-                yield Drawing(id="plan")
-                with VerticalScroll(id="places-text", classes="text beside"):
-                    yield Told(id="places")
-            with Vertical(id="residuals", classes="part"):
-                yield Drawing(id="scatter")
-                with VerticalScroll(id="outliers-text", classes="text short"):
-                    yield Told(id="outliers")
+            yield LayoutPart(id="layout", classes="part charts")
+            yield ResidualsPart(id="residuals", classes="part")
             with VerticalScroll(id="fit", classes="part text"):
                 yield Told(id="findings")
-            with Vertical(id="path", classes="part"):
-                with Horizontal(classes="charts"):
-                    yield Drawing(id="path1")
-                    yield Drawing(id="path2")
-                yield Told(id="path-legend", classes="legend")
-                with VerticalScroll(id="validation-text", classes="text short"):
-                    yield Told(id="validation")
-            with Vertical(id="compare", classes="part"):
-                with Horizontal(id="differences", classes="charts"):
-                    yield Drawing(id="difference1")
-                    yield Drawing(id="difference2")
-                yield Told(id="difference-legend", classes="legend")
-                with VerticalScroll(id="comparison-text", classes="text below"):
-                    yield Told(id="comparison")
+            yield PathPart(id="path", classes="part")
+            yield ComparePart(id="compare", classes="part")
         yield TaskLine(self.session.now_s)
 
     def commands(self) -> Iterable[SystemCommand]:
@@ -456,108 +433,30 @@ class ResultsScreen(WorkScreen):
         result = file.result
         diagnosis = self._diagnoses.get(file.path)
         self.query_one("#heading", Told).tell(Content(texts.heading(file)))
-        self._show_maps()
+        self.query_one(MapsPart).show(result)
         table = self.query_one("#value-table", DataTable)
         table.clear()
         for row in texts.value_rows(result):
             table.add_row(
                 Text(row[0]), *(Text(cell, justify="right") for cell in row[1:4]), Text(f" {row[4]}")
             )
-        self._tell("#places", texts.layout_text(result))
-        self._tell("#outliers", texts.residual_text(result, diagnosis))
+        self.query_one(LayoutPart).show(result)
+        self.query_one(ResidualsPart).show(result, diagnosis)
+        self.query_one(PathPart).show(self._validations.get(file.path))
         told = [
             Content.assemble((f"{texts.SIGNS[kind]} ", texts.STYLES[kind]), text)
             for kind, text in texts.fit_sentences(result, diagnosis)
         ]
         self.query_one("#findings", Told).tell(lines(*told))
-        self._show_places()
-        self._show_path()
         self._show_comparison()
 
-    def _show_maps(self) -> None:
-        from app.tui import result_texts as texts
-        from app.tui.widgets.result_charts import draw_map
-
-        result = None if self._file is None else self._file.result
-        if result is None:
-            return
-        for joint, table in ((1, result.theta1_map), (2, result.theta2_map)):
-            draw = None if table is None else partial(draw_map, texts.map_columns(joint, table))
-            self.query_one(f"#map{joint}", Drawing).show(draw)
-        theta20 = result.theta20_mdeg
-        legend = (
-            _MAP_LEGEND
-            if theta20 is None
-            else f"no map: θ20 = {theta20.value:.2f} mdeg, U = {2 * theta20.u:.2f}"
-        )
-        self._tell("#map-legend", legend)
-
-    def _show_places(self) -> None:
-        from app.tui.widgets.result_charts import draw_layout, draw_residuals
-
-        result = None if self._file is None else self._file.result
-        if result is None:
-            return
-        import numpy as np
-
-        from app.tui.result_texts import outlier_rows
-
-        links = result.link1_mm.value, result.link2_mm.value
-        places = [(one.name, one.x_mm.value, one.y_mm.value) for one in result.reflectors]
-        residuals = result.residuals
-        commands = np.zeros((0, 2))
-        scatter: Draw | None = None
-        if residuals is not None:
-            commands = np.column_stack([residuals.theta1_deg, residuals.theta2_deg])
-            outliers = outlier_rows(result, self._diagnoses.get(self._file.path) if self._file else None)
-            values = np.array(residuals.residual_um)
-            scatter = partial(draw_residuals, values, residuals.reflector, outliers)
-        self.query_one("#plan", Drawing).show(partial(draw_layout, links, places, commands))
-        self.query_one("#scatter", Drawing).show(scatter)
-
-    def _show_path(self) -> None:
-        from app.tui.result_texts import path_text
-        from app.tui.widgets.result_charts import draw_path
-
-        facts = None if self._file is None else self._validations.get(self._file.path)
-        for place in (0, 1):
-            draw = (
-                None
-                if facts is None
-                else partial(draw_path, facts["path"], facts["path"]["deviations"][place])
-            )
-            self.query_one(f"#path{place + 1}", Drawing).show(draw)
-        if facts is None:
-            self._tell("#path-legend", "t: choose a run of a validation path, or a measured file")
-            self._tell("#validation", "")
-            return
-        letters = dict(zip("ce"[-len(facts["models"]) :], facts["path"]["models"], strict=True))
-        legend = "   ".join(["∙ measured", *(f"{letter} {title}" for letter, title in letters.items())])
-        self._tell("#path-legend", legend)
-        self._tell("#validation", path_text(facts))
-
     def _show_comparison(self) -> None:
-        from app.tui.result_texts import comparison_text, difference_columns
-        from app.tui.widgets.result_charts import draw_map
-
+        part = self.query_one(ComparePart)
         if self._comparison is None or self._other is None or self._file is None:
-            for joint in (1, 2):
-                self.query_one(f"#difference{joint}", Drawing).show(None)
-            self._tell("#difference-legend", "put the cursor on another result (1), then c")
-            self._tell("#comparison", "")
+            part.show_nothing()
             return
-        found, verdict = self._comparison
-        for joint, one in enumerate(found.maps, 1):
-            draw = partial(draw_map, difference_columns(one, in_u=self._in_u))
-            self.query_one(f"#difference{joint}", Drawing).show(draw)
-        self.query_one("#differences").display = bool(found.maps)
-        what = "lines at ±2 u" if self._in_u else "bars ±2 combined u"
-        self._tell("#difference-legend", f"+ upwards   − downwards   {what}   (u switches)")
         names = f"{self._other.path.name} (second) minus {self._file.path.name} (first)"
-        self._tell("#comparison", f"{names}\n{comparison_text(found, verdict)}")
-
-    def _tell(self, widget: str, text: str) -> None:
-        self.query_one(widget, Told).tell(Content(text))
+        part.show(names, *self._comparison, in_u=self._in_u)
 
 
 def _shelf(root: Path) -> "ResultFiles":
