@@ -97,6 +97,10 @@ class IdleBench:
         async with self._taken(*_MOVED_BY_HAND) as devices:
             await self._require_connected(*_MOVED_BY_HAND)
             async with self._keepers["robot"].asking:
+                if not self._is_connected("robot"):
+                    # Lost while the questions under way were waited for: who answers next is not known yet.
+                    why = self._gauges.link("robot").error
+                    raise RefusedError(f"robot is not connected: {why}", ExitCode.DEVICE)
                 yield devices
 
     @asynccontextmanager
@@ -115,7 +119,8 @@ class IdleBench:
             if keeper is None:
                 raise RefusedError(f"there is no device {device!r}; there are {', '.join(self._keepers)}")
             try:
-                _require_free(await keeper.let_go())
+                # Whole: a keeper that is begun anew before it has ended would ask twice.
+                _require_free(await uncancelled(keeper.let_go()))
                 self._gauges.taken(device)
                 yield
             finally:

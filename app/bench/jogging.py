@@ -7,11 +7,13 @@ from typing import Final
 from app.bench.hand_arm import HandArm
 from app.bench.jog_gate import JogGate
 from app.bench.lending import HandBench
+from app.bench.raw_link import ROBOT
 from app.engine.devices import Devices, require_permission
-from app.engine.gate import require_ready
-from app.engine.halt import FAILURES, HaltLimits, halt
+from app.engine.gate import WHOLE_PERCENT, require_ready
+from app.engine.halt import HaltLimits, halt
 from app.engine.waiting import uncancelled, within
 from app.errors import InterruptedRunError, SafetyError
+from app.exitcode import ExitCode
 from app.service.errors import RefusedError, refusal_of
 from app.service.messages import JogHold, JogMode, JogStep, Message
 from procedures.devices import DeviceIdentity, Robot
@@ -49,9 +51,11 @@ class Jogging:
         self._limits = limits or HaltLimits()
         self._arm: HandArm | None = None
         self._reason = ""
+        self._left_lower = ""
         self._failure: Exception | None = None
         self._ended = asyncio.Event()
         self._task = asyncio.create_task(self._serve())
+        self._task.add_done_callback(self._answer_if_unheard)
 
     def add_done_callback(self, done: Callable[["Jogging"], None]) -> None:
         """Call when the arm stands, the drives are as before and the devices are given back."""
@@ -74,11 +78,11 @@ class Jogging:
         if self._reason:
             return
         self._reason = reason
-        if self._arm is None:
-            self._task.cancel()
-        else:
+        self._ended.set()
+        if self._arm is not None:
             self._arm.stop(reason)
-            self._ended.set()
+        else:
+            self._task.cancel()
 
     def abort(self, reason: str) -> None:
         """Stop the arm now, end, and let nothing move before somebody has cleared it."""
@@ -123,9 +127,13 @@ class Jogging:
         gate = JogGate(devices, facts, self._request.percent)
         self._percent = gate.percent
         robot, clock = devices.robot, self._bench.clock
-        drives_on = (await robot.status()).servo_on
+        before = await robot.status()
         try:
             override_percent = await gate.switch_on()
+            self._note_lowered(before.override_percent, override_percent, facts.override_cap_percent)
+            if self._reason:
+                # A cancellation that comes together with an answer may be lost on its way through a library.
+                raise InterruptedRunError(self._reason)
             self._arm = HandArm(robot, facts.bench, gate, clock, self._limits, self)
             self.begun.set_result({"override_percent": override_percent, "simulated": simulated})
             self._tell(moving=None)
@@ -135,11 +143,20 @@ class Jogging:
             self._reason = self._reason or str(error)
             raise
         finally:
-            await uncancelled(self._leave(robot, drives_on))
+            await uncancelled(self._leave(robot, before.servo_on))
 
     def _identities(self, devices: Devices) -> dict[str, DeviceIdentity]:
-        """Return who answers of those that a run has: what else stands in the cell file moves nothing."""
+        """Return who answers of those that a run has: what else stands in the cell file moves nothing.
+
+        Raises:
+            RefusedError: it is not known who the robot is.
+        """
         known = self._bench.identities()
+        if ROBOT not in known:
+            # What is not known to be emulated might move without permission.
+            raise RefusedError(
+                "it is not known which robot answers: see to its link, then jog again", ExitCode.DEVICE
+            )
         return {name: known[name] for name in devices.named() if name in known}
 
     async def _stand_by(self, robot: Robot, arm: HandArm) -> None:
@@ -164,14 +181,23 @@ class Jogging:
         if self._arm is not None:
             self._arm.stop(self._reason)
             await self._arm.at_rest()
-        report = await halt(robot, self._bench.clock, self._limits, lambda: None)
-        if not report.standstill:
-            self.unsafe(report.text)
-        elif not drives_on:
-            try:
-                await within(self._bench.clock, _DRIVES_S, robot.servo(on=False))
-            except FAILURES as error:
-                self.unsafe(f"the drives do not switch off: {error}")
+        try:
+            report = await halt(robot, self._bench.clock, self._limits, lambda: None)
+        except Exception as error:  # noqa: BLE001  # a fault of a driver: nobody has seen the arm stand
+            self.unsafe(f"standstill was not seen: {error}")
+            drives_on = False
+        else:
+            if not report.standstill:
+                self.unsafe(report.text)
+                return
+        if not drives_on:
+            await self._switch_off(robot)
+
+    async def _switch_off(self, robot: Robot) -> None:
+        try:
+            await within(self._bench.clock, _DRIVES_S, robot.servo(on=False))
+        except Exception as error:  # noqa: BLE001  # a fault of a driver leaves the drives on as well
+            self.unsafe(f"the drives do not switch off: {error}")
 
     def _close(self) -> None:
         error = self._failure
@@ -183,6 +209,21 @@ class Jogging:
             self._bench.tell(
                 "jog", on=False, by=self.who, percent=self._percent, moving=None, reason=self._reason
             )
+        if self._left_lower:
+            self._bench.tell("warning", text=self._left_lower, data={})
+
+    def _note_lowered(self, before_percent: float, percent: float, cap_percent: float) -> None:
+        """Have the end of the jog tell that runs will be slow."""
+        if percent <= min(before_percent, cap_percent) - WHOLE_PERCENT:
+            self._left_lower = (
+                f"the speed override stays at {percent:g} % and runs are planned with {cap_percent:g} %: raise it at "
+                "the controller before the next run; this program never raises it"
+            )
+
+    def _answer_if_unheard(self, _task: "asyncio.Task[None]") -> None:
+        """Answer whoever asked: a task that is cancelled before its first step says nothing itself."""
+        if not self.begun.done():
+            self.begun.set_exception(refusal_of(InterruptedRunError(self._reason or "the engine ends")))
 
     def _tell(self, **fields: str | None) -> None:
         self._bench.tell("jog", on=True, by=self.who, percent=self._percent, **fields)

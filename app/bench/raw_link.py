@@ -12,7 +12,7 @@ from app.errors import InterruptedRunError, SafetyError, UsageError, exit_code_o
 from app.service.errors import RefusedError, refusal_of
 from app.service.messages import Message, Raw
 from drivers.endpoint import open_transport
-from drivers.errors import DeviceError, LinkError
+from drivers.errors import DeviceError
 from drivers.transport import Transport
 
 _WRITE_S: Final = 2.0
@@ -43,6 +43,7 @@ class RawLink:
         self._given_back = False
         self._moves = False
         self._task = asyncio.create_task(self._serve())
+        self._task.add_done_callback(self._answer_if_unheard)
 
     def add_done_callback(self, done: Callable[["RawLink"], None]) -> None:
         """Call when the driver has its link again."""
@@ -100,6 +101,11 @@ class RawLink:
         if self._moves and not self._given_back:
             await self._stop_what_moves()
 
+    def _answer_if_unheard(self, _task: "asyncio.Task[None]") -> None:
+        """Answer whoever asked: a task that is cancelled before its first step says nothing itself."""
+        if not self.begun.done():
+            self.begun.set_exception(refusal_of(InterruptedRunError(self._reason or "the engine ends")))
+
     async def _pass_bytes(self) -> None:
         facts = await self._bench.facts()
         device = _device(facts, self.device)
@@ -141,7 +147,7 @@ class RawLink:
         try:
             async with self._bench.lender.lent() as devices:
                 report = await halt(devices.robot, self._bench.clock, HaltLimits(), lambda: None)
-        except (RefusedError, LinkError) as error:
+        except Exception as error:  # noqa: BLE001  # whatever fails: nobody but the operator can look now
             self._bench.tell(
                 "warning", text=f"whether the arm moves is not known: look at it ({error})", data={}
             )

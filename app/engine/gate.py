@@ -11,6 +11,9 @@ from procedures.devices import ControllerStatus, Joints, Robot
 # Rounding of a controller that keeps the override as a whole number or as text.
 _OVERRIDE_TOLERANCE_PERCENT = 0.01
 
+WHOLE_PERCENT = 1.0
+"""What a controller may round an override down by."""
+
 _LEAST_PERCENT = 1.0
 """Controllers take no less."""
 

@@ -24,7 +24,7 @@ from app.engine.devices import (
     require_permission,
 )
 from app.engine.ending import COMPLETE, DeviceFaultError, Ending, EndStatus, ending_of, react
-from app.engine.gate import JointLimits, MotionGate, require_ready
+from app.engine.gate import WHOLE_PERCENT, JointLimits, MotionGate, require_ready
 from app.engine.halt import FAILURES, HaltLimits
 from app.engine.handle import OnOpen, RunHandle
 from app.engine.hands import Hands
@@ -372,6 +372,13 @@ class _Run:
         await devices.robot.servo(on=True)
         require_ready(await devices.robot.status())
         await self._store.event("ready", {"override_percent": percent})
+        cap_percent = self._request.override_cap_percent
+        if percent <= cap_percent - WHOLE_PERCENT:
+            # Left so by somebody who moved the arm by hand, as often as not.
+            self._warn(
+                f"the controller's speed override is {percent:g} % and the run is planned with {cap_percent:g} %: it "
+                "takes longer; unless that is meant raise it at the controller, as this program never does"
+            )
 
     async def _failed(self, error: Exception) -> Ending:
         if self._control.ending is None:

@@ -17,7 +17,7 @@ from app.engine.host import RunOutcome
 from app.engine.signals import loop_signals
 from app.engine.states import Event, State, transition
 from app.engine.waiting import uncancelled
-from app.errors import exit_code_of
+from app.errors import InterruptedRunError, exit_code_of
 from app.exitcode import ExitCode
 from app.procedure_list import load_procedure, parse_params
 from app.resuming import plan_resume
@@ -58,6 +58,7 @@ class EngineProcess:
         self._job: asyncio.Task[RunOutcome | None] | None = None
         self._once: asyncio.Task[RunOutcome] | None = None
         self._aborted = ""
+        self._dropped = ""
         self._on_signal: Callable[[int], None] | None = None
         self._end: asyncio.Future[ExitCode] = asyncio.get_running_loop().create_future()
         self._facts()
@@ -129,6 +130,15 @@ class EngineProcess:
         """
         return self._begin(request)
 
+    def drop(self, reason: str) -> bool:
+        """Keep a run whose record is not open yet from beginning; return whether there was one."""
+        if self._job is None or not self.hub.beginning:
+            return False
+        self._dropped = self._dropped or reason
+        # A task that is cancelled before its first step never gets to say why.
+        asyncio.get_running_loop().call_soon(self._job.cancel)
+        return True
+
     def clear(self, who: str) -> None:
         """Leave ABORTED, on an operator's word.
 
@@ -161,16 +171,18 @@ class EngineProcess:
         if (occupied := self.by_hand.occupied) is not None:
             raise RefusedError(occupied)
         opened: asyncio.Future[Message] = asyncio.get_running_loop().create_future()
-        self.hub.beginning = True
+        self.hub.beginning, self._dropped = True, ""
         self._job = asyncio.create_task(self._run(request, opened))
         return opened
 
     def _require_idle(self) -> None:
-        """Check that nothing runs and that the bench is in order.
+        """Check that nothing runs, that the bench is in order and that the process goes on.
 
         Raises:
-            RefusedError: a run is under way, or something was aborted.
+            RefusedError: a run is under way, something was aborted, or the engine ends.
         """
+        if self._end.done():
+            raise RefusedError("the engine ends: start it again", ExitCode.TERMINATED)
         if self._job is not None or self._once is not None:
             raise RefusedError("a run is under way: wait for its end, or stop it first")
         if self._aborted:
@@ -194,6 +206,11 @@ class EngineProcess:
             planned = await asyncio.to_thread(self._planned, request)
             await self._bench.idle.release()
             outcome = await self._carry_out(request, planned, tell, self.hub.publish)
+        except asyncio.CancelledError:
+            if not self._dropped:
+                raise
+            self._failed(InterruptedRunError(f"{self._dropped} before it began"), opened)
+            return None
         except Exception as error:  # noqa: BLE001  # the engine outlives a run that cannot be started, whatever the cause
             self._failed(error, opened)
             return None

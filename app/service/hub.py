@@ -1,6 +1,7 @@
 """The clients of one engine: what they are told, who of them holds control, and what a lost one means."""
 
 import asyncio
+import logging
 import os
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
@@ -19,6 +20,8 @@ from app.service.questions import prompt_of
 from app.version import SOFTWARE
 from drivers.clock import Clock
 from procedures.context import Json
+
+_log = logging.getLogger(__name__)
 
 Policy = Literal["continue", "hold", "stop"]
 """What becomes of a run whose client with control is lost; `[engine] on_client_lost`."""
@@ -329,23 +332,36 @@ class Hub:
             send(message, member.mailbox, member.disconnect)
 
     def _control_changed(self, what: str, by: str | None, before: str | None) -> None:
-        self.on_control()
+        try:
+            self.on_control()
+        except Exception:  # noqa: BLE001  # a run has to hear of it too, and everybody who watches
+            _log.exception("what is done by hand could not be ended")
         data: dict[str, Json] = {"what": what, "by": by, "before": before}
         if self.run is not None:
             self.run.note("control", data)
         self.say("control", **data)
 
     def _lost(self, run: RunHandle, member: Member, reason: str) -> None:
-        policy = self.policy
-        data: dict[str, Json] = {"client": member.name, "who": member.who, "reason": reason, "policy": policy}
-        self.say("client-lost", **data)
-        self._control_changed("lost", None, member.text)
-        run.note("client-lost", data)
+        data: dict[str, Json] = {
+            "client": member.name,
+            "who": member.who,
+            "reason": reason,
+            "policy": self.policy,
+        }
+        try:
+            self.say("client-lost", **data)
+            self._control_changed("lost", None, member.text)
+            run.note("client-lost", data)
+        finally:
+            # What fails on the way to those who are told must not let the run go on alone.
+            self._follow_policy(run, member, reason)
+
+    def _follow_policy(self, run: RunHandle, member: Member, reason: str) -> None:
         control = run.control
         if control.ending is not None:
             return
         text = f"{member.text}, who held control, is lost ({reason})"
-        match policy:
+        match self.policy:
             case "continue":
                 run.warn(f"{text}; the run goes on, as [engine] on_client_lost says")
             case "hold" if control.state in _BEFORE_MOTION:

@@ -51,6 +51,10 @@ class Engine(Protocol):
         """Go on with a run; the result is there when its record is open."""
         ...
 
+    def drop(self, reason: str) -> bool:
+        """Keep a run that was asked for from beginning; return whether there was one."""
+        ...
+
     def clear(self, who: str) -> None:
         """Leave ABORTED."""
         ...
@@ -137,11 +141,9 @@ class Orders:
             case "hold":
                 self._hold(who)
             case "stop":
-                if self._engine is None or not self._engine.by_hand.stop(f"{who} stopped it"):
-                    self._running().control.stop(f"{who} stopped the run")
+                self._stop(who)
             case "abort":
-                if self._engine is None or not self._engine.by_hand.abort(f"{who} aborted it"):
-                    self._running().control.abort(InterruptedRunError(f"{who} aborted the run"))
+                self._abort(who)
             case "unhold":
                 self._unhold(member, who)
             case "release" if member is not None:
@@ -160,6 +162,21 @@ class Orders:
         if request.on:
             telemetry.wake()
         return {"bench": telemetry.bench()} if request.op == "watch" else {}
+
+    def _stop(self, who: str) -> None:
+        # A run is stopped whatever state the rest is in; nothing is done by hand during one.
+        engine, reason = self._engine, f"{who} stopped it"
+        if self._hub.run is not None or engine is None:
+            self._running().control.stop(f"{who} stopped the run")
+        elif not (engine.by_hand.stop(reason) or engine.drop(reason)):
+            raise RefusedError("no run is under way")
+
+    def _abort(self, who: str) -> None:
+        engine, reason = self._engine, f"{who} aborted it"
+        if self._hub.run is not None or engine is None:
+            self._running().control.abort(InterruptedRunError(f"{who} aborted the run"))
+        elif not (engine.by_hand.abort(reason) or engine.drop(reason)):
+            raise RefusedError("no run is under way")
 
     def _hold(self, who: str) -> None:
         control = self._running().control

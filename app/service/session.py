@@ -72,13 +72,15 @@ class Session:
             reason = "its session failed"
             raise
         finally:
-            # The hub hears of it before anything is waited for: a run without its client is held now.
-            if self._member is not None:
-                self._hub.leave(self._member, reason)
-            self._writer.transport.abort()
-            await cancel(*tasks)
-            with suppress(OSError):
-                await self._writer.wait_closed()
+            try:
+                # The hub hears of it before anything is waited for: a run without its client is held now.
+                if self._member is not None:
+                    self._hub.leave(self._member, reason)
+            finally:
+                self._writer.transport.abort()
+                await cancel(*tasks)
+                with suppress(OSError):
+                    await self._writer.wait_closed()
 
     async def flush(self) -> None:
         """Let what waits reach the client, for a bounded time."""

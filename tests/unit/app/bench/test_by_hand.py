@@ -360,3 +360,26 @@ def test_a_robot_that_cannot_be_stopped_after_that_is_warned_about(monkeypatch: 
 
     warned = played(script, monkeypatch).fixture.events("warning")
     assert "whether the arm moves is not known: look at it" in str(warned[0]["text"])
+
+
+def test_a_link_that_is_ended_in_its_first_moment_answers(monkeypatch: pytest.MonkeyPatch) -> None:
+    async def script(engine: Engine) -> None:
+        begun = engine.raw("robot", arm="lab-1")
+        assert engine.by_hand.stop("Ben stopped it")
+        with pytest.raises(RefusedError, match="Ben stopped it"):
+            async with asyncio.timeout(1.0):
+                await begun
+
+    assert played(script, monkeypatch).wire.sink is None
+
+
+def test_whatever_keeps_a_robot_from_being_stopped_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
+    async def script(engine: Engine) -> None:
+        await engine.raw("robot")
+        engine.fixture.lend_error = ValueError("no number: b'?'")
+        engine.hub.leave(engine.ada, "it closed the connection")
+        await asyncio.sleep(1.0)
+        assert engine.by_hand.occupied is None
+
+    warnings = played(script, monkeypatch).fixture.events("warning")
+    assert "whether the arm moves is not known: look at it" in str(warnings[0]["text"])

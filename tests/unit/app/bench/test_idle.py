@@ -9,9 +9,12 @@ import pytest
 from app.bench.gauges import Gauges
 from app.bench.idle import WAKING_LIMIT_S, IdleBench
 from app.bench.keeper import CLOSE_LIMIT_S
+from app.bench.questions import AIR_S
+from app.engine.waiting import cancel
 from app.errors import ConfigError
 from app.service.errors import RefusedError
 from drivers.errors import RefusedError as DeviceRefusedError
+from drivers.readings import AirSample
 from tests.unit.app.bench.kept import PulledCell, lost
 from tests.unit.drivers.virtual_time import VirtualClock, run
 
@@ -299,5 +302,53 @@ def test_a_parked_device_is_let_go_alone_and_connected_again() -> None:
         idle.cell.air.hangs.set()
         await asyncio.sleep(1.0)
         assert idle.links() == ["ok", "ok", "ok"]
+
+    played(play)
+
+
+def test_a_robot_that_is_lost_while_its_borrower_waits_is_not_lent() -> None:
+    async def play(idle: Idle) -> None:
+        await idle.watched()
+        asked = asyncio.Event()
+
+        async def slow() -> None:
+            asked.set()
+            await asyncio.sleep(0.5)
+            raise lost()
+
+        idle.cell.robot.joints = slow  # type: ignore[method-assign,assignment]  # it is pulled while it answers
+        await asked.wait()
+        with pytest.raises(RefusedError, match="robot is not connected: no cable"):
+            async with idle.bench.lent():
+                pytest.fail("a robot that nobody has asked who it is was lent")
+
+    played(play)
+
+
+def test_a_device_that_is_parked_for_a_moment_is_asked_by_one_keeper_only() -> None:
+    async def play(idle: Idle) -> None:
+        await idle.watched()
+        asked = asyncio.Event()
+        sample = idle.cell.air.sample
+
+        async def slow() -> AirSample:
+            asked.set()
+            await asyncio.sleep(0.5)
+            return await sample()
+
+        idle.cell.air.sample = slow  # type: ignore[method-assign]  # a slow sensor
+        await asked.wait()
+
+        async def park() -> None:
+            async with idle.bench.parked("environment"):
+                pass
+
+        parking = asyncio.create_task(park())
+        await asyncio.sleep(0.1)
+        await cancel(parking)
+        before = idle.cell.air.log.count("sample")
+        await asyncio.sleep(10 * (AIR_S + 0.5))
+        assert idle.links() == ["ok", "ok", "ok"]
+        assert idle.cell.air.log.count("sample") - before == pytest.approx(10, abs=1)
 
     played(play)

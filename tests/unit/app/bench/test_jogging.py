@@ -2,6 +2,7 @@
 
 import asyncio
 from collections.abc import Awaitable, Callable
+from contextlib import suppress
 from dataclasses import replace
 from typing import Any
 
@@ -472,3 +473,93 @@ def test_an_engine_that_ends_leaves_the_arm_at_rest(cell: Cell) -> None:
         return fixture.arm
 
     assert run(work()).said("servo")[-1] == "servo off"
+
+
+@pytest.mark.parametrize(
+    ("before", "percent", "told"),
+    [(100.0, 5.0, "5 %"), (10.0, 5.0, "5 %"), (5.0, 5.0, ""), (100.0, 20.0, "")],
+)
+def test_the_end_tells_of_an_override_that_stays_low(
+    cell: Cell, before: float, percent: float, told: str
+) -> None:
+    arm = TimedArm()
+    arm.state = replace(arm.state, override_percent=before)
+    warnings = jogged(cell, nothing, arm, percent=percent).events("warning")
+    assert len(warnings) == bool(told)
+    if told:
+        assert f"stays at {told} and runs are planned with 20 %: raise it" in str(warnings[0]["text"])
+
+
+def test_a_jog_that_is_ended_in_its_first_moment_answers(cell: Cell) -> None:
+    async def work() -> None:
+        fixture = HandFixture(cell, TimedArm())
+        jog = Jogging(fixture.bench, mode(), "Ada")
+        jog.end("Ben stopped it")
+        await jog.over()
+        with pytest.raises(RefusedError, match="Ben stopped it") as refused:
+            async with asyncio.timeout(1.0):
+                await jog.begun
+        assert refused.value.code == ExitCode.INTERRUPTED
+        assert fixture.arm.log == []
+
+    run(work())
+
+
+def test_an_end_that_a_library_swallows_ends_the_jog_all_the_same(
+    cell: Cell, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    async def work() -> HandFixture:
+        fixture = HandFixture(cell, TimedArm())
+        jog = Jogging(fixture.bench, mode(), "Ada")
+
+        async def deaf(percent: float) -> float:
+            with suppress(asyncio.CancelledError):
+                await asyncio.sleep(1.0)
+            fixture.arm.state = replace(fixture.arm.state, override_percent=percent)
+            return percent
+
+        monkeypatch.setattr(fixture.arm, "set_override", deaf)
+        await asyncio.sleep(0.5)
+        jog.end("Ben stopped it")
+        with pytest.raises(RefusedError, match="Ben stopped it"):
+            await jog.begun
+        async with asyncio.timeout(5.0):
+            await jog.over()
+        return fixture
+
+    fixture = run(work())
+    assert fixture.events("jog") == []
+    assert fixture.arm.said("servo")[-1] == "servo off"
+
+
+def test_a_robot_that_nobody_knows_is_not_moved(cell: Cell) -> None:
+    async def work() -> None:
+        fixture = HandFixture(cell, TimedArm(simulated=False))
+        fixture.bench = replace(fixture.bench, identities=dict)
+        jog = Jogging(fixture.bench, mode(), "Ada")
+        with pytest.raises(RefusedError, match="not known which robot answers"):
+            await jog.begun
+        await jog.over()
+        assert fixture.arm.log == []
+
+    run(work())
+
+
+def test_a_driver_that_fails_at_the_end_lets_nothing_begin(
+    cell: Cell, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    async def work() -> None:
+        fixture = HandFixture(cell, TimedArm())
+        jog = Jogging(fixture.bench, mode(), "Ada")
+        await jog.begun
+
+        async def broken() -> None:
+            raise ValueError("no number: b'?'")
+
+        monkeypatch.setattr(fixture.arm, "status", broken)
+        await jog.over()
+        assert "EMERGENCY STOP" in jog.aborted
+        assert "no number" in jog.aborted
+        assert fixture.arm.said("servo")[-1] == "servo off"
+
+    run(work())

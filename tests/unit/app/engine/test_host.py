@@ -6,6 +6,7 @@ import signal
 import sqlite3
 import stat
 from contextlib import closing
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
 from typing import NamedTuple
@@ -76,6 +77,24 @@ async def test_the_override_is_lowered_before_the_drives_are_on(bench: FakeBench
     assert bench.robot.calls[:4] == ["connect", "override 20", "servo on", "move"]
     assert bench.robot.calls[-1] == "close"
     assert "servo off" not in bench.robot.calls
+
+
+async def test_a_run_that_is_slower_than_planned_says_so(bench: FakeBench) -> None:
+    bench.robot.state = replace(bench.robot.state, override_percent=5.0)
+    outcome = await run(bench, measuring(0))
+    slow = [text for text in (str(event["text"]) for event in bench.said("warning")) if "override" in text]
+    assert len(slow) == 1
+    assert "is 5 % and the run is planned with 20 %" in slow[0]
+    assert any("is 5 %" in str(event) for event in RunReader(outcome.path).events())
+    # It is never raised.
+    assert "override 20" not in bench.robot.calls
+
+
+@pytest.mark.parametrize("percent", [19.5, 20.0, 100.0])
+async def test_a_run_as_fast_as_planned_says_nothing(bench: FakeBench, percent: float) -> None:
+    bench.robot.state = replace(bench.robot.state, override_percent=percent)
+    await run(bench, measuring(0))
+    assert not [event for event in bench.said("warning") if "override" in str(event["text"])]
 
 
 async def test_an_emulated_run_wears_a_banner(bench: FakeBench) -> None:

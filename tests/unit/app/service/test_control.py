@@ -1,6 +1,7 @@
 """Who steers a run, and what becomes of it when that client is lost."""
 
 from dataclasses import replace
+from typing import cast
 
 import pytest
 
@@ -8,6 +9,8 @@ from app.engine.states import State
 from app.errors import SafetyError
 from app.service.errors import RefusedError, ServiceError
 from app.service.hub import Policy
+from app.service.messages import decode_request
+from app.service.orders import Engine, Orders
 from tests.unit.app.engine.fakes import HOME
 from tests.unit.app.service.benches import ServiceBench, close, event_of, settled
 
@@ -198,6 +201,30 @@ async def test_a_client_lost_before_the_devices_are_ready_holds_the_run_when_the
         bench.control.unhold("Ben")
         await settled()
         assert bench.state() == "EXECUTE"
+
+
+@pytest.mark.parametrize("broken", ["by hand", "record"])
+async def test_a_run_is_held_whatever_fails_when_its_client_is_lost(
+    broken: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    async with ServiceBench().running() as bench:
+        async with bench.client("Ada") as ada:
+            await ada.take_control()
+            if broken == "by hand":
+                monkeypatch.setattr(bench.hub, "on_control", lambda: 1 // 0)
+            else:
+                monkeypatch.setattr(bench.handle, "note", None)
+        await settled()
+        assert bench.state() == "HOLDING"
+
+
+@pytest.mark.parametrize(("op", "state"), [("stop", "STOPPING"), ("abort", "ABORTING")])
+async def test_a_stop_reaches_the_run_whatever_is_broken_beside_it(op: str, state: str) -> None:
+    async with ServiceBench().running() as bench:
+        # An engine without a single part.
+        orders = Orders(bench.hub, cast(Engine, object()))
+        assert orders.take(None, decode_request(f'{{"v":1,"id":1,"op":"{op}"}}'.encode())) == {}
+        assert bench.state() == state
 
 
 async def test_a_watcher_and_one_who_gave_control_back_may_vanish() -> None:

@@ -82,10 +82,16 @@ async def serving(root: Path, **options: Any) -> AsyncIterator["asyncio.Task[Exi
 
 
 @asynccontextmanager
-async def engine_client(root: Path) -> AsyncIterator[EngineClient]:
+async def connected(root: Path) -> AsyncIterator[EngineClient]:
     path = find_socket(root)
     assert path is not None
     async with connect(path, "test", "Ada") as client:
+        yield client
+
+
+@asynccontextmanager
+async def engine_client(root: Path) -> AsyncIterator[EngineClient]:
+    async with connected(root) as client:
         await client.take_control()
         yield client
 
@@ -229,3 +235,51 @@ async def test_one_run_for_whoever_attaches(bench: FakeBench) -> None:
         assert (await event_of(client, "run-ended"))["status"] == "complete"
     assert (await task).path.name == name
     assert began.empty()
+
+
+@pytest.mark.parametrize("op", ["stop", "abort"])
+async def test_a_stop_while_a_run_is_planned_keeps_it_from_beginning(
+    bench: FakeBench, monkeypatch: pytest.MonkeyPatch, op: str
+) -> None:
+    planning, go_on, plan = threading.Event(), threading.Event(), vars(engine_process)["plan_run"]
+
+    def slow(*arguments: Any) -> Any:
+        planning.set()
+        assert go_on.wait(5)
+        return plan(*arguments)
+
+    monkeypatch.setattr(engine_process, "plan_run", slow)
+    async with serving(bench.root), engine_client(bench.root) as ada:
+        asking = asyncio.create_task(ada.request("start", procedure="script"))
+        await asyncio.to_thread(planning.wait, 5)
+        async with connected(bench.root) as ben:
+            await ben.request(op)
+        with pytest.raises(
+            RefusedError, match=r"Ada \(test-2\) (stopped|aborted) it before it began"
+        ) as refused:
+            await asking
+        assert refused.value.code == ExitCode.INTERRUPTED
+        go_on.set()
+        with pytest.raises(RefusedError, match="no run is under way"):
+            await ada.request(op)
+        assert list(bench.root.iterdir()) == []
+        # The next one begins as ever.
+        await ada.request("start", procedure="script")
+        await event_of(ada, "prompt")
+        await ada.request("stop")
+        await event_of(ada, "idle")
+        await ada.request("shutdown")
+    assert "move" not in bench.robot.calls
+
+
+async def test_nothing_begins_once_the_engine_ends(bench: FakeBench) -> None:
+    async with serving(bench.root), engine_client(bench.root) as ada:
+        # Both lines are there before the engine gets to its end.
+        ending, starting = (
+            asyncio.create_task(ada.request(op, **fields))
+            for op, fields in (("shutdown", {}), ("start", {"procedure": "script"}))
+        )
+        assert await ending
+        with pytest.raises(RefusedError, match="the engine ends"):
+            await starting
+    assert list(bench.root.iterdir()) == []
