@@ -22,8 +22,8 @@ _SIZE: Final = (108, 34)
 _SPEED: Final = 80.0
 _SEED: Final = 2
 _LONGEST_S: Final = 240.0
-_STRIP_S: Final = 4.0
-"""Long enough for the strip to fill."""
+_STRIP_S: Final = 12.0
+"""Long enough for the strip to fill, and for commands that a screen asks."""
 
 
 async def main() -> None:
@@ -46,6 +46,8 @@ async def _visit(folder: Path, cell: Path) -> None:
         await _run(app, pilot, "reflector-search", lambda: picture.run is not None and not picture.running)
         await pilot.pause(_STRIP_S)
         await _take(app, pilot, "bench", "bench")
+        app.action_go("procedures")
+        await pilot.pause(_STRIP_S)
         await _take(app, pilot, "procedures", "procedures")
         await _run(app, pilot, "open-loop", lambda: _share(app) > 0.5)
         await _take(app, pilot, "run", "run")
@@ -66,8 +68,8 @@ async def _results(app: CatseyeApp, pilot: Pilot[Any], folder: Path) -> None:
     if done.code:
         raise RuntimeError(done.fault)
     app.action_go("results")
-    await pilot.pause(3.0)
-    await pilot.press("2")
+    await pilot.pause(5.0)
+    await pilot.press("enter", "2")
     await _take(app, pilot, "results", "results")
 
 
