@@ -35,6 +35,11 @@ class JogGate:
         self._robot = devices.robot
         self._gate = MotionGate(devices.robot, self.limits, self.percent, door)
 
+    @property
+    def override_percent(self) -> float:
+        """The override as it was read last: at most `percent`, less where the controller's is lower."""
+        return self._gate.override_percent
+
     async def switch_on(self) -> float:
         """Bring the override down and the drives on; return the override that is read back.
 

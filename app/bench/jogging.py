@@ -47,8 +47,8 @@ class Jogging:
         self.aborted = ""
         self._bench = bench
         self._request = request
-        self._percent = request.percent
         self._limits = limits or HaltLimits()
+        self._gate: JogGate | None = None
         self._arm: HandArm | None = None
         self._reason = ""
         self._left_lower = ""
@@ -91,7 +91,7 @@ class Jogging:
 
     def moves(self, joint: str | None, reason: str) -> None:
         """Tell what moves."""
-        self._tell(moving=joint, **({"reason": reason} if reason else {}))
+        self._tell(joint, reason)
 
     def failed(self, error: Exception) -> None:
         """End since a motion failed; the arm has been stopped."""
@@ -124,8 +124,7 @@ class Jogging:
     async def _jog(self, devices: Devices) -> None:
         facts = await self._bench.facts()
         simulated = require_permission(self._identities(devices), facts.cell, self._request.arm)
-        gate = JogGate(devices, facts, self._request.percent)
-        self._percent = gate.percent
+        self._gate = gate = JogGate(devices, facts, self._request.percent)
         robot, clock = devices.robot, self._bench.clock
         before = await robot.status()
         try:
@@ -136,7 +135,7 @@ class Jogging:
                 raise InterruptedRunError(self._reason)
             self._arm = HandArm(robot, facts.bench, gate, clock, self._limits, self)
             self.begun.set_result({"override_percent": override_percent, "simulated": simulated})
-            self._tell(moving=None)
+            self._tell(None)
             await self._stand_by(robot, self._arm)
         except Exception as error:
             self._failure = self._failure or error
@@ -206,9 +205,7 @@ class Jogging:
         elif error is not None:
             self._bench.tell("error", text=str(error), exit_code=int(refusal_of(error).code))
         if self._arm is not None:
-            self._bench.tell(
-                "jog", on=False, by=self.who, percent=self._percent, moving=None, reason=self._reason
-            )
+            self._tell(None, self._reason, on=False)
         if self._left_lower:
             self._bench.tell("warning", text=self._left_lower, data={})
 
@@ -225,5 +222,7 @@ class Jogging:
         if not self.begun.done():
             self.begun.set_exception(refusal_of(InterruptedRunError(self._reason or "the engine ends")))
 
-    def _tell(self, **fields: str | None) -> None:
-        self._bench.tell("jog", on=True, by=self.who, percent=self._percent, **fields)
+    def _tell(self, moving: str | None, reason: str = "", *, on: bool = True) -> None:
+        percent = None if self._gate is None else self._gate.override_percent
+        why = {"reason": reason} if reason else {}
+        self._bench.tell("jog", on=on, by=self.who, percent=percent, moving=moving, **why)

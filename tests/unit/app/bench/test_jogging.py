@@ -563,3 +563,15 @@ def test_a_driver_that_fails_at_the_end_lets_nothing_begin(
         assert fixture.arm.said("servo")[-1] == "servo off"
 
     run(work())
+
+
+def test_the_speed_that_is_told_is_the_one_that_was_read(cell: Cell) -> None:
+    async def script(fixture: HandFixture, jog: Jogging) -> None:
+        await alive(jog, step(joint="j1", by=1.0))
+        fixture.arm.state = replace(fixture.arm.state, override_percent=8.0)
+        await alive(jog, step(joint="j1", by=1.0))
+
+    arm = TimedArm()
+    arm.state = replace(arm.state, override_percent=3.0)
+    told = [event["percent"] for event in jogged(cell, script, arm, percent=10.0).events("jog")]
+    assert told == [3.0, 3.0, 3.0, 8.0, 8.0, 8.0]
