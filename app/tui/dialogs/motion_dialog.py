@@ -26,7 +26,8 @@ class MotionDialog(ModalScreen[bool]):
     """
 
     BINDINGS: ClassVar[list[BindingType]] = [
-        Binding("f8", "choose(True)", "move", id="motion.confirm", tooltip="the arm moves"),
+        # Keys in the footer can be clicked: this one is in the text.
+        Binding("f8", "choose(True)", "move", show=False, id="motion.confirm", tooltip="the arm moves"),
         Binding("escape", "choose(False)", "do not move", id="motion.refuse"),
     ]
 

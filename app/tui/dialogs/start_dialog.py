@@ -45,7 +45,15 @@ class StartDialog(ModalScreen[Permission | None]):
     """
 
     BINDINGS: ClassVar[list[BindingType]] = [
-        Binding("f8", "begin", "let the arm move", id="start.begin", tooltip="the only key that begins it"),
+        # Keys in the footer can be clicked: this one is in the text.
+        Binding(
+            "f8",
+            "begin",
+            "let the arm move",
+            show=False,
+            id="start.begin",
+            tooltip="the only key that begins it",
+        ),
         Binding("escape", "back", "back", id="start.back"),
     ]
 

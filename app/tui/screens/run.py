@@ -12,6 +12,7 @@ from textual.containers import Horizontal, Vertical
 from textual.content import Content
 
 from app.guidance.after_run import Advice, after_run
+from app.tui.dialogs.motion_dialog import MotionDialog
 from app.tui.dialogs.override_dialog import OverrideDialog
 from app.tui.dialogs.start_dialog import Permission, StartDialog
 from app.tui.picture import Picture
@@ -59,7 +60,15 @@ class RunScreen(MainScreen):
     """
 
     BINDINGS: ClassVar[list[BindingType]] = [
-        Binding("f8", "move", "let the arm move", id="run.move", tooltip="the answer that lets the arm move"),
+        # Keys in the footer can be clicked: this one is shown beside the question.
+        Binding(
+            "f8",
+            "move",
+            "let the arm move",
+            show=False,
+            id="run.move",
+            tooltip="the answer that lets the arm move",
+        ),
         Binding("y", "yes", "yes", show=False, id="run.yes", tooltip="answer yes where no motion follows"),
         Binding("n", "no", "no", show=False, id="run.no", tooltip="answer no"),
         *(
@@ -112,7 +121,7 @@ class RunScreen(MainScreen):
 
     def commands(self) -> Iterable[SystemCommand]:
         """Return what this screen can do."""
-        yield SystemCommand("Answer: let the arm move", "as F8 does", self.action_move)
+        yield SystemCommand("Answer: let the arm move", "F8 confirms it", self.action_ask_to_move)
         yield SystemCommand("Answer: yes", "where no motion follows", self.action_yes)
         yield SystemCommand("Answer: no", "to a question of yes or no", self.action_no)
         yield SystemCommand("Take or give back control", "of the engine", self.action_control)
@@ -130,7 +139,7 @@ class RunScreen(MainScreen):
     def on_screen_resume(self) -> None:
         """Show what has happened meanwhile; the open question has the keyboard's focus."""
         super().on_screen_resume()
-        self._panel.take_focus()
+        self._panel.come_up()
 
     def show_picture(self, picture: Picture, now_s: float) -> None:
         """Show the run."""
@@ -167,6 +176,20 @@ class RunScreen(MainScreen):
     def action_move(self) -> None:
         """Agree to the motion of the open question."""
         self._panel.move()
+
+    def action_ask_to_move(self) -> None:
+        """Show the motion of the open question; F8 confirms it there too. From the palette Enter leads here."""
+        panel = self._panel
+        asked, text = panel.prompt, panel.motion
+        if not text:
+            self.notify("no motion waits for an answer", severity="warning")
+            return
+
+        def confirmed(move: bool | None) -> None:
+            if move and asked is not None and panel.prompt is asked:
+                self.on_prompt_panel_answered(PromptPanel.Answered(str(asked["id"]), panel.agreement))
+
+        self.app.push_screen(MotionDialog("The arm moves", text), confirmed)
 
     def action_yes(self) -> None:
         """Answer yes."""

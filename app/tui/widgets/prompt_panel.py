@@ -15,7 +15,7 @@ from app.tui.widgets.told import Told, lines
 from app.tui.words import duration_text
 
 SETTLE_S: Final = 0.5
-"""A key that was meant for something else, pressed as the question came up, answers nothing."""
+"""A key that was meant for something else, pressed as the question came onto the screen, answers nothing."""
 
 Prompt = Mapping[str, Any]
 
@@ -56,6 +56,8 @@ class PromptPanel(Vertical):
         self._prompt: Prompt | None = None
         self._at_s = 0.0
         self._now_s = 0.0
+        self._laid_out: Prompt | None = None
+        self._seen_s: float | None = None
 
     def compose(self) -> ComposeResult:
         """Question, task, motion, answers, refusal."""
@@ -91,7 +93,7 @@ class PromptPanel(Vertical):
         """
         self._now_s = now_s
         if (prompt or {}).get("id") != (self._prompt or {}).get("id") or at_s != self._at_s:
-            self._prompt, self._at_s = prompt, at_s
+            self._prompt, self._at_s, self._seen_s = prompt, at_s, None
             self.set_class(prompt is not None, "open")
             self.run_worker(self._lay_out(prompt), group="prompt", exclusive=True, exit_on_error=False)
         if prompt is not None:
@@ -99,6 +101,8 @@ class PromptPanel(Vertical):
             self._tell("task", Content("\n".join(drawn)))
             self.border_title = f"Question {prompt['id']}" + (f"  ({note})" if note else "")
             self.border_subtitle = _time_left(prompt, now_s - at_s, speed)
+        if self._seen_s is None and self._laid_out is prompt and self.screen.is_current:
+            self._seen_s = now_s
 
     def refuse(self, prompt: str, text: str) -> None:
         """Say beside the question why an answer was refused.
@@ -109,6 +113,11 @@ class PromptPanel(Vertical):
         """
         if self._prompt is not None and self._prompt["id"] == prompt:
             self._tell("refused", Content(f"✗ {text}"))
+
+    def come_up(self) -> None:
+        """Be seen from now on: another screen was before it. What is typed, or the safe answer, has the focus."""
+        self._seen_s = None
+        self.take_focus()
 
     def take_focus(self) -> None:
         """Put the keyboard's focus on what is typed, or on the safe answer."""
@@ -137,15 +146,24 @@ class PromptPanel(Vertical):
         else:
             self._answer(choices[number - 1])
 
+    @property
+    def motion(self) -> str:
+        """The open question and the motion that follows on it; empty where none does."""
+        if self._prompt is None or not self.agreement:
+            return ""
+        return f"{self._prompt['text']}\n{_motion_text(self._prompt).plain}"
+
+    @property
+    def agreement(self) -> str:
+        """The answer that lets the arm move; empty where none does."""
+        if not self._motion() or self._kind() not in {"confirm", "choice"}:
+            return ""
+        return "yes" if self._kind() == "confirm" else self._choices()[0]
+
     def move(self) -> None:
         """Agree to a motion."""
-        if not self._motion():
-            return
-        match self._kind():
-            case "confirm":
-                self._answer("yes")
-            case "choice":
-                self._answer(self._choices()[0])
+        if self.agreement:
+            self._answer(self.agreement)
 
     def on_button_pressed(self, event: Button.Pressed) -> None:
         """Take the answer of a button."""
@@ -171,7 +189,7 @@ class PromptPanel(Vertical):
             self._answer(text)
 
     def _answer(self, text: str) -> None:
-        if self._prompt is None or self._now_s - self._at_s < SETTLE_S:
+        if self._prompt is None or self._seen_s is None or self._now_s - self._seen_s < SETTLE_S:
             return
         self._tell("refused", Content(""))
         self.post_message(self.Answered(str(self._prompt["id"]), text))
@@ -208,6 +226,7 @@ class PromptPanel(Vertical):
         self._tell("question", Content(str(prompt["text"])))
         self._tell("motion", _motion_text(prompt))
         await answers.mount_all(_answers(prompt, self._choices()))
+        self._laid_out = prompt
         if self.screen.is_current:
             self.take_focus()
 

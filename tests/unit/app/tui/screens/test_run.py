@@ -6,11 +6,14 @@ from typing import Any
 import pytest
 from textual.pilot import Pilot
 from textual.widgets import Button, Input
+from textual.widgets._footer import FooterKey  # noqa: PLC2701  # Textual has no public name for it
 
 from app.tui.app import CatseyeApp
 from app.tui.dialogs.error_dialog import ErrorDialog
+from app.tui.dialogs.motion_dialog import MotionDialog
 from app.tui.dialogs.override_dialog import OverrideDialog
 from app.tui.dialogs.start_dialog import StartDialog
+from app.tui.screens.run import RunScreen
 from app.tui.work import Done
 from tests.unit.app.tui.scripted import ScriptedLink, compare, make_app, shown, work_of
 from tests.unit.app.tui.told_bench import BENCH
@@ -26,10 +29,11 @@ def app_of(link: ScriptedLink) -> CatseyeApp:
 
 
 async def settled(app: CatseyeApp, pilot: Pilot[Any], link: ScriptedLink) -> str:
-    """Let half a second pass, so that a question takes answers, and everything be painted."""
-    link.now_s += 1.0
+    """Have everything be painted and half a second pass, so that a question takes answers."""
     await shown(app, pilot)
     await app.workers.wait_for_complete()
+    await shown(app, pilot)
+    link.now_s += 1.0
     return await shown(app, pilot)
 
 
@@ -127,6 +131,90 @@ async def test_a_key_pressed_as_the_question_comes_answers_nothing() -> None:
         await pilot.press("f8", "n")
         await shown(app, pilot)
         assert answers(link) == []
+
+
+async def test_a_key_pressed_before_the_question_was_seen_answers_nothing() -> None:
+    link = ScriptedLink(SNAPSHOT)
+    app = app_of(link)
+    async with app.run_test(size=(80, 24)) as pilot:
+        await settled(app, pilot, link)
+        ask(link, **MOTION)
+        # The screen was busy with something else for so long.
+        link.now_s += 5.0
+        await shown(app, pilot)
+        await app.workers.wait_for_complete()
+        await shown(app, pilot)
+        await pilot.press("f8")
+        await shown(app, pilot)
+        assert answers(link) == []
+
+
+async def test_a_question_that_waited_behind_another_screen_is_looked_at_before_it_is_answered() -> None:
+    link = ScriptedLink(SNAPSHOT)
+    app = app_of(link)
+    async with app.run_test(size=(80, 24)) as pilot:
+        ask(link, **MOTION)
+        await settled(app, pilot, link)
+        await pilot.press("f2")
+        link.now_s += 60.0
+        await shown(app, pilot)
+        await pilot.press("f4", "f8")
+        await shown(app, pilot)
+        assert answers(link) == []
+        link.now_s += 1.0
+        await shown(app, pilot)
+        await pilot.press("f8")
+        await settled(app, pilot, link)
+        assert answers(link) == [("stage/1", "yes")]
+
+
+async def test_the_palette_asks_for_f8_before_a_motion() -> None:
+    link = ScriptedLink(SNAPSHOT)
+    app = app_of(link)
+    async with app.run_test(size=(80, 24)) as pilot:
+        ask(link, **MOTION)
+        await settled(app, pilot, link)
+        screen = app.screen
+        assert isinstance(screen, RunScreen)
+        for key in ("enter", "escape", "f8"):
+            command = next(each for each in screen.commands() if each.title == "Answer: let the arm move")
+            command.callback()
+            text = await shown(app, pilot)
+            assert isinstance(app.screen, MotionDialog)
+            assert "J1 -6.67°, J2 11.67°, J3 50.0 mm, J4 2.76°" in text
+            await pilot.press(key)
+            await settled(app, pilot, link)
+            assert answers(link) == ([("stage/1", "yes")] if key == "f8" else [])
+            if key == "enter":
+                await pilot.press("escape")
+        command.callback()
+        await shown(app, pilot)
+        ask(link, **{**MOTION, "id": "stage/2"})
+        await settled(app, pilot, link)
+        await pilot.press("f8")
+        await settled(app, pilot, link)
+        assert len(answers(link)) == 1
+
+
+async def test_the_key_that_moves_the_arm_cannot_be_clicked() -> None:
+    link = ScriptedLink(SNAPSHOT)
+    app = app_of(link)
+    async with app.run_test(size=(200, 60)) as pilot:
+        ask(link, **MOTION)
+        text = await settled(app, pilot, link)
+        keys = [key.key for key in app.screen.query(FooterKey)]
+        assert "o" in keys
+        assert "f8" not in keys
+        for y, line in enumerate(text.splitlines()):
+            if "F8" in line:
+                await pilot.click(offset=(line.index("F8") + 1, y))
+        await settled(app, pilot, link)
+        assert answers(link) == []
+        screen = app.screen
+        assert isinstance(screen, RunScreen)
+        screen.action_ask_to_move()
+        await shown(app, pilot)
+        assert "f8" not in [key.key for key in app.screen.query(FooterKey)]
 
 
 @pytest.mark.parametrize(
