@@ -145,6 +145,8 @@ class ByHand:
 
     def _raw_over(self, link: RawLink) -> None:
         del self._raw[link.device]
+        if link.aborted:
+            self._on_abort(link.aborted)
 
     def _control_changed(self) -> None:
         """End what a client does by hand when it does not hold control any more."""

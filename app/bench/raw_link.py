@@ -30,11 +30,13 @@ class RawLink:
     Attributes:
         device: its name in the cell file.
         begun: has a result when bytes may be sent, or says why they may not.
+        aborted: why nothing may move before somebody has looked at the bench; empty while all is well.
     """
 
     def __init__(self, bench: HandBench, request: Raw, who: str) -> None:
         self.device = request.device
         self.begun: asyncio.Future[Message] = asyncio.get_running_loop().create_future()
+        self.aborted = ""
         self._bench = bench
         self._arm = request.arm
         self._who = who
@@ -148,12 +150,12 @@ class RawLink:
             async with self._bench.lender.lent() as devices:
                 report = await halt(devices.robot, self._bench.clock, HaltLimits(), lambda: None)
         except Exception as error:  # noqa: BLE001  # whatever fails: nobody but the operator can look now
-            self._bench.tell(
-                "warning", text=f"whether the arm moves is not known: look at it ({error})", data={}
-            )
-            return
-        if not report.standstill:
-            self._bench.tell("warning", text=f"standstill is not confirmed: {report.text}", data={})
+            self.aborted = f"whether the arm moves is not known: look at it ({error})"
+        else:
+            if not report.standstill:
+                self.aborted = f"standstill is not confirmed: {report.text}"
+        if self.aborted:
+            self._bench.tell("warning", text=self.aborted, data={})
 
 
 def _device(facts: BenchFacts, name: str) -> DeviceFacts:

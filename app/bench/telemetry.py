@@ -1,6 +1,7 @@
 """Telling those who watch: the bench and its samples, and what goes over the wires; at most five times a second."""
 
 import asyncio
+import logging
 import shutil
 from collections.abc import Awaitable, Callable
 from pathlib import Path
@@ -17,6 +18,8 @@ from app.engine.handle import RunHandle
 from app.engine.waiting import cancel
 from drivers.clock import Clock
 from procedures.context import Json
+
+_log = logging.getLogger(__name__)
 
 Topic = Literal["watch", "traffic"]
 
@@ -169,10 +172,16 @@ class Telemetry:
 
     async def _serve(self) -> None:
         """Tell until nobody listens. Nothing is waited for after that was seen: the next `wake` begins anew."""
-        disk = asyncio.create_task(self._look_at_disk())
+        disk, failed = asyncio.create_task(self._look_at_disk()), False
         try:
             while self._audience.listens("watch") or self._audience.listens("traffic"):
-                self.tell()
+                try:
+                    self.tell()
+                    failed = False
+                except Exception:  # noqa: BLE001  # values that are not told grow old where they are shown
+                    if not failed:
+                        _log.exception("the bench could not be told")
+                    failed = True
                 await self._clock.sleep(PERIOD_S)
         finally:
             disk.cancel()

@@ -381,5 +381,7 @@ def test_whatever_keeps_a_robot_from_being_stopped_is_told(monkeypatch: pytest.M
         await asyncio.sleep(1.0)
         assert engine.by_hand.occupied is None
 
-    warnings = played(script, monkeypatch).fixture.events("warning")
-    assert "whether the arm moves is not known: look at it" in str(warnings[0]["text"])
+    engine = played(script, monkeypatch)
+    text = str(engine.fixture.events("warning")[0]["text"])
+    assert "whether the arm moves is not known: look at it" in text
+    assert engine.aborts == [text]

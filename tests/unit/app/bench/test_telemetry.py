@@ -139,3 +139,24 @@ def test_another_bench_makes_the_values_of_the_first_one_void_and_another_aim_do
 
 def test_the_disk_of_a_folder_that_is_not_there_yet_is_known(tmp_path: Path) -> None:
     assert (free_bytes(tmp_path / "runs" / "of" / "today") or 0) > 0
+
+
+def test_a_fault_on_the_way_to_those_who_watch_does_not_end_the_watching(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
+) -> None:
+    async def play(telemetry: Telemetry, listeners: Listeners) -> None:
+        watched: list[bool] = []
+        telemetry.on_watched = watched.append
+        telemetry.describe(FACTS)
+        listeners.topics.add("watch")
+        telemetry.wake()
+        with monkeypatch.context() as broken:
+            broken.setattr(telemetry, "bench", None)
+            await asyncio.sleep(1.0)
+        assert listeners.of("bench") == []
+        await asyncio.sleep(0.9)
+        assert len(listeners.of("bench")) == 5
+        assert watched == [True]
+
+    played(tmp_path, play)
+    assert caplog.messages == ["the bench could not be told"]
