@@ -58,6 +58,7 @@ class EngineProcess:
         self._job: asyncio.Task[RunOutcome | None] | None = None
         self._once: asyncio.Task[RunOutcome] | None = None
         self._aborted = ""
+        self._planning = False
         self._dropped = ""
         self._on_signal: Callable[[int], None] | None = None
         self._end: asyncio.Future[ExitCode] = asyncio.get_running_loop().create_future()
@@ -131,12 +132,16 @@ class EngineProcess:
         return self._begin(request)
 
     def drop(self, reason: str) -> bool:
-        """Keep a run whose record is not open yet from beginning; return whether there was one."""
+        """Keep a run from beginning; return whether there was one that was about to.
+
+        One whose record is being made ends as stopped when it is there: half a record would look like a death.
+        """
         if self._job is None or not self.hub.beginning:
             return False
         self._dropped = self._dropped or reason
-        # A task that is cancelled before its first step never gets to say why.
-        asyncio.get_running_loop().call_soon(self._job.cancel)
+        if self._planning:
+            # A task that is cancelled before its first step never gets to say why.
+            asyncio.get_running_loop().call_soon(self._drop_plan)
         return True
 
     def clear(self, who: str) -> None:
@@ -166,12 +171,16 @@ class EngineProcess:
         _log.info("%s ends the engine", who)
         self._ended(ExitCode.DONE)
 
+    def _drop_plan(self) -> None:
+        if self._job is not None and self._planning:
+            self._job.cancel()
+
     def _begin(self, request: Start | Resume) -> "asyncio.Future[Message]":
         self._require_idle()
         if (occupied := self.by_hand.occupied) is not None:
             raise RefusedError(occupied)
         opened: asyncio.Future[Message] = asyncio.get_running_loop().create_future()
-        self.hub.beginning, self._dropped = True, ""
+        self.hub.beginning, self._planning, self._dropped = True, True, ""
         self._job = asyncio.create_task(self._run(request, opened))
         return opened
 
@@ -205,6 +214,7 @@ class EngineProcess:
         try:
             planned = await asyncio.to_thread(self._planned, request)
             await self._bench.idle.release()
+            self._planning = False
             outcome = await self._carry_out(request, planned, tell, self.hub.publish)
         except asyncio.CancelledError:
             if not self._dropped:
@@ -271,6 +281,8 @@ class EngineProcess:
     async def _serve_run(self, opened: Callable[[Path], None], handle: RunHandle) -> AsyncIterator[None]:
         async with self._server.of_run(handle):
             opened(handle.path)
+            if self._dropped:
+                handle.control.stop(self._dropped)
             yield
 
     def _facts(self) -> None:

@@ -22,6 +22,8 @@ from app.service.client import EngineClient, connect
 from app.service.engine_process import EngineProcess
 from app.service.errors import RefusedError
 from app.service.messages import Start, decode_request
+from app.store.reader import RunReader
+from app.store.run_store import RunStore
 from procedures.context import Context, Prompt
 from tests.unit.app.engine.fakes import FakeBench, Script
 from tests.unit.app.service.benches import event_of
@@ -270,6 +272,30 @@ async def test_a_stop_while_a_run_is_planned_keeps_it_from_beginning(
         await event_of(ada, "idle")
         await ada.request("shutdown")
     assert "move" not in bench.robot.calls
+
+
+async def test_a_stop_while_a_record_is_made_leaves_a_whole_one(
+    bench: FakeBench, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    making, go_on, create = asyncio.Event(), asyncio.Event(), RunStore.create
+
+    async def slow(*arguments: Any, **options: Any) -> RunStore:
+        making.set()
+        await go_on.wait()
+        return await create(*arguments, **options)
+
+    monkeypatch.setattr(RunStore, "create", slow)
+    async with serving(bench.root), engine_client(bench.root) as ada:
+        asking = asyncio.create_task(ada.request("start", procedure="script"))
+        await making.wait()
+        await ada.request("stop")
+        go_on.set()
+        opened = await asking
+        assert (await event_of(ada, "run-ended"))["status"] == "stopped"
+        await event_of(ada, "idle", state="STOPPED")
+        assert RunReader(Path(str(opened["path"]))).status == "stopped"
+        await ada.request("shutdown")
+    assert "servo on" not in bench.robot.calls
 
 
 async def test_nothing_begins_once_the_engine_ends(bench: FakeBench) -> None:
