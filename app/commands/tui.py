@@ -4,7 +4,9 @@ import sys
 import tomllib
 from pathlib import Path
 
+from app.commands.output import say
 from app.errors import ConfigError, UsageError
+from app.exitcode import ExitCode
 from app.runs_folder import runs_folder
 
 
@@ -38,7 +40,15 @@ def tui_command(cell: Path | None, runs: Path | None, speed: float) -> None:
         )
     link = EngineLink(root, found, clock)
     session = Session(link, Commands(), root, found, clock.monotonic_s, speed)
-    code = CatseyeApp(session, keymap, "bench" if found is not None else "setup", trouble).run()
+    app = CatseyeApp(session, keymap, "bench" if found is not None else "setup", trouble)
+    code = app.run()
+    if code is None and app.return_code:
+        say(
+            "catseye tui ended by a fault of its own, told above. The engine goes on without it: a run is held "
+            "unless [engine] on_client_lost of the cell file says otherwise, a jog is stopped. Start catseye tui "
+            "again."
+        )
+        sys.exit(ExitCode.REJECTED)
     sys.exit(code or 0)
 
 

@@ -47,6 +47,19 @@ def find_socket(place: Path) -> Path | None:
     return next((path for path in found if path.is_socket()), None)
 
 
+def is_live(path: Path) -> bool:
+    """Return whether somebody listens at a socket; one that is too busy to say so counts."""
+    with socket.socket(socket.AF_UNIX, socket.SOCK_STREAM) as probe:
+        probe.settimeout(_PROBE_S)
+        try:
+            probe.connect(os.fspath(path))
+        except (ConnectionRefusedError, FileNotFoundError):
+            return False
+        except OSError:
+            return True
+    return True
+
+
 def all_sockets() -> list[Path]:
     """Return this user's sockets; whether anybody listens is not known."""
     return sorted({path for folder in _folders() if _is_own(folder) for path in folder.glob("*.sock")})
@@ -101,16 +114,9 @@ def _alone(folder: Path) -> Iterator[None]:
 def _remove_stale(path: Path) -> None:
     if not path.is_socket():
         raise ServiceError(f"{path} is no socket: move it away")
-    with socket.socket(socket.AF_UNIX, socket.SOCK_STREAM) as probe:
-        probe.settimeout(_PROBE_S)
-        try:
-            probe.connect(os.fspath(path))
-        except (ConnectionRefusedError, FileNotFoundError):
-            path.unlink(missing_ok=True)
-            return
-        except OSError as error:
-            raise ServiceError(f"{path} is in use: {error}") from error
-    raise ServiceError(f"another engine listens at {path}: attach to it, or end it first")
+    if is_live(path):
+        raise ServiceError(f"another engine listens at {path}: attach to it, or end it first")
+    path.unlink(missing_ok=True)
 
 
 def _folders() -> list[Path]:

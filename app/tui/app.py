@@ -13,10 +13,12 @@ from textual.screen import Screen
 from app.tui.cell_change import look_at_cell
 from app.tui.dialogs.error_dialog import ErrorDialog
 from app.tui.dialogs.quit_dialog import Choice, QuitDialog
+from app.tui.faults import fault_text
 from app.tui.places import PLACES, make_screen
 from app.tui.screens.base import MainScreen
 from app.tui.session import Session
 from app.tui.start_checks import tell_what_is_wrong
+from app.tui.stopping import StopOp
 from app.tui.themes import THEMES
 
 _REFRESH_S: Final = 0.2
@@ -71,7 +73,7 @@ class CatseyeApp(App[int]):
         self._known_facts: dict[str, Any] = {}
         self._first = place
         self._ended = asyncio.Event()
-        self._link_task: asyncio.Task[None] | None = None
+        self._faults: set[str] = set()
         self._orders: set[asyncio.Task[None]] = set()
         for theme in THEMES:
             self.register_theme(theme)
@@ -87,7 +89,7 @@ class CatseyeApp(App[int]):
         loop = asyncio.get_running_loop()
         for number in (signal.SIGTERM, signal.SIGHUP):
             loop.add_signal_handler(number, self._signalled, number)
-        self._link_task = asyncio.create_task(self.session.link.serve(self._note_change))
+        self.keep(self.session.link.serve(self._note_change))
         self.set_interval(_REFRESH_S, self._show_changes)
         if self._trouble is not None:
             self.tell_error(*self._trouble)
@@ -101,7 +103,7 @@ class CatseyeApp(App[int]):
         loop = asyncio.get_running_loop()
         for number in (signal.SIGTERM, signal.SIGHUP):
             loop.remove_signal_handler(number)
-        tasks = [task for task in (self._link_task, *self._orders) if task is not None]
+        tasks = list(self._orders)
         for task in tasks:
             task.cancel()
         await asyncio.gather(*tasks, return_exceptions=True)
@@ -142,11 +144,13 @@ class CatseyeApp(App[int]):
 
     def action_stop(self) -> None:
         """Stop the arm now."""
-        self.order("stop", "STOP could not be given: USE THE EMERGENCY STOP if the arm moves")
+        self.keep(self._stop("stop", "STOP could not be given: USE THE EMERGENCY STOP if the arm moves"))
 
     def action_abort(self) -> None:
         """Abort the run."""
-        self.order("abort", "The run could not be aborted: USE THE EMERGENCY STOP if the arm moves")
+        self.keep(
+            self._stop("abort", "The run could not be aborted: USE THE EMERGENCY STOP if the arm moves")
+        )
 
     def action_clear(self) -> None:
         """Clear an abort."""
@@ -163,7 +167,7 @@ class CatseyeApp(App[int]):
     def action_ladder(self) -> None:
         """Hold, then stop, then abort, as Ctrl-C does under `catseye run`."""
         picture = self.session.link.picture
-        if picture.jogging:
+        if picture.jogging or picture.silent_since_s is not None or picture.run_out_of_sight:
             self.action_stop()
         elif not picture.running:
             self.notify("Ctrl-Q quits; F12 stops", title="nothing runs")
@@ -181,7 +185,7 @@ class CatseyeApp(App[int]):
             self.push_screen(QuitDialog(picture.run.name), self._quit_as_chosen)
             return
         if picture.jogging:
-            self.order("stop", "The arm could not be stopped")
+            self.action_stop()
         self.keep(self._leave(end_engine=True))
 
     def order(
@@ -193,8 +197,8 @@ class CatseyeApp(App[int]):
         done: str = "",
         then: Callable[[dict[str, Any]], None] | None = None,
         **fields: Any,
-    ) -> None:
-        """Have the engine do something; a refusal is shown with its remedy. Returns at once.
+    ) -> asyncio.Task[None]:
+        """Have the engine do something; a refusal is shown with its remedy. Returns at once what ends with it.
 
         Args:
             op: request.
@@ -204,18 +208,40 @@ class CatseyeApp(App[int]):
             then: is given the answer.
             fields: of the request.
         """
-        self.keep(self._order(op, failure, control=control, done=done, then=then, **fields))
+        return self.keep(self._order(op, failure, control=control, done=done, then=then, **fields))
 
     def tell_error(self, title: str, text: str) -> None:
-        """Show an error that can be copied."""
+        """Show an error that can be copied; the same one is not shown twice over."""
+        if isinstance(self.screen, ErrorDialog) and self.screen.told == (title, text):
+            return
         self.push_screen(ErrorDialog(title, text))
+
+    def tell_fault(self, error: BaseException) -> None:
+        """Tell of a fault of this program, each once; everything else goes on."""
+        if self.is_running and repr(error) not in self._faults:
+            self._faults.add(repr(error))
+            self.tell_error("A fault of this program", fault_text(error))
 
     def keep(self, action: Coroutine[Any, Any, None]) -> asyncio.Task[None]:
         """Have something go on until it is done or the program ends, whatever screen is shown."""
         task = asyncio.get_running_loop().create_task(action)
         self._orders.add(task)
-        task.add_done_callback(self._orders.discard)
+        task.add_done_callback(self._kept)
         return task
+
+    def _kept(self, task: asyncio.Task[None]) -> None:
+        self._orders.discard(task)
+        if not task.cancelled() and (error := task.exception()) is not None:
+            self.tell_fault(error)
+
+    async def _stop(self, op: StopOp, failure: str) -> None:
+        from app.service.errors import RefusedError, ServiceError
+
+        try:
+            await self.session.link.stop(op)
+        except (RefusedError, ServiceError) as error:
+            self.tell_error(failure, str(error))
+        self._note_change()
 
     async def _order(
         self,
@@ -252,9 +278,10 @@ class CatseyeApp(App[int]):
 
         link = self.session.link
         try:
-            if choice != "leave":
-                await link.request(choice)
+            if choice == "hold":
+                await link.request("hold")
             if choice == "stop":
+                await link.stop("stop")
                 async with asyncio.timeout(_STANDSTILL_S):
                     await self._ended.wait()
         except (RefusedError, ServiceError) as error:

@@ -138,7 +138,7 @@ def air_lines(bench: Part, since_s: float) -> list[Content]:
 
 
 def engine_lines(picture: Picture, most: int) -> list[Content]:
-    """Return who is connected, who has control, and the last lines of the log.
+    """Return who is connected, who has control, how many messages newer ones replaced, and the last of the log.
 
     Args:
         picture: what the engine has told.
@@ -154,6 +154,9 @@ def engine_lines(picture: Picture, most: int) -> list[Content]:
         Content.styled(f"{line.t[11:19]} {line.text}", styles.get(line.level, "dim"))
         for line in list(picture.log)[-most:]
     ]
+    skipped = picture.missed.get("bench", 0) + picture.missed.get("samples", 0)
+    if skipped:
+        log = [Content.styled(f"skipped    {skipped} older values; the newest are shown", "dim"), *log]
     return [Content(f"connected  {people}"), Content(f"control    {control}"), *log]
 
 

@@ -1,17 +1,24 @@
 """Keys of the whole program, and how a user changes them.
 
-A key is changed in `keys.toml` of the user's configuration folder: `"run.hold" = "h,f4"`. docs/terminal-ui.md lists
-the names.
+A key is changed in `keys.toml` of the user's configuration folder: `"run.hold" = "h,insert"`. docs/terminal-ui.md
+lists the names.
 """
 
 import os
 import tomllib
 from pathlib import Path
+from typing import Final
 
 from app.errors import ConfigError
 
 STOP_KEYS = "f12"
 """Never taken away: a user's file may add keys to STOP, not remove this one."""
+
+_OWNERS: Final = {STOP_KEYS: "run.stop", "ctrl+c": "run.ladder"}
+"""Keys that stop, and the only names that may have them."""
+
+_MOTION: Final = frozenset({"motion.confirm", "run.move", "start.begin", "jog.begin", "terminal.send"})
+"""What lets the arm move; Enter, which is pressed without a thought, never does."""
 
 
 def keys_file() -> Path:
@@ -35,6 +42,24 @@ def read_keymap(path: Path) -> dict[str, str]:
     for name, keys in table.items():
         if not isinstance(keys, str) or not keys:
             raise ConfigError(f'{path}: {name} = {keys!r} is no key; write for instance "{name}" = "f5,j"')
-    if "run.stop" in table and STOP_KEYS not in table["run.stop"].split(","):
-        table["run.stop"] = f"{STOP_KEYS},{table['run.stop']}"
-    return {str(name): str(keys) for name, keys in table.items()}
+    keymap = {name: [key.strip() for key in keys.split(",")] for name, keys in table.items()}
+    for name, keys in keymap.items():
+        _check(path, name, keys)
+    for key, name in _OWNERS.items():
+        if name in keymap and key not in keymap[name]:
+            keymap[name].insert(0, key)
+    return {name: ",".join(keys) for name, keys in keymap.items()}
+
+
+def _check(path: Path, name: str, keys: list[str]) -> None:
+    for key in keys:
+        if not key:
+            raise ConfigError(f'{path}: {name}: a key is missing; write for instance "{name}" = "f5,j"')
+        if _OWNERS.get(key, name) != name:
+            raise ConfigError(
+                f"{path}: {name} = {key!r}: this key stops the arm and does nothing else; take another one"
+            )
+        if key == "enter" and name in _MOTION:
+            raise ConfigError(
+                f"{path}: {name}: Enter never lets the arm move; take a key that nobody presses in passing"
+            )

@@ -1,16 +1,18 @@
 """The connection to the engine: kept alive, begun anew when it breaks, and an engine started where there is none."""
 
 import asyncio
-import os
 import subprocess
 import sys
-from collections.abc import Callable
-from contextlib import suppress
+import tempfile
+from collections.abc import AsyncIterator, Callable
+from contextlib import AsyncExitStack, asynccontextmanager, suppress
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Protocol
 
+from app.tui.engines import EngineProcess, engines_of_runs, find_engine
 from app.tui.picture import Picture
 from app.tui.run_picture import LogLine
+from app.tui.stopping import StopOp, stop_by_every_way
 
 if TYPE_CHECKING:
     # The first screen is painted before these are imported.
@@ -22,10 +24,19 @@ PROGRAM = "tui"
 _AGAIN_S = 1.0
 """Between two attempts to reach an engine, s."""
 
+_LOOK_S = 0.5
+"""Between two looks for a run in another process, s."""
+
 _UNATTENDED_S = 30.0
 """How long an engine that this program started stays without any client and run, s."""
 
 _START_S = 15.0
+
+SILENT_S = 3.0
+"""An engine that has not answered for so long is said not to answer; orders wait no longer for it."""
+
+_LEAVE_S = 2.0
+"""An engine that does not answer keeps nobody here."""
 
 
 class Link(Protocol):
@@ -52,6 +63,15 @@ class Link(Protocol):
         """
         ...
 
+    async def stop(self, op: StopOp) -> None:
+        """Stop the arm, or abort the run, by every way that leads to an engine.
+
+        Raises:
+            RefusedError: nothing runs.
+            ServiceError: no engine answers; the text says what was done instead.
+        """
+        ...
+
     async def leave(self, *, end_engine: bool) -> None:
         """Give control back and go; an idle engine that nobody else uses may end."""
         ...
@@ -72,6 +92,8 @@ class EngineLink:
         self._root = root
         self._clock = clock
         self._client: EngineClient | None = None
+        self._process: EngineProcess | None = None
+        self._waits: set[asyncio.Timeout] = set()
         self._left = False
 
     async def serve(self, changed: Callable[[], None]) -> None:
@@ -80,8 +102,7 @@ class EngineLink:
 
         while not self._left:
             try:
-                await self._converse(changed)
-                trouble = "the engine is gone; looking for it"
+                trouble = await self._converse(changed)
             except (ServiceError, RefusedError, OSError) as error:
                 trouble = str(error)
             self.picture.lost(trouble)
@@ -95,7 +116,23 @@ class EngineLink:
 
         if self._client is None:
             raise ServiceError(f"no engine is connected: {self.picture.trouble or 'wait a moment'}")
-        return await self._client.request(op, **fields)
+        limit_s = SILENT_S if self.picture.silent_since_s is not None else None
+        try:
+            async with asyncio.timeout(limit_s) as wait:
+                self._waits.add(wait)
+                try:
+                    return await self._client.request(op, **fields)
+                finally:
+                    self._waits.discard(wait)
+        except TimeoutError as error:
+            raise ServiceError(
+                "the engine does not answer; what was asked may still be done: look at the arm, and stop it by F12 "
+                "if it moves"
+            ) from error
+
+    async def stop(self, op: StopOp) -> None:
+        """Stop the arm, or abort the run, by every way that leads to an engine."""
+        await stop_by_every_way(op, self._client, self._process, self._root)
 
     async def leave(self, *, end_engine: bool) -> None:
         """Give control back and go; an idle engine that nobody else uses may end."""
@@ -104,42 +141,131 @@ class EngineLink:
         self._left = True
         if self._client is None:
             return
-        with suppress(RefusedError, ServiceError):
-            if end_engine and not self.picture.running and await self._is_alone():
-                await self.request("shutdown")
-            elif self.picture.in_control:
-                await self.request("release")
+        with suppress(RefusedError, ServiceError, TimeoutError):
+            async with asyncio.timeout(_LEAVE_S):
+                await self._say_goodbye(end_engine=end_engine)
+
+    async def _say_goodbye(self, *, end_engine: bool) -> None:
+        if end_engine and not self.picture.running and await self._is_alone():
+            await self.request("shutdown")
+        elif self.picture.in_control:
+            await self.request("release")
 
     async def _is_alone(self) -> bool:
         answer = await self.request("ping")
         clients = answer.get("clients", self.picture.clients)
         return len(clients) <= 1
 
-    async def _converse(self, changed: Callable[[], None]) -> None:
-        from app.service.client import connect
+    async def _converse(self, changed: Callable[[], None]) -> str:
+        """Be a client of an engine until it is gone, or until a run begins at another one; return which it is."""
+        from app.engine.waiting import cancel
 
-        path = await asyncio.to_thread(_socket_of, self._root)
-        if path is None:
-            path = await self._start_engine()
-        catching_up: asyncio.Task[None] | None = None
-        async with connect(path, PROGRAM, clock=self._clock) as client:
+        path = await asyncio.to_thread(find_engine, self._root) or await self._start_engine()
+        async with self._connected(path) as client:
+            self.picture.met(client.snapshot, self._clock.monotonic_s())
+            self._meet_process(client.snapshot.get("pid"))
+            changed()
+            ends = [
+                asyncio.create_task(self._take_events(client, changed)),
+                asyncio.create_task(self._run_elsewhere(path)),
+            ]
+            life = asyncio.create_task(self._watch_life(client, changed))
+            try:
+                done, _ = await asyncio.wait(ends, return_when=asyncio.FIRST_COMPLETED)
+                for task in done:
+                    task.result()
+            finally:
+                await cancel(life, *ends)
+            if client.closed is not None:
+                return "the engine is gone; looking for one"
+            if self.picture.in_control:
+                await self.request("release")
+            return "a run is under way in another process; joining it"
+
+    @asynccontextmanager
+    async def _connected(self, path: Path) -> AsyncIterator["EngineClient"]:
+        from app.service.client import connect
+        from app.service.errors import ServiceError
+
+        async with AsyncExitStack() as stack:
+            try:
+                async with asyncio.timeout(SILENT_S):
+                    client = await stack.enter_async_context(connect(path, PROGRAM, clock=self._clock))
+            except TimeoutError as error:
+                raise ServiceError(f"an engine listens at {path} and does not answer") from error
             self._client = client
             try:
-                self.picture.met(client.snapshot, self._clock.monotonic_s())
-                changed()
-                await self._take_what_is_free()
-                catching_up = asyncio.create_task(self._catch_up(changed))
-                async for event in client.events():
-                    self.picture.take(event, self._clock.monotonic_s())
-                    if event["event"] == "run-started":
-                        # It may go on after an interruption.
-                        catching_up.cancel()
-                        catching_up = asyncio.create_task(self._catch_up(changed))
-                    changed()
+                yield client
             finally:
                 self._client = None
-                if catching_up is not None:
+
+    async def _take_events(self, client: "EngineClient", changed: Callable[[], None]) -> None:
+        await self._take_what_is_free()
+        changed()
+        catching_up = asyncio.create_task(self._catch_up(changed))
+        try:
+            async for event in client.events():
+                self._take(event)
+                if event["event"] == "run-started":
+                    # It may go on after an interruption.
                     catching_up.cancel()
+                    catching_up = asyncio.create_task(self._catch_up(changed))
+                changed()
+        finally:
+            catching_up.cancel()
+
+    def _take(self, event: dict[str, Any]) -> None:
+        from app.service.errors import ServiceError
+
+        try:
+            self.picture.take(event, self._clock.monotonic_s())
+        except (KeyError, TypeError, ValueError, AttributeError) as error:
+            raise ServiceError(
+                f"the engine tells what this program does not understand ({event.get('event')}: {error!r}): engine "
+                "and catseye tui have to be of the same version"
+            ) from error
+
+    async def _watch_life(self, client: "EngineClient", changed: Callable[[], None]) -> None:
+        """Tell when the engine does not answer any more, and when it does again."""
+        from app.service.errors import RefusedError, ServiceError
+
+        with suppress(RefusedError, ServiceError):
+            while True:
+                await self._clock.sleep(_AGAIN_S)
+                try:
+                    async with asyncio.timeout(SILENT_S):
+                        await client.request("ping")
+                except TimeoutError:
+                    self.picture.silent_since_s = self._clock.monotonic_s() - SILENT_S
+                    for wait in tuple(self._waits):
+                        wait.reschedule(asyncio.get_running_loop().time())
+                    changed()
+                    await client.request("ping")
+                    self.picture.silent_since_s = None
+                    changed()
+
+    async def _run_elsewhere(self, path: Path) -> None:
+        """Return when a run is under way in another process while this engine does nothing.
+
+        It is seen twice: the socket of a run of this engine is there before its first event.
+        """
+        seen: Path | None = None
+        while True:
+            await self._clock.sleep(_LOOK_S)
+            picture = self.picture
+            if picture.running or picture.jogging or picture.raw or self._waits:
+                seen = None
+                continue
+            found = await asyncio.to_thread(engines_of_runs, self._root)
+            newest = found[0] if found and found[0] != path else None
+            if newest is not None and newest == seen:
+                return
+            seen = newest
+
+    def _meet_process(self, pid: object) -> None:
+        if self._process is not None:
+            self._process.forget()
+        self._process = EngineProcess(pid)
 
     async def _catch_up(self, changed: Callable[[], None]) -> None:
         """Read from the record of a run under way what happened before this client came."""
@@ -179,45 +305,24 @@ class EngineLink:
             raise ServiceError("there is no cell file yet: set one up (F10), or try the demo")
         arguments = ["engine", "--cell", str(self.cell), "--runs", str(self._root)]
         arguments += ["--wait-for-client", str(_UNATTENDED_S)]
-        process = await asyncio.create_subprocess_exec(
-            sys.executable,
-            "-m",
-            "app",
-            *arguments,
-            stdin=subprocess.DEVNULL,
-            stdout=subprocess.DEVNULL,
-            stderr=subprocess.PIPE,
-            start_new_session=True,
-        )
-        for _ in range(round(_START_S / 0.05)):
-            await self._clock.sleep(0.05)
-            if (path := _socket_of(self._root)) is not None:
-                return path
-            if process.returncode is not None:
-                break
-        said = b"" if process.stderr is None or process.returncode is None else await process.stderr.read()
-        raise ServiceError(
-            f"the engine did not start: {said.decode(errors='replace').strip() or 'no answer'}"
-        )
-
-    def abort_by_signal(self) -> bool:
-        """Abort by a signal to the engine's process, past its socket; return whether there was one to send to."""
-        import signal
-
-        pid = self.picture.facts.get("pid")
-        if not isinstance(pid, int) or pid == os.getpid():
-            return False
-        with suppress(ProcessLookupError, PermissionError):
-            os.kill(pid, signal.SIGTERM)
-            return True
-        return False
-
-
-def _socket_of(root: Path) -> Path | None:
-    """Return the socket of the newest run under way, else of the engine of a folder of runs."""
-    from app.service.address import find_socket
-    from app.store.catalog import list_runs
-
-    under_way = [run for run in list_runs(root) if run.status == "running"]
-    found = (find_socket(run.path) for run in reversed(under_way))
-    return next((path for path in found if path is not None), None) or find_socket(root)
+        # A pipe that nobody reads would hold the engine up when it is full.
+        with tempfile.TemporaryFile() as said:
+            process = await asyncio.create_subprocess_exec(
+                sys.executable,
+                "-m",
+                "app",
+                *arguments,
+                stdin=subprocess.DEVNULL,
+                stdout=subprocess.DEVNULL,
+                stderr=said,
+                start_new_session=True,
+            )
+            for _ in range(round(_START_S / 0.05)):
+                await self._clock.sleep(0.05)
+                if (path := await asyncio.to_thread(find_engine, self._root)) is not None:
+                    return path
+                if process.returncode is not None:
+                    break
+            said.seek(0)
+            text = said.read().decode(errors="replace").strip()
+        raise ServiceError(f"the engine did not start: {text or 'no answer'}")

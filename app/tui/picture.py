@@ -36,6 +36,7 @@ class Picture:
     Attributes:
         connected: to an engine.
         trouble: why there is no engine, and what to do; empty when connected.
+        silent_since_s: since when the engine does not answer, monotonic s; None while it does.
         facts: of the engine's snapshot that no event changes: version, pid, cell, runs, you.
         clients: who is connected.
         control: who holds control: client and who; None when nobody does.
@@ -60,6 +61,7 @@ class Picture:
 
     connected: bool = False
     trouble: str = ""
+    silent_since_s: float | None = None
     facts: Event = field(default_factory=dict)
     clients: list[Event] = field(default_factory=list)
     control: Event | None = None
@@ -104,13 +106,18 @@ class Picture:
         return self.connected and self.run is not None and self.run.active
 
     @property
+    def run_out_of_sight(self) -> bool:
+        """A run was under way when the connection broke."""
+        return not self.connected and self.run is not None and self.run.active
+
+    @property
     def jogging(self) -> bool:
         """The arm may move by hand."""
         return self.connected and self.jog is not None and bool(self.jog.get("on"))
 
     def met(self, snapshot: Event, now_s: float) -> None:
         """Begin anew from an engine's snapshot."""
-        self.connected, self.trouble = True, ""
+        self.connected, self.trouble, self.silent_since_s = True, "", None
         self.facts = snapshot
         self.clients = list(snapshot.get("clients") or [])
         self.control = snapshot.get("control")
@@ -130,7 +137,7 @@ class Picture:
 
     def lost(self, trouble: str) -> None:
         """The engine is gone, or was never there."""
-        self.connected, self.trouble = False, trouble
+        self.connected, self.trouble, self.silent_since_s = False, trouble, None
         self.control, self.jog, self.bench = None, None, None
         self.clients, self.raw = [], {}
         self.revision += 1

@@ -38,6 +38,11 @@ class ErrorDialog(ModalScreen[None]):
         self._title = title
         self._text = text
 
+    @property
+    def told(self) -> tuple[str, str]:
+        """Title and text."""
+        return self._title, self._text
+
     def compose(self) -> ComposeResult:
         """Cause and remedy stand apart where the text has both."""
         cause, remedy = split_remedy(self._text)

@@ -7,6 +7,7 @@ from textual.app import ComposeResult, SystemCommand
 from textual.containers import Vertical
 from textual.screen import Screen
 from textual.widgets import Footer
+from textual.worker import Worker, WorkerState
 
 from app.tui.picture import Picture
 from app.tui.session import Session
@@ -59,6 +60,11 @@ class MainScreen(Screen[None]):
         """Show at once what has happened while another screen was shown."""
         self.show_now()
 
+    def on_worker_state_changed(self, event: Worker.StateChanged) -> None:
+        """Tell of work that failed by a fault of the program; what it is told to handle it handles itself."""
+        if event.state is WorkerState.ERROR and event.worker.error is not None:
+            self.catseye.tell_fault(event.worker.error)
+
     def show_now(self) -> None:
         """Show the picture as it is now; called at most five times a second, and after orders."""
         # A screen is resumed before its widgets stand on it.
@@ -67,7 +73,10 @@ class MainScreen(Screen[None]):
         picture, now_s = self.session.link.picture, self.session.now_s()
         self.query_one(StatusBar).show(picture, now_s)
         self.query_one(StopBar).show(picture)
-        self.show_picture(picture, now_s)
+        try:
+            self.show_picture(picture, now_s)
+        except Exception as error:  # noqa: BLE001  # a panel that fails takes neither STOP nor the program with it
+            self.catseye.tell_fault(error)
 
     def show_picture(self, picture: Picture, now_s: float) -> None:
         """Show what concerns this screen.

@@ -2,6 +2,7 @@
 
 from collections.abc import Iterable
 from functools import partial
+from pathlib import Path
 from typing import Any, ClassVar, Final
 
 from textual.app import ComposeResult, SystemCommand
@@ -110,6 +111,9 @@ class ProceduresScreen(MainScreen):
         self._rehearsing = False
         self._rehearsed: tuple[dict[str, Any], Rehearsal] | None = None
         self._ended: object = None
+        self._cell: Path | None = None
+        self._looking = False
+        self._fields: dict[str, Any] = {}
 
     def body(self) -> ComposeResult:
         """Put the parts together."""
@@ -144,6 +148,7 @@ class ProceduresScreen(MainScreen):
         yield SystemCommand("Start the procedure", "shows first what begins", self.action_start)
         yield SystemCommand("Parameters or rehearsal", "show the other one", self.action_view)
         yield SystemCommand("Choose the next step", "that is sensible on this cell", self.action_next)
+        yield SystemCommand("End the rehearsal", "or back to the list", self.action_back)
         yield SystemCommand("Look at cell and runs again", "needs, last runs, next step", self.action_update)
 
     def on_mount(self) -> None:
@@ -164,18 +169,26 @@ class ProceduresScreen(MainScreen):
             self._real = real
             self._choose(self._chosen)
         ended = picture.run.ended if picture.run is not None else None
-        if ended is not self._ended:
+        if ended is not self._ended or self.session.cell != self._cell:
             self._ended = ended
             self.action_update()
 
     def action_update(self) -> None:
         """Look at the cell and its runs."""
+        if self.session.cell != self._cell:
+            # A search, and names of reflectors, are of one cell.
+            self._cell, self._typed = self.session.cell, {}
+            self._catalogue, self._chosen = Catalogue(), ""
+        # What was rehearsed before may be another motion now.
+        self._rehearsed = None
         self.run_worker(self._update(), group="update", exclusive=True, exit_on_error=False)
 
     def action_next(self) -> None:
         """Choose the next sensible procedure."""
         stage = self._catalogue.next
-        if stage is None:
+        if self._looking:
+            self.notify("cell and runs are being looked at: wait a moment", severity="warning")
+        elif stage is None:
             self.notify("every stage is done")
         elif stage["procedure"]:
             self._highlight(str(stage["name"]))
@@ -224,7 +237,9 @@ class ProceduresScreen(MainScreen):
 
     def on_parameter_row_changed(self) -> None:
         """Remember what was typed."""
-        self._typed[self._chosen] = self.query_one(ParameterForm).typed
+        form = self.query_one(ParameterForm)
+        if form.procedure:
+            self._typed[form.procedure] = form.typed
 
     def on_parameter_form_described(self, event: ParameterForm.Described) -> None:
         """Say what the field with the focus is."""
@@ -234,9 +249,14 @@ class ProceduresScreen(MainScreen):
         cell = self.session.cell
         where = () if cell is None else ("--cell", cell, "--runs", self.session.root)
         self._say("looking at cell and runs …")
+        self._looking = True
         done = await self.session.work.do("procedures", *where, "--json")
+        self._looking = False
         self._say("")
         if done.code:
+            # What was known before does not hold any more.
+            self._catalogue, self._chosen = Catalogue(), ""
+            self._show_list()
             self.query_one("#needed", Told).tell(Content(f"✗ {done.fault}").stylize("$error"))
             return
         told = done.data() if done.out.strip() else []
@@ -274,7 +294,11 @@ class ProceduresScreen(MainScreen):
             self._show_part("form")
             self.query_one("#described", Told).tell(Content(""))
         fields = with_run_fields(facts, self.session.speed, real=self._real)
-        form = self.query_one(ParameterForm).show_parameters(fields, self._typed.get(name, {}))
+        if not changed and fields == self._fields:
+            # Somebody may be typing there.
+            return
+        self._fields = fields
+        form = self.query_one(ParameterForm).show_parameters(name, fields, self._typed.get(name, {}))
         self.run_worker(form, group="form", exclusive=True, exit_on_error=False)
 
     def _show_way(self) -> None:
@@ -309,13 +333,16 @@ class ProceduresScreen(MainScreen):
         self.query_one("#what").border_title = "Parameters" if part == "form" else "Rehearsal"
 
     def _ready_to_go(self) -> bool:
-        faults = self.query_one(ParameterForm).faults
+        form = self.query_one(ParameterForm)
         if self.session.cell is None:
             self.notify("there is no cell file yet: set one up (F10)", severity="warning")
-        elif not self._chosen:
-            self.notify("cell and runs are being looked at: wait a moment", severity="warning")
-        elif faults:
-            self.notify("\n".join(faults), title="not possible", severity="error", markup=False)
+        elif not self._chosen or form.procedure != self._chosen:
+            wait = "cell and runs are being looked at: wait a moment"
+            self.notify(
+                wait if self._looking else "nothing is known of the cell: u looks again", severity="warning"
+            )
+        elif form.faults:
+            self.notify("\n".join(form.faults), title="not possible", severity="error", markup=False)
         else:
             return True
         return False
@@ -365,14 +392,20 @@ class ProceduresScreen(MainScreen):
         if permission is None:
             return
         self._say(f"{name} is being planned …")
-        self.catseye.order(
+        order = self.catseye.order(
             "start", f"{name} does not begin", control=True, then=self._begun, arm=permission.arm, **words
         )
+        order.add_done_callback(self._planned)
 
     def _begun(self, answer: dict[str, Any]) -> None:
         del answer
-        self._say("")
         self.catseye.action_go("run")
+
+    def _planned(self, order: object) -> None:
+        """Say no more that a run is being planned, whether it has begun or was refused."""
+        del order
+        if self.is_attached:
+            self._say("")
 
     async def _rehearse(self) -> None:
         words = self._words()

@@ -124,6 +124,10 @@ class RunScreen(MainScreen):
         yield SystemCommand("Answer: let the arm move", "F8 confirms it", self.action_ask_to_move)
         yield SystemCommand("Answer: yes", "where no motion follows", self.action_yes)
         yield SystemCommand("Answer: no", "to a question of yes or no", self.action_no)
+        for number in range(1, 10):
+            yield SystemCommand(
+                f"Answer: choice {number}", "of the open question", partial(self.action_choose, number)
+            )
         yield SystemCommand("Take or give back control", "of the engine", self.action_control)
         yield SystemCommand("Lower the speed override", "before the next motion", self.action_override)
         yield SystemCommand("Innovations or maps", "the other plot", self.action_view)
@@ -131,6 +135,7 @@ class RunScreen(MainScreen):
         yield SystemCommand("Level of the log", "all, warnings, errors", self.action_level)
         yield SystemCommand("Earlier steps", "move the list", self.action_earlier)
         yield SystemCommand("Later steps", "move the list", self.action_later)
+        yield SystemCommand("End the command", "that was begun here", self.action_back)
         for kind in ("identify", "report", "resume", "clear"):
             yield SystemCommand(
                 f"After the run: {kind}", "where it is sensible", partial(self.action_after, kind)
@@ -150,8 +155,10 @@ class RunScreen(MainScreen):
         self.set_class(asked, "asked")
         self.set_class(ended, "ended")
         skipped = picture.missed.get("points and steps", 0)
+        # Until its record has told, a run is taken for one that began here.
+        speed = self.session.speed if run is None or run.speed is None else run.speed
         self.query_one(ProgressLine).show(
-            run, len(self._planned), skipped, fast=picture.simulated and self.session.speed != 1.0
+            run, len(self._planned), skipped, fast=picture.simulated and speed != 1.0
         )
         instruction = self.query_one("#instruction", Told)
         instruction.tell(_instruction(picture))
@@ -169,9 +176,7 @@ class RunScreen(MainScreen):
             else f"{_holder(picture)} answers; c takes control"
         )
         layout = (picture.bench or {}).get("layout") or {}
-        self.query_one(PromptPanel).show(
-            prompt, at_s, now_s, self.session.speed, note, layout.get("reflectors", [])
-        )
+        self.query_one(PromptPanel).show(prompt, at_s, now_s, speed, note, layout.get("reflectors", []))
 
     def action_move(self) -> None:
         """Agree to the motion of the open question."""

@@ -56,7 +56,14 @@ class StatusBar(Widget):
             text.append(" ")
         if not picture.connected:
             text.append("no engine ", "bold red")
+            if picture.run_out_of_sight and picture.run is not None:
+                text.append(f"{picture.run.name} is out of sight ", "bold red")
             text.append(picture.trouble)
+            return text
+        if picture.silent_since_s is not None:
+            silent = duration_text(self._now_s - picture.silent_since_s)
+            text.append(f"THE ENGINE HAS NOT ANSWERED FOR {silent}", "bold white on red")
+            text.append(f" before: {picture.state}; F12 tries every way", "dim")
             return text
         text.append(f"{picture.state} ", _STATES.get(picture.state, "bold"))
         if picture.jogging:
@@ -89,9 +96,6 @@ class StatusBar(Widget):
         holder = picture.control
         if holder is not None and not picture.in_control:
             text.append(f"control: {holder.get('who')}", "yellow")
-        missed = sum(picture.missed.values())
-        if missed:
-            text.append(f"  {missed} updates skipped", "dim")
         return text
 
 

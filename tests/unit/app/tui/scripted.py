@@ -12,6 +12,7 @@ from app.service.errors import RefusedError
 from app.tui.app import CatseyeApp
 from app.tui.picture import Picture
 from app.tui.session import Session
+from app.tui.stopping import StopOp
 from app.tui.work import Done
 
 GOLDEN = Path(__file__).parent / "golden"
@@ -77,6 +78,10 @@ class ScriptedLink:
         if op == "control":
             self.picture.control = {"client": self.picture.you, "who": "Ada"}
         return self.answers.get(op, {})
+
+    async def stop(self, op: StopOp) -> None:
+        """Note it as a request."""
+        await self.request(op)
 
     async def leave(self, *, end_engine: bool) -> None:
         """Note it."""

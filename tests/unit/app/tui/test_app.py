@@ -1,12 +1,16 @@
 """Keys that work everywhere, and the ways out."""
 
+from functools import partial
 from typing import Any
 
 import pytest
+from textual.binding import Binding
 from textual.widgets import Input
 
 from app.tui.dialogs.error_dialog import ErrorDialog
 from app.tui.dialogs.quit_dialog import QuitDialog
+from app.tui.places import PLACES
+from app.tui.screens.base import MainScreen
 from tests.unit.app.tui.scripted import ScriptedLink, make_app, shown
 
 RUN = {
@@ -102,6 +106,99 @@ async def test_quitting_at_once_when_nothing_runs() -> None:
         await pilot.press("ctrl+q")
         await pilot.pause()
         assert link.left == [True]
+
+
+async def test_ctrl_c_stops_at_once_when_the_engine_does_not_answer_or_is_out_of_sight() -> None:
+    link = ScriptedLink(RUN)
+    app = make_app(link)
+    async with app.run_test(size=(80, 24)) as pilot:
+        link.picture.silent_since_s = link.now_s - 4.0
+        text = await shown(app, pilot)
+        assert "THE ENGINE HAS NOT ANSWERED FOR 4.0 s" in text
+        await pilot.press("ctrl+c")
+        link.picture.lost("the engine is gone")
+        text = await shown(app, pilot)
+        assert f"{RUN['run']} is out of sight" in text
+        await pilot.press("ctrl+c")
+        await pilot.pause()
+        assert ops(link) == ["stop", "stop"]
+
+
+async def test_the_same_error_stands_there_once() -> None:
+    link = ScriptedLink()
+    link.refusals["stop"] = "no run is under way"
+    app = make_app(link)
+    async with app.run_test(size=(80, 24)) as pilot:
+        await pilot.press("f12", "f12", "f12")
+        await pilot.pause()
+        assert [type(screen) for screen in app.screen_stack[1:]] == [ErrorDialog]
+
+
+async def test_a_panel_that_fails_is_told_once_and_everything_else_goes_on(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    def fail(*_: object) -> None:
+        raise ZeroDivisionError("a reflector at the axis")
+
+    monkeypatch.setattr("app.tui.screens.bench.BenchScreen.show_picture", fail)
+    link = ScriptedLink(RUN)
+    app = make_app(link)
+    async with app.run_test(size=(80, 24)) as pilot:
+        text = await shown(app, pilot)
+        assert "A fault of this program" in text
+        await pilot.press("escape")
+        text = await shown(app, pilot)
+        assert "A fault of this program" not in text
+        assert "EXECUTE" in text
+        await pilot.press("f12")
+        await pilot.pause()
+        assert ops(link) == ["stop"]
+
+
+async def test_work_that_fails_is_told() -> None:
+    async def fail() -> None:
+        raise ZeroDivisionError("a reflector at the axis")
+
+    app = make_app(ScriptedLink())
+    async with app.run_test(size=(80, 24)) as pilot:
+        await pilot.pause()
+        app.screen.run_worker(fail(), exit_on_error=False)
+        await pilot.pause()
+        assert "A fault of this program" in await shown(app, pilot)
+        await pilot.press("escape")
+        app.keep(fail())
+        await pilot.pause()
+        assert not isinstance(app.screen, ErrorDialog), "each fault is told once"
+
+
+BY_ANOTHER_NAME = {"action_begin": "_ask_to_begin", "action_move": "_ask_to_step"}
+"""What moves the arm asks for F8 first where it was chosen by Enter."""
+
+ALIKE = {"action_back": "action_cancel"}
+
+
+@pytest.mark.parametrize("place", PLACES)
+async def test_palette_holds_every_action_of_a_screen(place: str) -> None:
+    app = make_app(ScriptedLink(), place)
+    async with app.run_test(size=(80, 24)) as pilot:
+        await pilot.pause()
+        screen = app.screen
+        assert isinstance(screen, MainScreen)
+        held = {_name_of(command.callback) for command in screen.commands()}
+        for binding in type(screen).BINDINGS:
+            assert isinstance(binding, Binding)
+            assert binding.id
+            action = f"action_{binding.action.partition('(')[0]}"
+            assert held & {
+                action,
+                BY_ANOTHER_NAME.get(action),
+                ALIKE.get(action),
+                f"action_ask_to{action[6:]}",
+            }, action
+
+
+def _name_of(callback: Any) -> str:
+    return str(callback.func.__name__ if isinstance(callback, partial) else callback.__name__)
 
 
 @pytest.mark.parametrize("size", [(80, 24), (120, 40)])
