@@ -127,6 +127,7 @@ class Hub:
         self._clock = clock
         self._members: dict[str, Member] = {}
         self._holder: Member | None = None
+        self._asked_s = 0.0
         self._count = 0
         self._seen = Seen()
         self._hold_when_running: str | None = None
@@ -255,6 +256,7 @@ class Hub:
         """Take an event of the run, remember it and tell every client."""
         self._seen.take(event)
         if event["event"] == "prompt":
+            self._asked_s = self._clock.monotonic_s()
             self.desk.announce(prompt_of(event))
         elif event["event"] in {"answer", "run-ended"}:
             self.desk.withdraw()
@@ -317,6 +319,7 @@ class Hub:
             "reason": seen.state.get("reason") if run else None,
             "step": seen.step if run else None,
             "prompt": seen.prompt if run else None,
+            "prompt_open_s": self._clock.monotonic_s() - self._asked_s if run and seen.prompt else None,
             "progress": seen.progress if run else None,
             "live": seen.live if run else None,
             **self.facts,

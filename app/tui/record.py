@@ -36,6 +36,7 @@ def read_record(path: Path) -> SoFar:
         map_known=[dict(event.data) for event in events if event.kind == "map-known"],
         log=log,
         command=rehearsal_of(dict(reader.meta), path.parent),
+        speed=float(speed) if isinstance(speed := reader.meta.get("clock_speed"), (int, float)) else None,
     )
 
 

@@ -80,6 +80,7 @@ class SoFar:
         map_known: how well the maps were known, oldest first.
         log: what happened, oldest first.
         command: words of `catseye` that rehearse the same run; empty where they are not known.
+        speed: bench seconds in one real second; None where it is not known.
     """
 
     steps: list[tuple[str, str]]
@@ -88,6 +89,7 @@ class SoFar:
     map_known: list[Event]
     log: list[LogLine]
     command: tuple[str, ...] = ()
+    speed: float | None = None
 
 
 @dataclass
@@ -148,6 +150,7 @@ class RunPicture:
         ended: the event of its end.
         recorded: its record was asked for what happened before this client came.
         command: words of `catseye` that rehearse the same run; empty until they are known.
+        speed: bench seconds in one real second; None until it is known.
     """
 
     name: str
@@ -173,6 +176,7 @@ class RunPicture:
     ended: Event | None = None
     recorded: bool = False
     command: tuple[str, ...] = ()
+    speed: float | None = None
 
     @classmethod
     def of_snapshot(cls, snapshot: Event, now_s: float) -> "RunPicture":
@@ -182,7 +186,8 @@ class RunPicture:
         run.simulated = snapshot.get("simulated")
         run.state, run.reason = str(snapshot["state"]), str(snapshot.get("reason") or "")
         run.active = run.state not in _ENDED
-        run.prompt, run.prompt_at_s = snapshot.get("prompt"), now_s
+        run.prompt = snapshot.get("prompt")
+        run.prompt_at_s = now_s - float(snapshot.get("prompt_open_s") or 0.0)
         for part in ("step", "progress", "live"):
             if isinstance(seen := snapshot.get(part), dict):
                 run.take(seen, now_s)
@@ -210,7 +215,7 @@ class RunPicture:
         lately = {(line.t[:19], line.text) for line in self.log}
         before = [line for line in so_far.log if not first or line.t < first]
         self.log.extendleft(line for line in reversed(before) if (line.t[:19], line.text) not in lately)
-        self.recorded, self.command = True, so_far.command
+        self.recorded, self.command, self.speed = True, so_far.command, so_far.speed
 
     def lost_sight(self) -> None:
         """It ended unseen."""

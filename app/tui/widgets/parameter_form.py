@@ -117,6 +117,9 @@ class ParameterForm(VerticalScroll):
 
     can_focus = False
 
+    procedure = ""
+    """Whose parameters are shown; empty while others are being put there."""
+
     class Described(Message):
         """Another field has the focus.
 
@@ -128,18 +131,21 @@ class ParameterForm(VerticalScroll):
             super().__init__()
             self.text = text
 
-    async def show_parameters(self, schema: Schema, typed: dict[str, str]) -> None:
+    async def show_parameters(self, procedure: str, schema: Schema, typed: dict[str, str]) -> None:
         """Show the fields of a procedure.
 
         Args:
+            procedure: its name.
             schema: its parameters.
             typed: what was typed for it before.
         """
+        self.procedure = ""
         with self.app.batch_update():
             await self.remove_children()
             await self.mount_all(
                 ParameterRow(name, facts, typed.get(name, "")) for name, facts in schema.items()
             )
+        self.procedure = procedure
 
     @property
     def rows(self) -> list[ParameterRow]:

@@ -37,6 +37,7 @@ class RunPlot(Widget):
 
     def __init__(self, title: str, *, id: str) -> None:
         super().__init__(id=id, classes="panel")
+        self._title = title
         self.border_title = title
         self._of: tuple[object, ...] = ()
         self._shown = Content("")
@@ -46,6 +47,8 @@ class RunPlot(Widget):
         key = (None if run is None else run.name, self.key_of(run), self.size)
         if key != self._of:
             self._of = key
+            # Nothing of the run before stays.
+            self.border_title, self.border_subtitle = self._title, ""
             self._shown = self.drawn(run)
             self.refresh()
 
@@ -82,7 +85,8 @@ class ResidualPlot(RunPlot):
         self.border_title = f"Innovation{unit}, band ±3u" if live.name == INNOVATION else f"{live.name}{unit}"
         width = max(self.size.width - _AXIS, 1)
         outliers = sum(not each.accepted for each in live.history)
-        self.border_subtitle = f"× {outliers} of {len(live.history)} outside" if outliers else ""
+        if outliers:
+            self.border_subtitle = f"× {outliers} of {len(live.history)} outside"
         return painted(_values(list(live.history)[-width:], width, max(self.size.height, 1)), _STYLES)
 
 

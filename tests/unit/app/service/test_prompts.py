@@ -224,3 +224,22 @@ async def test_a_machine_without_sockets_runs_on_and_warns(tmp_path: Path, runti
     assert outcome.status == "complete"
     warnings = [event.data["text"] for event in RunReader(outcome.path).events() if event.kind == "warning"]
     assert any("nobody can attach" in str(text) and "chmod 700" in str(text) for text in warnings)
+
+
+async def test_who_comes_later_is_told_for_how_long_a_question_has_been_open() -> None:
+    bench = ServiceBench()
+    async with bench.running():
+        assert bench.hub.snapshot()["prompt_open_s"] is None
+        bench.publish(
+            "prompt",
+            id="height",
+            kind="number",
+            text="Type the height.",
+            choices=[],
+            unit="mm",
+            timeout_s=60.0,
+        )
+        bench.clock.advance(25.0)
+        assert bench.hub.snapshot()["prompt_open_s"] == 25.0
+        bench.publish("answer", id="height", answer="3", who="Ada")
+        assert bench.hub.snapshot()["prompt_open_s"] is None

@@ -31,6 +31,7 @@ async def test_the_record_holds_steps_points_maps_and_what_happened(tmp_path: Pa
         "configuration_file": "/bench/cell.toml",
         "params": {"reflectors": ["P1"], "closures": 2, "subdivide": True},
         "aim": "20261121T080000Z_reflector-search_000000",
+        "clock_speed": 20.0,
     }
     store = await RunStore.create(tmp_path, "open-loop", meta, clock, reserve_bytes=0)
     await store.append_step("P1/0000", 1, "first", {}, [("points", point(1)), ("points", point(2))])
@@ -41,6 +42,7 @@ async def test_the_record_holds_steps_points_maps_and_what_happened(tmp_path: Pa
     assert [row["theta1_deg"] for row in found.points] == [1.0, 2.0]
     assert {row["step"] for row in found.points} == {"P1/0000"}
     assert found.point_count == 2
+    assert found.speed == 20.0
     assert found.map_known == [{"u_theta1_mdeg": 5.0, "u_theta2_mdeg": 7.0}]
     assert ("warning", "the beam is weak") in [(line.level, line.text) for line in found.log]
     assert found.command[:8] == (

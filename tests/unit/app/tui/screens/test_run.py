@@ -13,6 +13,7 @@ from app.tui.dialogs.error_dialog import ErrorDialog
 from app.tui.dialogs.motion_dialog import MotionDialog
 from app.tui.dialogs.override_dialog import OverrideDialog
 from app.tui.dialogs.start_dialog import StartDialog
+from app.tui.run_picture import SoFar
 from app.tui.screens.run import RunScreen
 from app.tui.work import Done
 from tests.unit.app.tui.scripted import ScriptedLink, compare, make_app, shown, work_of
@@ -560,3 +561,46 @@ async def test_every_action_stands_in_the_palette() -> None:
     async with app.run_test(size=(80, 24)):
         named = {command.title for command in app.get_system_commands(app.screen)}
         assert {"Answer: yes", "Answer: no", "Lower the speed override", "After the run: resume"} <= named
+
+
+async def test_nothing_of_the_run_before_stays_on_the_plots() -> None:
+    link = ScriptedLink(SNAPSHOT)
+    app = app_of(link)
+    async with app.run_test(size=(120, 40)) as pilot:
+        measure(link)
+        before = await settled(app, pilot, link)
+        assert "× 1 of 3 outside" in before
+        assert "Innovation / µm" in before
+        assert "Δθ1 13.3" in before
+        end(link, "complete")
+        link.tell("run-started", procedure="warmup", title="Warm-up", run="20261121T110000Z_warmup_00beef")
+        after = await settled(app, pilot, link)
+        assert "outside" not in after
+        assert "µm" not in after
+        assert "Δθ1" not in after
+        assert "nothing yet" in after
+
+
+async def test_the_time_to_answer_and_the_clock_are_those_of_the_run_not_of_this_program() -> None:
+    question: dict[str, Any] = {
+        "id": "a",
+        "kind": "choice",
+        "text": "Which?",
+        "choices": ["x", "y"],
+        "unit": "",
+        "task": None,
+        "timeout_s": 1200.0,
+        "safe_answer": "y",
+        "motion": False,
+    }
+    link = ScriptedLink({**SNAPSHOT, "simulated": True, "prompt": question, "prompt_open_s": 15.0})
+    app = app_of(link)
+    async with app.run_test(size=(120, 40)) as pilot:
+        run = link.picture.run
+        assert run is not None
+        measure(link)
+        run.take_record(SoFar([], [], 0, [], [], speed=20.0))
+        text = await settled(app, pilot, link)
+        # 1200 bench seconds are a minute here; 15 s of it had passed before this client came, and one since.
+        assert "44 s left, then y" in text
+        assert "bench time" in text
