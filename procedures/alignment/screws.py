@@ -3,12 +3,15 @@
 import math
 from collections.abc import Awaitable, Callable
 from dataclasses import dataclass, replace
-from typing import Literal
+from typing import Final, Literal
 
 from procedures.context import Context, Live, Prompt, Row
 from procedures.devices import Joints
 from procedures.errors import AlignmentError
 from procedures.stored import number_of
+
+_ROUND_S: Final = 60.0
+"""Expected time of a round, hands included; the run's own pace corrects it."""
 
 _CLEAR = 3.0
 """A change is judged where it exceeds this many of its standard uncertainties."""
@@ -178,7 +181,9 @@ class GuidedScrew:
         """
         for number in range(1, self._max_rounds + 1):
             row = await self._round(number)
-            self._ctx.progress(number, self._max_rounds, f"{self._screw.quantity}, round {number}")
+            self._ctx.progress(
+                number * _ROUND_S, self._max_rounds * _ROUND_S, f"{self._screw.quantity}, round {number}"
+            )
             seen = self._rounds[-1]
             self._show(seen)
             if abs(seen.value) + seen.u <= self._screw.tolerance:

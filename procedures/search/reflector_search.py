@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Mapping
-from typing import Literal
+from typing import Final, Literal
 
 import numpy as np
 from pydantic import BaseModel, ConfigDict, Field
@@ -14,6 +14,9 @@ from procedures.errors import ReflectorNotFoundError
 from procedures.search.search_plan import Jogging, SearchPlan, SearchPose, plan_search
 from procedures.search.search_solution import FEWEST_SIGHTINGS, Assessment, assess, weakest
 from procedures.search.sighting import Announcement, Lookout
+
+_POSE_S: Final = 15.0
+"""Expected time of a look; the run's own pace corrects it."""
 
 
 class SearchParams(BaseModel):
@@ -74,7 +77,7 @@ class ReflectorSearch:
         lookout = Lookout(ctx, plan)
         for number, pose in enumerate(plan.poses):
             await lookout.look(pose)
-            ctx.progress(number + 1, len(plan.poses), f"search {pose.reflector.name}")
+            ctx.progress((number + 1) * _POSE_S, len(plan.poses) * _POSE_S, f"search {pose.reflector.name}")
         told = await _look_further(ctx, plan, lookout)
         await ctx.step("solve", "Eq. 2 for all reflectors", lambda: _solve(ctx, plan, lookout, told))
 
@@ -99,7 +102,7 @@ async def _look_further(ctx: Context, plan: SearchPlan, lookout: Lookout) -> set
         warnings = tuple(gone.text for gone in now.left_out if gone.pose not in told)
         said = Announcement(warnings, pose.reflector.name, aim_mm, now.room_mm, done - 1)
         await lookout.look(pose, said)
-        ctx.progress(done, done + 1, f"search {pose.reflector.name}, pose added")
+        ctx.progress(done * _POSE_S, (done + 1) * _POSE_S, f"search {pose.reflector.name}, pose added")
         told |= {gone.pose for gone in now.left_out}
         now = assess(plan, lookout.sightings)
     return told

@@ -97,6 +97,14 @@ async def test_a_stage_that_moves_the_other_way_clockwise() -> None:
     assert abs(context.offset_mm) < 0.03
 
 
+async def test_the_time_left_is_that_of_rounds_with_hands_in_them() -> None:
+    context = await aligned(MountContext(offset_mm=0.43), max_rounds=8)
+    done_s, total_s, _ = context.told[0]
+    assert done_s / total_s == 1 / 8
+    # Somebody walks to the screw and back: a round takes no second.
+    assert total_s - done_s > 7 * 20.0
+
+
 async def test_a_beam_that_is_aligned_is_left_alone() -> None:
     context = await aligned(MountContext(offset_mm=0.02))
     assert context.prompts == []
