@@ -69,10 +69,18 @@ def entry_lines(picture: Picture, choices: Choices, said: str) -> list[Content]:
         Content.assemble(
             "speed   ", (f"{min(choices.percent, cap):g} %", "bold"), f" (cap {cap:g} %)", ("   + −", "dim")
         ),
-        Content(""),
+        _left_low(picture, cap),
         *_hindrance(picture),
         Content.styled(said, "$warning") if said else Content(""),
     ]
+
+
+def _left_low(picture: Picture, cap: float) -> Content:
+    """Return that the controller's override is below that of the cell, as a jog leaves it."""
+    percent = ((picture.bench or {}).get("robot") or {}).get("override_percent")
+    if percent is None or percent > cap - 1.0:
+        return Content("")
+    return Content.styled(f"override {percent:g} %, until raised at controller", "$warning")
 
 
 def is_simulated(picture: Picture) -> bool:

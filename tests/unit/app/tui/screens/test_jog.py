@@ -78,6 +78,17 @@ async def test_looks_before(size: tuple[int, int], name: str, told: dict[str, An
         compare(f"jog-{name}-{size[0]}x{size[1]}", await shown(app, pilot))
 
 
+@pytest.mark.parametrize(("percent", "told"), [(5.0, True), (19.5, False), (20.0, False), (100.0, False)])
+async def test_an_override_that_stays_low_is_told(percent: float, told: bool) -> None:
+    link = ScriptedLink()
+    app = make_app(link, "jog")
+    async with app.run_test(size=(80, 24)) as pilot:
+        link.tell("bench", **bench(robot={**BENCH["robot"], "override_percent": percent}))
+        text = " ".join((await shown(app, pilot)).split())
+        assert (f"override {percent:g} %" in text) == told
+        assert ("until raised at controller" in text) == told
+
+
 @pytest.mark.parametrize("size", SIZES)
 async def test_looks_while_jogging(size: tuple[int, int]) -> None:
     async def look(play: Play) -> None:
