@@ -160,6 +160,8 @@ def _position(data: Data) -> str:
 
 
 _WORDS: Mapping[str, Callable[[Data], str]] = {
+    "run-opened": lambda _data: "the record is open",
+    "run-reopened": lambda data: f"the run goes on; before: {data.get('before')}",
     "aim": _aim,
     "warmup": _warmup,
     "repeatability": _along_beam,

@@ -365,7 +365,7 @@ def _instruction(picture: Picture) -> Content:
         return Content("Start a procedure on Procedures (F3).")
     if not run.active:
         return Content("")
-    if run.prompt is not None:
+    if run.prompt is not None and run.state not in {"STOPPING", "ABORTING"}:
         return Content.styled("Answer the question below.", "$warning")
     match run.state:
         case "HELD" | "HOLDING":

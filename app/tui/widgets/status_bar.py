@@ -1,25 +1,30 @@
 """The two lines above every screen: what runs, in which state, on what; and the banner of a simulation."""
 
-from rich.text import Text
 from textual.app import RenderResult
+from textual.content import Content
 from textual.reactive import reactive
 from textual.widget import Widget
 
 from app.tui.picture import Picture
 from app.tui.words import bytes_text, duration_text
 
+Part = tuple[str, str]
+"""Text and style."""
+
 _STATES = {
-    "EXECUTE": "bold green",
-    "STARTING": "bold cyan",
-    "HELD": "bold yellow",
-    "HOLDING": "bold yellow",
-    "SUSPENDED": "bold yellow",
-    "ABORTED": "bold red",
-    "ABORTING": "bold red",
-    "STOPPING": "bold red",
-    "STOPPED": "bold red",
-    "COMPLETE": "bold green",
+    "EXECUTE": "$success bold",
+    "STARTING": "$primary bold",
+    "HELD": "$warning bold",
+    "HOLDING": "$warning bold",
+    "SUSPENDED": "$warning bold",
+    "ABORTED": "$error bold",
+    "ABORTING": "$error bold",
+    "STOPPING": "$error bold",
+    "STOPPED": "$error bold",
+    "COMPLETE": "$success bold",
 }
+_BANNER = "bold black on orange"
+_ALARM = "bold white on darkred"
 _LITTLE_BYTES = 1_000_000_000
 
 
@@ -27,7 +32,7 @@ class StatusBar(Widget):
     """State of engine and bench in two lines."""
 
     DEFAULT_CSS = """
-    StatusBar { height: 2; background: $panel; color: $foreground; }
+    StatusBar { height: 2; background: $panel; color: $foreground; text-wrap: nowrap; text-overflow: ellipsis; }
     """
 
     revision: reactive[int] = reactive(0)
@@ -44,64 +49,66 @@ class StatusBar(Widget):
 
     def render(self) -> RenderResult:
         """Return both lines."""
-        text = self._first_line()
-        text.append("\n")
-        text.append_text(self._second_line())
-        return text
+        return Content("\n").join(
+            [Content.assemble(*self._first_line()), Content.assemble(*self._second_line())]
+        )
 
-    def _first_line(self) -> Text:
-        picture, text = self._picture, Text(no_wrap=True, overflow="ellipsis")
+    def _first_line(self) -> list[Part]:
+        picture = self._picture
+        text: list[Part] = []
         if picture.simulated:
-            text.append(" SIMULATION ", "bold black on yellow")
-            text.append(" ")
+            text.append((" SIMULATION ", _BANNER))
+            text.append((" ", ""))
         if not picture.connected:
-            text.append("no engine ", "bold red")
+            text.append(("no engine ", "$error bold"))
             if picture.run_out_of_sight and picture.run is not None:
-                text.append(f"{picture.run.name} is out of sight ", "bold red")
-            text.append(picture.trouble)
+                text.append((f"{picture.run.name} is out of sight ", "$error bold"))
+            # An engine that did not start says it in several lines.
+            text.append((" ".join(picture.trouble.split()), ""))
             return text
         if picture.silent_since_s is not None:
             silent = duration_text(self._now_s - picture.silent_since_s)
-            text.append(f"THE ENGINE HAS NOT ANSWERED FOR {silent}", "bold white on red")
-            text.append(f" before: {picture.state}; F12 tries every way", "dim")
+            text.append((f"THE ENGINE HAS NOT ANSWERED FOR {silent}", _ALARM))
+            text.append((f" before: {picture.state}; F12 tries every way", "dim"))
             return text
-        text.append(f"{picture.state} ", _STATES.get(picture.state, "bold"))
+        text.append((f"{picture.state} ", _STATES.get(picture.state, "bold")))
         if picture.jogging:
-            text.append("JOG ", "bold magenta")
+            text.append(("JOG ", "$secondary bold"))
         if picture.run is not None and picture.run.prompt is not None:
-            text.append("QUESTION: F4", "bold black on yellow")
-            text.append(" ")
+            text.append(("QUESTION: F4", _BANNER))
+            text.append((" ", ""))
         if picture.run is not None:
-            text.append(f"{picture.run.name} ", "" if picture.run.active else "dim")
+            text.append((f"{picture.run.name} ", "" if picture.run.active else "dim"))
         if picture.run is not None and not picture.run.active:
             ended = picture.run.ended
             word = str(ended["status"]) if ended else "ended unseen"
-            text.append(f"{word} ", "bold green" if word == "complete" else "bold red")
+            text.append((f"{word} ", "$success bold" if word == "complete" else "$error bold"))
         if picture.aborted:
-            text.append(f"aborted: {picture.aborted} ", "red")
+            text.append((f"aborted: {picture.aborted} ", "$error"))
         elif picture.reason and picture.state not in {"EXECUTE", "COMPLETE"}:
-            text.append(picture.reason)
+            text.append((picture.reason, ""))
         return text
 
-    def _second_line(self) -> Text:
-        picture, text = self._picture, Text(no_wrap=True, overflow="ellipsis")
+    def _second_line(self) -> list[Part]:
+        picture = self._picture
+        text: list[Part] = []
         bench = picture.bench
         if bench is None:
-            text.append("bench: no sample yet" if picture.connected else "", "dim")
+            text.append(("bench: no sample yet" if picture.connected else "", "dim"))
             return text
         since_s = self._now_s - picture.bench_at_s
         for part, style in _bench_parts(bench, since_s):
-            text.append(part, style)
-            text.append("  ")
+            text.append((part, style))
+            text.append(("  ", ""))
         holder = picture.control
         if holder is not None and not picture.in_control:
-            text.append(f"control: {holder.get('who')}", "yellow")
+            text.append((f"control: {holder.get('who')}", "$warning"))
         return text
 
 
-def _bench_parts(bench: dict[str, object], since_s: float) -> list[tuple[str, str]]:
+def _bench_parts(bench: dict[str, object], since_s: float) -> list[Part]:
     """Return pieces of the second line with their styles; what is old is dim and says how old it is."""
-    parts: list[tuple[str, str]] = [(str(bench.get("cell") or ""), "bold")]
+    parts: list[Part] = [(str(bench.get("cell") or ""), "bold")]
     robot, beam = bench.get("robot"), bench.get("beam")
     if isinstance(robot, dict):
         style, age = age_style(robot.get("age_s"), since_s)
@@ -109,21 +116,21 @@ def _bench_parts(bench: dict[str, object], since_s: float) -> list[tuple[str, st
         servo = "on" if robot.get("servo_on") else "off"
         parts.append((f"servo {servo} {robot.get('override_percent', 0):g} %{age}", style))
         if alarm:
-            parts.append((alarm.strip(), "bold red"))
+            parts.append((alarm.strip(), "$error bold"))
         if robot.get("emergency_stop"):
-            parts.append(("E-STOP", "bold white on red"))
+            parts.append(("E-STOP", _ALARM))
     if isinstance(beam, dict):
         style, age = age_style(beam.get("age_s"), since_s)
         word = "beam ok" if beam.get("beam_ok") else "NO BEAM"
         parts.append(
             (
                 f"{word} {100 * float(beam.get('signal') or 0):.0f} %{age}",
-                style if beam.get("beam_ok") else "bold red",
+                style if beam.get("beam_ok") else "$error bold",
             )
         )
     free = bench.get("disk_free_bytes")
     if isinstance(free, (int, float)):
-        parts.append((f"disk {bytes_text(free)}", "bold red" if free < _LITTLE_BYTES else ""))
+        parts.append((f"disk {bytes_text(free)}", "$error bold" if free < _LITTLE_BYTES else ""))
     return parts
 
 

@@ -604,3 +604,33 @@ async def test_the_time_to_answer_and_the_clock_are_those_of_the_run_not_of_this
         # 1200 bench seconds are a minute here; 15 s of it had passed before this client came, and one since.
         assert "44 s left, then y" in text
         assert "bench time" in text
+
+
+async def test_a_long_reason_leaves_the_line_about_the_bench_where_it_is() -> None:
+    link = ScriptedLink(SNAPSHOT)
+    app = app_of(link)
+    async with app.run_test(size=(80, 24)) as pilot:
+        link.tell("bench", **BENCH)
+        tell(
+            link,
+            "state",
+            state="ABORTING",
+            reason="the drives are off: find out why before switching them on " * 3,
+        )
+        lines = (await shown(app, pilot)).splitlines()
+        assert "ABORTING" in lines[0]
+        assert lines[0].endswith("…")
+        assert "disk" in lines[1]
+        assert "F2 Bench" in lines[2]
+
+
+async def test_nobody_is_told_to_answer_while_the_run_is_being_stopped() -> None:
+    link = ScriptedLink(SNAPSHOT)
+    app = app_of(link)
+    async with app.run_test(size=(80, 24)) as pilot:
+        ask(link, **MOTION)
+        assert "Answer the question" in await settled(app, pilot, link)
+        tell(link, "state", state="STOPPING", reason="Ada stops the run")
+        text = await shown(app, pilot)
+        assert "Answer the question" not in text
+        assert "Wait for standstill: Ada stops the run" in text
