@@ -4,7 +4,7 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from scipy import stats
+from scipy import special
 
 from calibration.comparison import Comparison
 from calibration.fit_statistics import SIGNIFICANCE
@@ -87,7 +87,7 @@ def agreement(comparison: Comparison, effects_mm: Floats, u_instrument_mm: Float
         expected_um=1e3 * math.sqrt(mean / len(aligned)),
         share=mean / square if square > 0.0 else math.inf,
         dof=dof,
-        probability=float(stats.chi2.sf(square * dof / mean, dof)) if mean > 0.0 else 0.0,
+        probability=float(special.chdtrc(dof, square * dof / mean)) if mean > 0.0 else 0.0,
         u_mm=u,
         normalised=normalised,
         u_rotation_rad=float(u_align[2]),

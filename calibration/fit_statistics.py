@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 
 import numpy as np
-from scipy import linalg, stats
+from scipy import linalg, special
 
 from calibration.points import Points
 from calibration.types import Floats, Ints
@@ -258,7 +258,7 @@ class Expected:
 
     def probability(self, square: float) -> float:
         """Return the probability of a sum of squares this large."""
-        return float(stats.chi2.sf(square * self.dof / self.mean, self.dof))
+        return float(special.chdtrc(self.dof, square * self.dof / self.mean))
 
 
 def lack_of_fit(fit: WeightedFit) -> LackOfFit | None:
@@ -304,8 +304,8 @@ def _judged(
         pure_um=unit_um * float(np.sqrt(pure_square)),
         ratio=ratio,
         expected_ratio=expected_ratio,
-        probability=float(stats.f.sf(ratio, dof_model, dof_pure)),
-        probability_stated=float(stats.f.sf(ratio / expected_ratio, lack.dof, scatter.dof)),
+        probability=float(special.fdtrc(dof_model, dof_pure, ratio)),
+        probability_stated=float(special.fdtrc(lack.dof, scatter.dof, ratio / expected_ratio)),
         excess=lack_square * dof_model / lack.mean,
     )
 

@@ -4,7 +4,7 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from scipy import special, stats
+from scipy import special
 
 from calibration.errors import InsufficientPointsError, UnidentifiableError
 from calibration.standards.iso9283 import distance_repeatability
@@ -121,8 +121,8 @@ def interval_of_s(dof: int, coverage: float = _COVERAGE) -> tuple[float, float]:
     """Return the ends of the interval of a standard deviation as multiples of its estimate (chi-square)."""
     tail = 0.5 * (1.0 - coverage)
     return (
-        math.sqrt(dof / float(stats.chi2.isf(tail, dof))),
-        math.sqrt(dof / float(stats.chi2.isf(1.0 - tail, dof))),
+        math.sqrt(dof / float(special.chdtri(dof, tail))),
+        math.sqrt(dof / float(special.chdtri(dof, 1.0 - tail))),
     )
 
 
@@ -140,7 +140,7 @@ def _drift(
     change = slope * float(np.ptp(cycle))
     if u_slope <= 1e-12 * abs(slope):
         return change, 0.0 if slope else 1.0
-    return change, float(2.0 * stats.t.sf(abs(slope / u_slope), dof - 1))
+    return change, float(2.0 * special.stdtr(dof - 1, -abs(slope / u_slope)))
 
 
 def in_plane(direction_rad: Floats, s_um: Floats, dof: Ints) -> InPlane:

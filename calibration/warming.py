@@ -4,7 +4,7 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from scipy import stats
+from scipy import special
 
 from calibration.types import Floats
 
@@ -96,8 +96,8 @@ def settling(time_s: Floats, length_mm: Floats) -> Settling | None:
     straight = np.polynomial.polynomial.polyfit(since, length_mm, 1, full=True)[1][0]
     dof = time_s.size - 3
     scatter = float(squares[best]) / dof
-    gain = float(np.ravel(straight)[0]) - float(squares[best])
-    if stats.f.sf(gain / max(scatter, 1e-30), 1, dof) > _SIGNIFICANCE:
+    gain = max(float(np.ravel(straight)[0]) - float(squares[best]), 0.0)
+    if special.fdtrc(1, dof, gain / max(scatter, 1e-30)) > _SIGNIFICANCE:
         return None
     tau = float(trials[best])
     # The amplitude belongs to the first visit; time 0 may lie before it.
