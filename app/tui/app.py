@@ -19,7 +19,7 @@ from app.tui.screens.base import MainScreen
 from app.tui.session import Session
 from app.tui.start_checks import tell_what_is_wrong
 from app.tui.stopping import StopOp
-from app.tui.themes import THEMES
+from app.tui.themes import HIGH_CONTRAST, THEMES
 
 _REFRESH_S: Final = 0.2
 """Screens are painted anew at most so often."""
@@ -68,7 +68,7 @@ class CatseyeApp(App[int]):
     ) -> None:
         super().__init__()
         self.session = session
-        self._keymap_names = frozenset(keymap or {})
+        self._own_keys = dict(keymap or {})
         self._trouble = trouble
         self._known_facts: dict[str, Any] = {}
         self._first = place
@@ -96,7 +96,7 @@ class CatseyeApp(App[int]):
         self.set_timer(_LOOK_S, self._look_at_settings)
 
     def _look_at_settings(self) -> None:
-        self.keep(tell_what_is_wrong(self, self._keymap_names))
+        self.keep(tell_what_is_wrong(self, self._own_keys))
 
     async def on_unmount(self) -> None:
         """Let the engine go; without a word of release it does what `on_client_lost` says."""
@@ -107,6 +107,10 @@ class CatseyeApp(App[int]):
         for task in tasks:
             task.cancel()
         await asyncio.gather(*tasks, return_exceptions=True)
+
+    def watch_theme(self, theme: str) -> None:
+        """Draw lines as strong as text where contrast is asked for."""
+        self.set_class(theme == HIGH_CONTRAST.name, "-contrast")
 
     def get_system_commands(self, screen: Screen[Any]) -> Iterable[SystemCommand]:
         """Add every action of the program and of the screen to the palette."""
@@ -184,9 +188,7 @@ class CatseyeApp(App[int]):
         if picture.running and picture.run is not None:
             self.push_screen(QuitDialog(picture.run.name), self._quit_as_chosen)
             return
-        if picture.jogging:
-            self.action_stop()
-        self.keep(self._leave(end_engine=True))
+        self.keep(self._stop_and_leave() if picture.jogging else self._leave(end_engine=True))
 
     def order(
         self,
@@ -295,6 +297,19 @@ class CatseyeApp(App[int]):
             )
             return
         await self._leave(end_engine=choice == "stop")
+
+    async def _stop_and_leave(self) -> None:
+        from app.service.errors import RefusedError, ServiceError
+
+        try:
+            await self.session.link.stop("stop")
+        except ServiceError as error:
+            self.tell_error("The arm could not be stopped: USE THE EMERGENCY STOP if it moves", str(error))
+            return
+        except RefusedError:
+            # It has ended meanwhile.
+            pass
+        await self._leave(end_engine=True)
 
     async def _leave(self, *, end_engine: bool) -> None:
         await self.session.link.leave(end_engine=end_engine)

@@ -9,15 +9,17 @@ if TYPE_CHECKING:
     from app.tui.app import CatseyeApp
 
 
-async def tell_what_is_wrong(app: "CatseyeApp", names: frozenset[str]) -> None:
-    """Tell of names in `keys.toml` that nothing has, and of a cell file that cannot be used.
+async def tell_what_is_wrong(app: "CatseyeApp", keymap: dict[str, str]) -> None:
+    """Tell of names in `keys.toml` that nothing has, of keys that two things have, and of a cell file of no use.
 
     Args:
         app: the program.
-        names: in a user's `keys.toml`.
+        keymap: a user's keys by name.
     """
-    if names and (fault := await asyncio.to_thread(unknown_names, names)):
+    if keymap and (fault := await asyncio.to_thread(unknown_names, frozenset(keymap))):
         app.tell_error("Names in keys.toml that nothing has", fault)
+    if keymap and (fault := await asyncio.to_thread(key_clashes, keymap)):
+        app.tell_error("Keys in keys.toml that two things have", fault)
     cell = app.session.cell
     if cell is not None and (fault := await asyncio.to_thread(cell_fault, cell)):
         app.tell_error(
@@ -35,6 +37,23 @@ def unknown_names(names: frozenset[str]) -> str:
         near = difflib.get_close_matches(name, known, n=1, cutoff=0.4)
         lines.append(f"{name}: no such name" + (f"; did you mean {near[0]}?" if near else ""))
     return "\n".join([*lines, "docs/terminal-ui.md lists all names."]) if lines else ""
+
+
+def key_clashes(keymap: dict[str, str]) -> str:
+    """Return a line for each key that a user gave to one thing and that something else has in the same place."""
+    from app.tui.key_table import key_table
+
+    lines = []
+    for own in (key for key in key_table() if key.name in keymap):
+        given = set(keymap[own.name].split(",")) - set(own.keys.split(","))
+        for other in key_table():
+            near = other.where == own.where or "everywhere" in {other.where, own.where}
+            both = given & set(keymap.get(other.name, other.keys).split(","))
+            if near and other.name != own.name and both:
+                lines.append(
+                    f"{own.name} = {','.join(sorted(both))}: {other.name} ({other.where}) has it, too"
+                )
+    return "\n".join(dict.fromkeys(lines))
 
 
 def cell_fault(path: Path) -> str:

@@ -7,10 +7,12 @@ import pytest
 from textual.binding import Binding
 from textual.widgets import Input
 
+from app.service.errors import ServiceError
 from app.tui.dialogs.error_dialog import ErrorDialog
 from app.tui.dialogs.quit_dialog import QuitDialog
 from app.tui.places import PLACES
 from app.tui.screens.base import MainScreen
+from app.tui.stopping import StopOp
 from tests.unit.app.tui.scripted import ScriptedLink, make_app, shown
 
 RUN = {
@@ -97,6 +99,27 @@ async def test_quitting_with_stop_waits_for_the_end_of_the_run() -> None:
         link.tell("run-ended", **{**ended, "run": RUN["run"]})
         await pilot.pause()
         assert link.left == [True]
+
+
+async def test_quitting_a_jog_stops_the_arm_first_and_stays_where_that_fails(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    async def nobody_hears(_: StopOp) -> None:
+        raise ServiceError("no engine answers: use the emergency stop if the arm moves")
+
+    link = ScriptedLink()
+    link.tell("jog", on=True, by="Ada (tui-1)", percent=5.0, moving="j1")
+    app = make_app(link)
+    async with app.run_test(size=(80, 24)) as pilot:
+        with monkeypatch.context() as patch:
+            patch.setattr(link, "stop", nobody_hears)
+            await pilot.press("ctrl+q")
+            await pilot.pause()
+            assert "USE THE EMERGENCY STOP" in await shown(app, pilot)
+            assert link.left == []
+        await pilot.press("ctrl+q")
+        await pilot.pause()
+        assert (ops(link), link.left) == (["stop"], [True])
 
 
 async def test_quitting_at_once_when_nothing_runs() -> None:

@@ -12,7 +12,7 @@ from app.tui.dialogs.confirm_dialog import ConfirmDialog
 from app.tui.dialogs.error_dialog import ErrorDialog
 from app.tui.key_table import key_table
 from app.tui.session import Session
-from app.tui.start_checks import cell_fault, unknown_names
+from app.tui.start_checks import cell_fault, key_clashes, unknown_names
 from tests.unit.app.tui.scripted import ScriptedLink, ScriptedWork, make_app, shown
 
 
@@ -21,6 +21,14 @@ def test_unknown_names_are_told_with_the_nearest() -> None:
     told = unknown_names(frozenset({"go.jogg", "run.hold"}))
     assert "go.jogg: no such name; did you mean go.jog?" in told
     assert "run.hold" not in told
+
+
+def test_keys_that_two_things_have_are_told() -> None:
+    assert key_clashes({"run.hold": "h,insert", "go.jog": "f5"}) == ""
+    assert key_clashes({"go.jog": "f6", "go.results": "f5"}) == "", "two keys are exchanged"
+    assert key_clashes({"run.hold": "h,f4"}) == "run.hold = f4: go.run (everywhere) has it, too"
+    assert "bench.view (Bench) has it, too" in key_clashes({"go.jog": "v"})
+    assert key_clashes({"bench.view": "x"}) == "", "another screen has it"
 
 
 def test_a_cell_file_is_judged_by_its_model(tmp_path: Path) -> None:
@@ -33,7 +41,7 @@ def test_a_cell_file_is_judged_by_its_model(tmp_path: Path) -> None:
 
 
 def test_names_belong_to_one_action_within_a_screen() -> None:
-    places = [(key.where, key.name, key.keys) for key in key_table()]
+    places = [(key.where, key.name) for key in key_table()]
     assert len(places) == len(set(places))
 
 
