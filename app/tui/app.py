@@ -12,6 +12,7 @@ from textual.screen import Screen
 
 from app.tui.cell_change import look_at_cell
 from app.tui.dialogs.error_dialog import ErrorDialog
+from app.tui.dialogs.motion_dialog import MotionDialog
 from app.tui.dialogs.quit_dialog import Choice, QuitDialog
 from app.tui.faults import fault_text
 from app.tui.places import PLACES, make_screen
@@ -116,7 +117,7 @@ class CatseyeApp(App[int]):
         """Add every action of the program and of the screen to the palette."""
         yield from super().get_system_commands(screen)
         yield SystemCommand("Hold the run", "at the next checkpoint", self.action_hold)
-        yield SystemCommand("Let the run go on", "after a hold", self.action_go_on)
+        yield SystemCommand("Let the run go on", "after a hold; asks first", self.action_ask_to_go_on)
         yield SystemCommand("STOP", "the arm stops now; the run can be resumed", self.action_stop)
         yield SystemCommand("Abort the run", "stop, and leave only by clearing", self.action_abort)
         yield SystemCommand("Clear an abort", "after a look at the bench", self.action_clear)
@@ -139,12 +140,26 @@ class CatseyeApp(App[int]):
             self.action_show_help_panel()
 
     def action_hold(self) -> None:
-        """Hold the run, or let it go on when it is held and HOLD is pressed with the mouse."""
+        """Hold the run at its next checkpoint."""
         self.order("hold", "The run cannot be held")
 
     def action_go_on(self) -> None:
         """Let a held run go on."""
         self.order("unhold", "The run does not go on", control=True)
+
+    def action_ask_to_go_on(self) -> None:
+        """Let a held run go on once F8 confirms it: the palette is left by Enter, and a click is soon made."""
+        run = self.session.link.picture.run
+        if run is None or not self.session.link.picture.running:
+            self.notify("no run is held")
+            return
+        robot = (self.session.link.picture.bench or {}).get("robot") or {}
+        percent = robot.get("override_percent")
+        speed = "" if percent is None else f" at {percent:g} % of the programmed speed"
+        text = f"{run.name} goes on where it was held: the arm moves{speed}."
+        self.push_screen(
+            MotionDialog("Let the run go on", text), lambda agreed: self.action_go_on() if agreed else None
+        )
 
     def action_stop(self) -> None:
         """Stop the arm now."""

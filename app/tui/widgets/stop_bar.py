@@ -30,4 +30,6 @@ class StopBar(Horizontal):
     def show(self, picture: Picture) -> None:
         """Say what HOLD does now."""
         held = picture.state in {"HELD", "HOLDING"} and picture.running
-        self.query_one("#hold", Button).label = "GO ON g" if held else "HOLD h"
+        button = self.query_one("#hold", Button)
+        button.label = "GO ON g" if held else "HOLD h"
+        button.action = "app.ask_to_go_on" if held else "app.hold"

@@ -62,6 +62,26 @@ async def test_ctrl_c_climbs_the_ladder() -> None:
             assert ops(link)[-1] == asked
 
 
+async def test_button_says_what_it_does_and_only_f8_lets_the_arm_move() -> None:
+    link = ScriptedLink(RUN)
+    app = make_app(link)
+    async with app.run_test(size=(80, 24)) as pilot:
+        await shown(app, pilot)
+        await pilot.click("#hold")
+        await pilot.pause()
+        assert ops(link) == ["hold"]
+        link.tell("state", run=RUN["run"], state="HELD", reason="at a checkpoint")
+        assert "GO ON g" in await shown(app, pilot)
+        await pilot.click("#hold")
+        assert "goes on where it was held" in await shown(app, pilot)
+        await pilot.press("enter")
+        await pilot.pause()
+        assert ops(link) == ["hold"]
+        await pilot.press("f8")
+        await pilot.pause()
+        assert ops(link) == ["hold", "control", "unhold"]
+
+
 async def test_refusal_is_told_with_its_remedy() -> None:
     link = ScriptedLink(RUN)
     link.refusals["hold"] = "the devices are being connected and nothing moves: hold when it runs, or stop"
