@@ -25,6 +25,11 @@ STEP_PING_S = 0.1
 """The same during a step by hand, which is stopped when its client falls silent for 0.5 s."""
 
 
+_READING_TURNS = 10
+"""Of the event loop. A process that stood still reads first what came meanwhile: a line that is written to an engine
+that has gone breaks the connection, and what was not read is lost."""
+
+
 class EngineClient:
     """A connection to an engine. Made by `connect`.
 
@@ -147,6 +152,8 @@ class EngineClient:
         """
         while self.closed is None:
             await self._clock.sleep(period_s)
+            for _ in range(_READING_TURNS):
+                await asyncio.sleep(0)
             try:
                 await self.request("ping")
             except (RefusedError, ServiceError):

@@ -65,3 +65,29 @@ async def test_signs_of_life_from_the_request_to_the_answer(refused: bool) -> No
     assert STEP_PING_S in clock.slept_s
     theirs[1].close()
     await theirs[1].wait_closed()
+
+
+async def test_what_came_while_the_program_stood_still_is_read_before_it_writes() -> None:
+    near, far = socket.socketpair()
+    far.setblocking(False)
+    clock = ManualClock()
+    mine = await asyncio.open_unix_connection(sock=near)
+    loop = asyncio.get_running_loop()
+
+    async def greet() -> None:
+        request = json.loads(await loop.sock_recv(far, 4096))
+        await loop.sock_sendall(
+            far, json.dumps({"v": 1, "re": request["id"], "ok": True, "snapshot": {}}).encode() + b"\n"
+        )
+
+    greeting = asyncio.create_task(greet())
+    async with asyncio.timeout(10), over(mine, "test", "Ada", clock) as client:
+        await greeting
+        # The sign of life begins to wait.
+        await asyncio.sleep(0.01)
+        # The engine ends while this program stands still; the next sign of life is due when it goes on.
+        far.send(b'{"v": 1, "event": "run-ended"}\n')
+        far.close()
+        clock.advance(2.5)
+        assert [event["event"] async for event in client.events()] == ["run-ended"]
+        assert client.closed == "the engine closed the connection"
