@@ -216,6 +216,7 @@ class _Jog:
             f"(now at {j4_deg:.3f}°), {goal}; skip leaves this pose out.",
             unit="deg",
             safe_answer="skip",
+            motion=True,
         )
 
     def _turn(self, answer: str, j4_deg: float) -> tuple[float | None, str]:

@@ -58,6 +58,7 @@ class PromptPanel(Vertical):
         self._now_s = 0.0
         self._laid_out: Prompt | None = None
         self._seen_s: float | None = None
+        self._chosen = ""
 
     def compose(self) -> ComposeResult:
         """Question, task, motion, answers, refusal."""
@@ -94,6 +95,7 @@ class PromptPanel(Vertical):
         self._now_s = now_s
         if (prompt or {}).get("id") != (self._prompt or {}).get("id") or at_s != self._at_s:
             self._prompt, self._at_s, self._seen_s = prompt, at_s, None
+            self._chosen = ""
             self.set_class(prompt is not None, "open")
             self.run_worker(self._lay_out(prompt), group="prompt", exclusive=True, exit_on_error=False)
         if prompt is not None:
@@ -141,10 +143,12 @@ class PromptPanel(Vertical):
         choices = self._choices()
         if self._kind() != "choice" or not 1 <= number <= len(choices):
             return
-        if number == 1 and self._motion():
-            self._say(f"the arm moves after {choices[0]}: F8 confirms it")
+        chosen = choices[number - 1]
+        if self._prompt is not None and _moves(self._prompt, chosen):
+            self._chosen = chosen
+            self._say(f"the arm moves after {chosen}: F8 confirms it")
         else:
-            self._answer(choices[number - 1])
+            self._answer(chosen)
 
     @property
     def motion(self) -> str:
@@ -156,14 +160,21 @@ class PromptPanel(Vertical):
     @property
     def agreement(self) -> str:
         """The answer that lets the arm move; empty where none does."""
-        if not self._motion() or self._kind() not in {"confirm", "choice"}:
+        if not self._motion():
             return ""
-        return "yes" if self._kind() == "confirm" else self._choices()[0]
+        match self._kind():
+            case "confirm":
+                return "yes"
+            case "choice":
+                return self._chosen or self._choices()[0]
+        return self._typed() if not self._fault_of_typed() else ""
 
     def move(self) -> None:
         """Agree to a motion."""
         if self.agreement:
             self._answer(self.agreement)
+        elif self._motion():
+            self._say(self._fault_of_typed())
 
     def on_button_pressed(self, event: Button.Pressed) -> None:
         """Take the answer of a button."""
@@ -180,13 +191,22 @@ class PromptPanel(Vertical):
     def on_input_submitted(self, event: Input.Submitted) -> None:
         """Take what was typed; an empty line answers nothing."""
         event.stop()
-        text = event.value.strip()
-        if not text:
-            self._say(f"type a {'number' if self._kind() == 'number' else 'line of text'}{self._in_unit()}")
-        elif self._kind() == "number" and not _is_number(text):
-            self._say(f"{text!r} is no number{self._in_unit()}")
+        if fault := self._fault_of_typed():
+            self._say(fault)
+        elif self._motion():
+            self._say(f"the arm moves after {self._typed()}: F8 confirms it")
         else:
-            self._answer(text)
+            self._answer(self._typed())
+
+    def _typed(self) -> str:
+        return "".join(each.value.strip() for each in self.query(Input))
+
+    def _fault_of_typed(self) -> str:
+        """Return why what is typed answers nothing; empty when it does."""
+        text, number = self._typed(), self._kind() == "number"
+        if not text:
+            return f"type a {'number' if number else 'line of text'}{self._in_unit()}"
+        return f"{text!r} is no number{self._in_unit()}" if number and not _is_number(text) else ""
 
     def _answer(self, text: str) -> None:
         if self._prompt is None or self._seen_s is None or self._now_s - self._seen_s < SETTLE_S:
@@ -246,15 +266,27 @@ def _answers(prompt: Prompt, choices: list[str]) -> list[Button | Input | Label]
         case "choice":
             safe = str(prompt.get("safe_answer") or "")
             return [
-                Label(f"F8  {choice}: the arm moves", classes="motion", markup=False)
-                if motion and number == 1
+                Label(_motion_label(number, choice), classes="motion", markup=False)
+                if _moves(prompt, choice)
                 else _button(str(number), choice, choice, safe)
                 for number, choice in enumerate(choices, 1)
             ]
         case "number":
             unit = Label(str(prompt.get("unit") or ""), id="unit", markup=False)
-            return [Input(placeholder="number", compact=True, classes="first short"), unit]
-    return [Input(placeholder="text, then Enter", compact=True, classes="first")]
+            then = ", then F8" if motion else ""
+            return [Input(placeholder=f"number{then}", compact=True, classes="first short"), unit]
+    then = "F8: the arm may move" if motion else "Enter"
+    return [Input(placeholder=f"text, then {then}", compact=True, classes="first")]
+
+
+def _moves(prompt: Prompt, choice: str) -> bool:
+    """Return whether the arm moves after a choice: after each but the safe one."""
+    return prompt.get("motion") is True and choice != prompt.get("safe_answer")
+
+
+def _motion_label(number: int, choice: str) -> str:
+    keys = "F8" if number == 1 else f"{number} F8"
+    return f"{keys}  {choice}: the arm moves"
 
 
 def _button(key: str, label: str, answer: str, safe: str) -> Button:
@@ -271,7 +303,9 @@ def _motion_text(prompt: Prompt) -> Content:
     if prompt.get("motion") is not True:
         return Content("")
     target, percent, speeds = (prompt.get(key) for key in ("target", "override_percent", "speed_deg_s"))
-    where = "to the next pose of the plan"
+    where = (
+        "to the next pose of the plan" if prompt["kind"] in {"confirm", "choice"} else "as the answer says"
+    )
     if target:
         one, two, three, four = target
         where = f"to J1 {one:.2f}°, J2 {two:.2f}°, J3 {three:.1f} mm, J4 {four:.2f}°"

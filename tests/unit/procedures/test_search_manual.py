@@ -79,7 +79,8 @@ async def test_the_question_says_what_to_type_and_shows_the_signal() -> None:
     assert first.safe_answer == "skip"
     assert first.text.startswith("Type by how many degrees J4 shall turn towards P1, −2 to 2 (now at ")
     assert first.text.endswith("until the signal returns; skip leaves this pose out.")
-    assert not first.motion
+    # What is typed turns J4.
+    assert first.motion
     assert {(live.name, live.low, live.high) for live in context.shown if live.name == "signal"} == {
         ("signal", 0.1, 1.0)
     }

@@ -634,3 +634,43 @@ async def test_nobody_is_told_to_answer_while_the_run_is_being_stopped() -> None
         text = await shown(app, pilot)
         assert "Answer the question" not in text
         assert "Wait for standstill: Ada stops the run" in text
+
+
+async def test_every_choice_but_the_safe_one_takes_f8_where_the_arm_moves_after_it() -> None:
+    link = ScriptedLink(SNAPSHOT)
+    app = app_of(link)
+    async with app.run_test(size=(80, 24)) as pilot:
+        choices = ["retry", "skip", "stop"]
+        ask(link, id="beam/1", kind="choice", text="?", choices=choices, motion=True, safe_answer="stop")
+        text = await settled(app, pilot, link)
+        assert [button.name for button in app.screen.query("#answers Button").results(Button)] == ["stop"]
+        assert "2 F8  skip: the arm moves" in text
+        await pilot.press("2")
+        assert "the arm moves after skip: F8 confirms it" in await shown(app, pilot)
+        assert answers(link) == []
+        await pilot.press("f8")
+        await settled(app, pilot, link)
+        assert answers(link) == [("beam/1", "skip")]
+        ask(link, id="beam/2", kind="choice", text="?", choices=choices, motion=True, safe_answer="stop")
+        await settled(app, pilot, link)
+        await pilot.press("f8")
+        await settled(app, pilot, link)
+        assert answers(link)[1:] == [("beam/2", "retry")]
+
+
+@pytest.mark.parametrize("kind", ["text", "number"])
+async def test_what_is_typed_moves_the_arm_by_f8_not_by_enter(kind: str) -> None:
+    link = ScriptedLink(SNAPSHOT)
+    app = app_of(link)
+    async with app.run_test(size=(80, 24)) as pilot:
+        ask(link, id="jog/P1", kind=kind, text="By how much?", unit="deg", safe_answer="skip", motion=True)
+        assert "THE ARM MOVES then, as the answer says" in await settled(app, pilot, link)
+        await pilot.press("f8")
+        assert "✗ type a" in await shown(app, pilot)
+        await pilot.press("1", "enter")
+        assert "the arm moves after 1: F8 confirms it" in await shown(app, pilot)
+        await settled(app, pilot, link)
+        assert answers(link) == []
+        await pilot.press("f8")
+        await settled(app, pilot, link)
+        assert answers(link) == [("jog/P1", "1")]
