@@ -1,5 +1,6 @@
 """tui: the terminal user interface."""
 
+import os
 import sys
 import tomllib
 from pathlib import Path
@@ -12,9 +13,7 @@ from app.runs_folder import runs_folder
 
 def tui_command(cell: Path | None, runs: Path | None, speed: float) -> None:
     """Show the interface until the user quits."""
-    # Textual draws on stderr.
-    if not (sys.stdin.isatty() and sys.stdout.isatty() and sys.stderr.isatty()):
-        raise UsageError("the terminal interface needs a terminal: use catseye run in scripts")
+    _require_terminal()
     from app.tui.app import CatseyeApp
     from app.tui.keys import keys_file, read_keymap
     from app.tui.link import EngineLink
@@ -50,6 +49,21 @@ def tui_command(cell: Path | None, runs: Path | None, speed: float) -> None:
         )
         sys.exit(ExitCode.REJECTED)
     sys.exit(code or 0)
+
+
+def _require_terminal() -> None:
+    # Textual draws on stderr.
+    if not (sys.stdin.isatty() and sys.stdout.isatty() and sys.stderr.isatty()):
+        raise UsageError("the terminal interface needs a terminal: use catseye run in scripts")
+    if os.environ.get("TERM", "dumb") == "dumb":
+        raise UsageError(
+            "the terminal interface needs a terminal that can be drawn on: TERM is not set, or dumb"
+        )
+    if "utf" not in sys.stderr.encoding.lower():
+        raise UsageError(
+            f"the terminal interface draws with Unicode and this terminal is set to {sys.stderr.encoding}: "
+            "LANG=C.UTF-8 catseye tui"
+        )
 
 
 def _only_cell(folder: Path) -> Path | None:

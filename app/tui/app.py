@@ -163,13 +163,11 @@ class CatseyeApp(App[int]):
 
     def action_stop(self) -> None:
         """Stop the arm now."""
-        self.keep(self._stop("stop", "STOP could not be given: USE THE EMERGENCY STOP if the arm moves"))
+        self.keep(self._stop("stop"))
 
     def action_abort(self) -> None:
         """Abort the run."""
-        self.keep(
-            self._stop("abort", "The run could not be aborted: USE THE EMERGENCY STOP if the arm moves")
-        )
+        self.keep(self._stop("abort"))
 
     def action_clear(self) -> None:
         """Clear an abort."""
@@ -251,13 +249,18 @@ class CatseyeApp(App[int]):
         if not task.cancelled() and (error := task.exception()) is not None:
             self.tell_fault(error)
 
-    async def _stop(self, op: StopOp, failure: str) -> None:
+    async def _stop(self, op: StopOp) -> None:
         from app.service.errors import RefusedError, ServiceError
 
         try:
             await self.session.link.stop(op)
-        except (RefusedError, ServiceError) as error:
-            self.tell_error(failure, str(error))
+        except RefusedError as error:
+            text = f"{error}: if the arm moves all the same, use the emergency stop"
+            self.tell_error(f"There is nothing to {op}", text)
+        except ServiceError as error:
+            self.tell_error(
+                f"{op.upper()} IS NOT CONFIRMED: use the emergency stop if the arm moves", str(error)
+            )
         self._note_change()
 
     async def _order(

@@ -1,5 +1,6 @@
 """What a start tells of keys and cell files that cannot be used, and the engine of another cell."""
 
+from io import BytesIO, TextIOWrapper
 from pathlib import Path
 
 import pytest
@@ -94,5 +95,22 @@ def test_a_wrong_cell_option_is_refused(
         path.write_text(text, encoding="utf-8")
     for stream in ("stdin", "stdout", "stderr"):
         monkeypatch.setattr(f"sys.{stream}.isatty", lambda: True, raising=False)
+    monkeypatch.setenv("TERM", "xterm")
     with pytest.raises(UsageError, match=fault):
         tui.tui_command(path, tmp_path / "runs", 1.0)
+
+
+@pytest.mark.parametrize(
+    ("term", "encoding", "fault"),
+    [("dumb", "utf-8", "TERM is not set, or dumb"), ("xterm", "latin-1", "LANG=C.UTF-8 catseye tui")],
+)
+def test_terminals_that_cannot_show_it_are_refused(
+    term: str, encoding: str, fault: str, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    terminal = TextIOWrapper(BytesIO(), encoding=encoding)
+    monkeypatch.setattr(terminal, "isatty", lambda: True, raising=False)
+    for stream in ("stdin", "stdout", "stderr"):
+        monkeypatch.setattr(f"sys.{stream}", terminal)
+    monkeypatch.setenv("TERM", term)
+    with pytest.raises(UsageError, match=fault):
+        tui.tui_command(None, tmp_path / "runs", 1.0)
