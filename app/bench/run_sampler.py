@@ -58,6 +58,9 @@ class RunSampler:
         stands = not control.moving and (asking or control.state == State.HELD)
         if (stands or control.moving) and self._is_old(self._gauges.beam, BEAM_AGE_S):
             self._look("beam", self.devices.interferometer, self._look_at_beam(self.devices))
+        elif (stands or control.moving) and self._is_old(self._gauges.displacement_mm, BEAM_AGE_S):
+            # A question that watches the signal asks for the state alone.
+            self._look("beam", self.devices.interferometer, self._look_at_length(self.devices))
         if stands and self._is_old(self._gauges.joints, JOINTS_AGE_S):
             self._look("joints", self.devices.robot, self._look_at_joints(self.devices))
 
@@ -87,6 +90,9 @@ class RunSampler:
 
     async def _look_at_beam(self, devices: Devices) -> None:
         await devices.interferometer.status()
+        await devices.interferometer.read()
+
+    async def _look_at_length(self, devices: Devices) -> None:
         await devices.interferometer.read()
 
     async def _look_at_joints(self, devices: Devices) -> None:

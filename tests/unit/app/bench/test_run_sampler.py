@@ -89,11 +89,27 @@ def test_what_the_run_itself_reads_is_not_asked_again() -> None:
         assert bench.sampler.devices is not None
         for _ in range(20):
             await bench.sampler.devices.interferometer.status()
+            await bench.sampler.devices.interferometer.read()
             await bench.sampler.devices.robot.joints()
             before = list(bench.cell.counter.log), list(bench.cell.robot.log)
             bench.sampler.tick(bench.control, asking=True)
             await asyncio.sleep(0.2)
             assert (bench.cell.counter.log, bench.cell.robot.log) == before
+
+    played(play)
+
+
+def test_the_length_is_read_where_the_run_looks_at_the_signal_alone() -> None:
+    async def play(bench: Run) -> None:
+        bench.asking = True
+        assert bench.sampler.devices is not None
+        for _ in range(50):
+            await bench.sampler.devices.interferometer.status()
+            await bench.ticks(0.2)
+            length = bench.gauges.displacement_mm
+            assert length is not None
+            assert bench.gauges.age_s(length.time_s) < 1.0
+        assert bench.cell.counter.log.count("read") <= 40
 
     played(play)
 
