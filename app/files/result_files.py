@@ -1,5 +1,6 @@
 """Result files of folders: which there are, newest first."""
 
+import stat
 from collections.abc import Iterable
 from dataclasses import dataclass
 from datetime import UTC, datetime
@@ -51,6 +52,8 @@ class ResultFiles:
             try:
                 facts = path.stat()
             except OSError:
+                continue
+            if not stat.S_ISREG(facts.st_mode):
                 continue
             stamp = facts.st_mtime_ns, facts.st_size
             known = self._known.get(path)

@@ -5,6 +5,7 @@ import json
 import shutil
 import tempfile
 from collections.abc import Iterable
+from datetime import datetime
 from functools import partial
 from importlib import import_module
 from pathlib import Path
@@ -20,7 +21,8 @@ from textual.widgets import ContentSwitcher, DataTable
 
 from app.tui.dialogs.form_dialog import Answers, Field, FormDialog
 from app.tui.dialogs.text_dialog import TextDialog
-from app.tui.screens.working import WorkScreen, free_name, why_not_written
+from app.tui.path_questions import newest_path_run, path_fault, reference_of
+from app.tui.screens.working import WorkScreen, free_name, is_file, typed_path, why_not_written
 from app.tui.session import DEMO_FOLDER, Session
 from app.tui.widgets.result_parts import ComparePart, LayoutPart, MapsPart, PathPart, ResidualsPart
 from app.tui.widgets.tab_line import TabLine
@@ -59,7 +61,8 @@ _FILE_COLUMNS: Final = (
 _VALUE_COLUMNS: Final = (("quantity", 22), ("value", 14), ("u (k=1)", 10), ("U (k=2)", 10), ("unit", 6))
 _RIGHT: Final = frozenset({"value", "u (k=1)", "U (k=2)", "distances", "rms µm"})
 _RUN_FOLDERS: Final = ("runs", "catseye-runs")
-_PATH_RUN: Final = "_validation-path_"
+
+_Version = tuple[Path, datetime]
 
 
 class ResultsScreen(WorkScreen):
@@ -122,8 +125,8 @@ class ResultsScreen(WorkScreen):
         self._file: ResultFile | None = None
         self._other: ResultFile | None = None
         self._in_u = False
-        self._diagnoses: dict[Path, dict[str, Any]] = {}
-        self._validations: dict[Path, dict[str, Any]] = {}
+        self._diagnoses: dict[_Version, dict[str, Any]] = {}
+        self._validations: dict[_Version, dict[str, Any]] = {}
         self._comparison: tuple[ResultComparison, str] | None = None
         self._scratch: Path | None = None
 
@@ -220,7 +223,6 @@ class ResultsScreen(WorkScreen):
             self.notify("put the cursor on another result (1), then c", severity="warning")
             self.action_part(0)
             return
-        self._other = other
         self.spawn(partial(self._compare, file, other), "compare", exclusive=True)
 
     def action_diagnose(self) -> None:
@@ -313,13 +315,13 @@ class ResultsScreen(WorkScreen):
         return []
 
     def _diagnosed(self, file: "ResultFile", done: Done) -> None:
-        self._diagnoses[file.path] = json.loads(done.out)
+        self._diagnoses[_version(file)] = json.loads(done.out)
         self._show()
-        self.notify("diagnosed: outliers at 5, findings at 6")
+        self.notify(f"{file.path.name}: outliers at 5, findings at 6", title="diagnosed", markup=False)
 
     def _export(self, file: "ResultFile", answers: Answers | None) -> None:
         if answers is not None:
-            output = Path(answers["file"]).expanduser()
+            output = typed_path(answers["file"])
             self.let_work(
                 "export",
                 "Nothing was exported",
@@ -331,35 +333,25 @@ class ResultsScreen(WorkScreen):
         file = self._file
         if file is None:
             return
-        newest = await asyncio.to_thread(_newest_path_run, self.session.root)
+        newest = await asyncio.to_thread(newest_path_run, self.session.root)
         fields = [
             Field("measured", "path", newest, hint="run, or CSV"),
-            Field("reference", "compared with", self._reference_of(file), hint="or empty"),
+            Field("reference", "compared with", str(reference_of(file, self._files) or ""), hint="or empty"),
         ]
-        dialog = FormDialog("Validate on a measured path", fields, file.path.name, _path_fault)
+        dialog = FormDialog("Validate on a measured path", fields, file.path.name, path_fault)
         self.app.push_screen(dialog, partial(self._validate, file))
-
-    def _reference_of(self, file: "ResultFile") -> str:
-        """Return the newest conventional model from the same runs."""
-        if file.result is None or file.result.model == "conventional":
-            return ""
-        for each in self._files:
-            same = each.result is not None and each.result.provenance.runs == file.result.provenance.runs
-            if each.result is not None and same and each.result.model == "conventional":
-                return str(each.path)
-        return ""
 
     def _validate(self, file: "ResultFile", answers: Answers | None) -> None:
         if answers is None:
             return
-        measured = Path(answers["measured"]).expanduser()
+        measured = typed_path(answers["measured"])
         first: tuple[str | Path, ...] = ()
-        if not measured.is_file():
+        if not is_file(measured):
             if self._scratch is None:
                 self._scratch = Path(tempfile.mkdtemp(prefix="catseye-"))
             run, measured = answers["measured"], self._scratch / "measured.csv"
             first = ("export", run, "--runs", self.session.root, "-o", measured)
-        reference = ("--reference", answers["reference"]) if answers["reference"] else ()
+        reference = ("--reference", typed_path(answers["reference"])) if answers["reference"] else ()
         self.let_work(
             "validate",
             "The result cannot be validated on this path",
@@ -369,16 +361,21 @@ class ResultsScreen(WorkScreen):
         )
 
     def _validated(self, file: "ResultFile", done: Done) -> None:
-        self._validations[file.path] = json.loads(done.out)
+        self._validations[_version(file)] = json.loads(done.out)
         self._show()
-        self.action_part(_PARTS.index("path"))
+        if self._file is file:
+            self.action_part(_PARTS.index("path"))
+        else:
+            self.notify(f"{file.path.name}: choose it, then 7", title="validated", markup=False)
 
     async def _compare(self, file: "ResultFile", other: "ResultFile") -> None:
         found = await asyncio.to_thread(_compared, file, other)
         if isinstance(found, str):
             self.catseye.tell_error("The results cannot be compared", found)
             return
-        self._comparison = found
+        if self._file is not file:
+            return
+        self._other, self._comparison = other, found
         self._show_comparison()
         self._show_files()
         self.action_part(_PARTS.index("compare"))
@@ -398,28 +395,36 @@ class ResultsScreen(WorkScreen):
         if files == self._files:
             return
         self._files = files
-        if self._file is not None:
-            again = [file for file in files if file.path == self._file.path and file.result is not None]
-            if again and again[0] is not self._file:
-                self._diagnoses.pop(self._file.path, None)
-                self._validations.pop(self._file.path, None)
-                self._file = again[0]
+        self._follow(files)
         self._show_files()
         self._show()
+
+    def _follow(self, files: "list[ResultFile]") -> None:
+        """Show the chosen result as its file is now; a comparison with what was before is none."""
+        now = {file.path: file for file in files}
+        compared = [file for file in (self._file, self._other) if file is not None]
+        if any(now.get(file.path) is not file for file in compared):
+            self._comparison, self._other = None, None
+        again = None if self._file is None else now.get(self._file.path)
+        if again is not None and again.result is not None:
+            self._file = again
 
     def _show_files(self) -> None:
         from app.tui.result_texts import file_row
 
         table = self.query_one("#file-table", DataTable)
-        row = table.cursor_row
+        present = [str(key.value) for key in table.rows]
+        chosen = present[table.cursor_row] if 0 <= table.cursor_row < len(present) else ""
+        row = min(table.cursor_row, len(self._files) - 1)
         table.clear()
-        for file in self._files:
+        for place, file in enumerate(self._files):
+            row = place if str(file.path) == chosen else row
             mark = "▶" if self._file is not None and file.path == self._file.path else " "
             mark = "c" if self._other is not None and file.path == self._other.path else mark
             style = "bold red" if file.result is None else ""
             table.add_row(*(Text(cell, style) for cell in (mark, *file_row(file))), key=str(file.path))
         if self._files:
-            table.move_cursor(row=min(max(row, 0), len(self._files) - 1))
+            table.move_cursor(row=max(row, 0))
 
     def _show(self) -> None:
         """Show every part of the chosen result."""
@@ -431,8 +436,9 @@ class ResultsScreen(WorkScreen):
         from app.tui import result_texts as texts
 
         result = file.result
-        diagnosis = self._diagnoses.get(file.path)
-        self.query_one("#heading", Told).tell(Content(texts.heading(file)))
+        diagnosis = self._diagnoses.get(_version(file))
+        gone = "" if any(each is file for each in self._files) else "THE FILE IS GONE OR CANNOT BE READ · "
+        self.query_one("#heading", Told).tell(Content(f"{gone}{texts.heading(file)}"))
         self.query_one(MapsPart).show(result)
         table = self.query_one("#value-table", DataTable)
         table.clear()
@@ -442,7 +448,7 @@ class ResultsScreen(WorkScreen):
             )
         self.query_one(LayoutPart).show(result)
         self.query_one(ResidualsPart).show(result, diagnosis)
-        self.query_one(PathPart).show(self._validations.get(file.path))
+        self.query_one(PathPart).show(self._validations.get(_version(file)))
         told = [
             Content.assemble((f"{texts.SIGNS[kind]} ", texts.STYLES[kind]), text)
             for kind, text in texts.fit_sentences(result, diagnosis)
@@ -457,6 +463,11 @@ class ResultsScreen(WorkScreen):
             return
         names = f"{self._other.path.name} (second) minus {self._file.path.name} (first)"
         part.show(names, *self._comparison, in_u=self._in_u)
+
+
+def _version(file: "ResultFile") -> _Version:
+    """Return what tells a result from what is written over it later."""
+    return file.path, file.changed_utc
 
 
 def _shelf(root: Path) -> "ResultFiles":
@@ -481,18 +492,3 @@ def _compared(file: "ResultFile", other: "ResultFile") -> "tuple[ResultCompariso
     except UsageError as error:
         return str(error)
     return found, verdict(found)
-
-
-def _newest_path_run(root: Path) -> str:
-    """Return the name of the newest run of a validation path, empty when there is none."""
-    if not root.is_dir():
-        return ""
-    names = (path.name for path in root.iterdir() if _PATH_RUN in path.name)
-    return max(names, default="")
-
-
-def _path_fault(answers: Answers) -> str:
-    if not answers["measured"]:
-        return "a run of a path or a measured file is needed"
-    reference = answers["reference"]
-    return f"there is no file {reference}" if reference and not Path(reference).expanduser().is_file() else ""

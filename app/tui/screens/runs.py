@@ -19,7 +19,7 @@ from app.tui.dialogs.form_dialog import Answers, Field, FormDialog
 from app.tui.dialogs.start_dialog import Permission, StartDialog
 from app.tui.dialogs.text_dialog import TextDialog
 from app.tui.run_rows import STATES, cells, columns, passes
-from app.tui.screens.working import WorkScreen, free_name, why_not_written
+from app.tui.screens.working import WorkScreen, free_name, typed_path, why_not_written
 from app.tui.session import Session
 from app.tui.widgets.task_line import TaskLine
 from app.tui.widgets.told import Told
@@ -301,7 +301,7 @@ class RunsScreen(WorkScreen):
 
     def _export(self, line: "RunLine", answers: Answers | None) -> None:
         if answers is not None:
-            file = Path(answers["file"]).expanduser()
+            file = typed_path(answers["file"])
             self.let_work(
                 f"export {line.id}",
                 "Nothing was exported",
@@ -312,7 +312,7 @@ class RunsScreen(WorkScreen):
     def _identify(self, names: list[str], answers: Answers | None) -> None:
         if answers is None:
             return
-        file = Path(answers["file"]).expanduser()
+        file = typed_path(answers["file"])
         how: list[str | Path] = ["--model", answers["model"], "--uncertainty", answers["uncertainty"]]
         if answers["uncertainty"] == "monte-carlo":
             how += ["--draws", answers["draws"]]

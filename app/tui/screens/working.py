@@ -1,6 +1,7 @@
 """A screen that lets commands of catseye work: one at a time, with progress, and a key that ends it."""
 
 import asyncio
+import os
 from collections.abc import Callable, Coroutine
 from functools import partial
 from itertools import chain, count
@@ -18,12 +19,35 @@ from app.tui.work import Done
 _INTERRUPTED = frozenset({130, 143})
 
 
+def typed_path(text: str) -> Path:
+    """Return a path that was typed; ~ is a home folder, and stays what it is where there is none."""
+    # The method of Path raises where there is none.
+    return Path(os.path.expanduser(text))
+
+
+def is_file(path: Path) -> bool:
+    """Return whether there is a file; there is none by a name that no file can have."""
+    try:
+        return path.is_file()
+    except OSError:
+        return False
+
+
 def why_not_written(text: str) -> str:
     """Return why a file that was typed cannot be written, empty when it can be."""
-    file = Path(text).expanduser()
     if not text:
         return "a file is needed"
-    return f"{file.name} is there already: give another name" if file.exists() else ""
+    file = typed_path(text)
+    try:
+        if file.exists():
+            return f"{file.name} is there already: give another name"
+    except OSError as error:
+        return f"{error.strerror}: give another name"
+    if not file.parent.is_dir():
+        return f"there is no folder {file.parent}: make it first"
+    if not os.access(file.parent, os.W_OK | os.X_OK):
+        return f"nothing can be written into {file.parent}: give another folder"
+    return ""
 
 
 def free_name(path: Path) -> Path:

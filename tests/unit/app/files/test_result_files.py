@@ -30,3 +30,9 @@ def test_only_what_changed_is_read_anew(tmp_path: Path) -> None:
     assert [file.path.name for file in second] == ["later.json", "error-map.json", "broken.json"]
     assert second[1] is first[0]
     assert second[0] is not first[1]
+
+
+def test_what_is_no_ordinary_file_is_passed_over(tmp_path: Path) -> None:
+    (tmp_path / "folder.json").mkdir()
+    os.mkfifo(tmp_path / "pipe.json")
+    assert ResultFiles([tmp_path]).look() == []

@@ -247,6 +247,119 @@ async def test_a_result_that_is_written_anew_is_shown_anew(bench: Path) -> None:
         assert "d: diagnosis" in text
 
 
+def write_anew(path: Path, content: dict[str, Any], age_s: int) -> None:
+    path.write_text(json.dumps(content), encoding="utf-8")
+    os.utime(path, (WRITTEN_S + age_s, WRITTEN_S + age_s))
+
+
+async def look_again(app: CatseyeApp, pilot: Pilot[Any]) -> str:
+    assert isinstance(app.screen, ResultsScreen)
+    app.screen.on_screen_resume()
+    return await press(app, pilot)
+
+
+@pytest.mark.parametrize("name", ["error-map.json", "later.json"])
+async def test_a_comparison_with_a_result_of_before_is_shown_no_more(bench: Path, name: str) -> None:
+    app = open_app(bench)
+    async with app.run_test(size=(120, 60)) as pilot:
+        text = await press(app, pilot, "enter", "1", "down", "c")
+        assert "+0.0200" in text
+        changed = {**error_map(), "link1_mm": {"value": 325.5, "u": 0.004}}
+        write_anew(bench / name, changed, 900)
+        text = await look_again(app, pilot)
+        assert "+0.0200" not in text
+        assert "put the cursor on another result (1), then c" in text
+
+
+async def test_two_results_that_cannot_be_compared_do_not_borrow_the_figures_of_others(bench: Path) -> None:
+    far = error_map()
+    far["theta1_map"] = {**far["theta1_map"], "node_deg": [200.0, 220.0, 240.0]}
+    app = open_app(bench)
+    async with app.run_test(size=(120, 60)) as pilot:
+        write_anew(bench / "far.json", far, -60)
+        await look_again(app, pilot)
+        await press(app, pilot, "enter", "1", "down", "c")
+        await press(app, pilot, "1", "down", "down", "c")
+        assert isinstance(app.screen, ErrorDialog)
+        text = await press(app, pilot, "escape", "8", "u")
+        assert "later.json (second) minus error-map.json (first)" in text
+        assert "far.json" not in text
+
+
+async def test_the_cursor_stays_on_its_result_when_a_newer_one_comes(bench: Path) -> None:
+    app = open_app(bench)
+    async with app.run_test(size=(120, 40)) as pilot:
+        await press(app, pilot, "down")
+        write_anew(bench / "newest.json", error_map(), 900)
+        await look_again(app, pilot)
+        text = await press(app, pilot, "enter")
+        assert "later.json · " in text
+
+
+async def test_a_result_whose_file_is_gone_says_so(bench: Path) -> None:
+    app = open_app(bench)
+    async with app.run_test(size=(120, 40)) as pilot:
+        assert "THE FILE IS GONE" not in await press(app, pilot, "enter")
+        (bench / "error-map.json").unlink()
+        assert "THE FILE IS GONE" in await look_again(app, pilot)
+
+
+async def test_a_validation_that_ends_late_does_not_take_the_screen_of_another_result(bench: Path) -> None:
+    app = open_app(bench)
+    async with app.run_test(size=(120, 40), notifications=True) as pilot:
+        await press(app, pilot, "enter", "t", "enter")
+        screen = app.screen
+        assert isinstance(screen, ResultsScreen)
+        late = screen._files[1]  # noqa: SLF001  # what a command under way is given
+        await press(app, pilot, "3")
+        screen._validated(late, Done((), 0, json.dumps(validation()), ""))  # noqa: SLF001  # as its end
+        assert screen.query_one(ContentSwitcher).current == "values"
+        assert "later.json: choose it, then 7" in await press(app, pilot)
+
+
+async def test_a_home_folder_is_meant_by_its_sign(bench: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("HOME", str(bench))
+    (bench / "tracker.csv").write_text("", encoding="utf-8")
+    app = open_app(bench)
+    async with app.run_test(size=(80, 24)) as pilot:
+        await press(app, pilot, "enter", "t")
+        app.screen.query_one("#measured", Input).value = "~/tracker.csv"
+        app.screen.query_one("#reference", Input).value = "~/conventional.json"
+        await press(app, pilot, "enter")
+        files = ("--measured", str(bench / "tracker.csv"), "--reference", str(bench / "conventional.json"))
+        assert work_of(app).done == [("validate", str(bench / "error-map.json"), *files, "--json")]
+
+
+@pytest.mark.parametrize(
+    ("typed", "fault"),
+    [
+        ("~nobody-of-this-name/x.csv", "there is no folder ~nobody-of-this-name"),
+        ("x" * 300 + ".csv", "File name too long"),
+        ("nowhere/x.csv", "there is no folder nowhere: make it first"),
+        ("later.json", "is there already"),
+    ],
+)
+async def test_a_file_that_cannot_be_written_is_told_before_the_work(
+    bench: Path, typed: str, fault: str
+) -> None:
+    app = open_app(bench)
+    async with app.run_test(size=(120, 40)) as pilot:
+        await press(app, pilot, "enter", "e")
+        app.screen.query_one("#file", Input).value = typed
+        assert fault in await press(app, pilot, "enter")
+        assert isinstance(app.screen, FormDialog)
+        assert work_of(app).done == []
+
+
+async def test_a_path_of_an_impossible_name_is_taken_for_a_run(bench: Path) -> None:
+    app = open_app(bench)
+    async with app.run_test(size=(80, 24)) as pilot:
+        await press(app, pilot, "enter", "t")
+        app.screen.query_one("#measured", Input).value = "~nobody-of-this-name/" + "x" * 300
+        await press(app, pilot, "enter")
+        assert work_of(app).done[0][0] == "export"
+
+
 async def test_nothing_to_show_yet(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
     app = make_app(ScriptedLink(), "results", root=tmp_path / "runs")

@@ -1,0 +1,43 @@
+"""What is asked before a result is validated: which path was measured, and what it is compared with."""
+
+from collections.abc import Iterable
+from pathlib import Path
+from typing import TYPE_CHECKING, Final
+
+from app.tui.dialogs.form_dialog import Answers
+from app.tui.screens.working import is_file, typed_path
+
+if TYPE_CHECKING:
+    # The first screen is painted before files and mathematics are imported.
+    from app.files.result_files import ResultFile
+
+_PATH_RUN: Final = "_validation-path_"
+
+
+def newest_path_run(root: Path) -> str:
+    """Return the name of the newest run of a validation path, empty when there is none."""
+    if not root.is_dir():
+        return ""
+    names = (path.name for path in root.iterdir() if _PATH_RUN in path.name)
+    return max(names, default="")
+
+
+def reference_of(file: "ResultFile", files: "Iterable[ResultFile]") -> Path | None:
+    """Return the first conventional model from the runs of an error map; None when there is none."""
+    if file.result is None or file.result.model == "conventional":
+        return None
+    for each in files:
+        result = each.result
+        if result is None or result.model != "conventional":
+            continue
+        if result.provenance.runs == file.result.provenance.runs:
+            return each.path
+    return None
+
+
+def path_fault(answers: Answers) -> str:
+    """Return what is wrong with the answers, empty when nothing is."""
+    if not answers["measured"]:
+        return "a run of a path or a measured file is needed"
+    reference = answers["reference"]
+    return f"there is no file {reference}" if reference and not is_file(typed_path(reference)) else ""
