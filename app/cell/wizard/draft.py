@@ -48,10 +48,14 @@ class Draft:
     Args:
         text: of the file whose comments and further values are kept.
         data: its values to begin with.
+
+    Attributes:
+        beginning: text that it began with.
+        reflectors: as they are typed.
     """
 
     def __init__(self, text: str, data: Data) -> None:
-        self._text = text
+        self.beginning = text
         self._base = data
         self._typed: dict[str, str] = {}
         self.reflectors: list[Reflector] = [
@@ -176,7 +180,7 @@ class Draft:
         Raises:
             CommentsLostError: it can be written only without the comments of the one it began with.
         """
-        return rewritten(self._text, self.data())
+        return rewritten(self.beginning, self.data())
 
     def plain_text(self) -> str:
         """Return the file without comments."""

@@ -59,8 +59,7 @@ class SetupScreen(WorkScreen):
 
     def __init__(self, session: Session) -> None:
         super().__init__(session)
-        self._draft: Draft | None = None
-        self._file = ""
+        self._drafts: dict[Path | None, Draft] = {}
         self._source: Path | None = None
         self._emulators: asyncio.Task[None] | None = None
 
@@ -115,7 +114,7 @@ class SetupScreen(WorkScreen):
         """Say what there is."""
         del picture, now_s
         self.set_class(self.size.width < _NARROW, "-narrow")
-        self.query_one(Start).show(self.session.cell, self._draft is not None)
+        self.query_one(Start).show(self.session.cell, None in self._drafts, self.session.cell in self._drafts)
 
     def on_option_list_option_selected(self, event: OptionList.OptionSelected) -> None:
         """Do what was chosen."""
@@ -191,23 +190,28 @@ class SetupScreen(WorkScreen):
         from app.cell.wizard.pages import PAGES
         from app.errors import CatseyeError
 
-        if self._draft is None or source is not None:
-            try:
-                draft = await asyncio.to_thread(_draft_of, source)
-            except (CatseyeError, OSError, UnicodeDecodeError) as error:
-                self.catseye.tell_error(f"{source} cannot be changed here", str(error))
-                return
-            self._draft, self._source = draft, source
-            self._file = str(source or await asyncio.to_thread(_new_file))
-            # Drivers tell their settings; they are loaded beside the screen.
-            await asyncio.to_thread(lambda: [draft.questions(page) for page in PAGES])
-        await self._show_wizard(self._draft)
+        left = self._drafts.get(source)
+        try:
+            draft = await asyncio.to_thread(_draft_of, source)
+        except (CatseyeError, OSError, UnicodeDecodeError) as error:
+            self.catseye.tell_error(f"{source} cannot be changed here", str(error))
+            return
+        if left is not None and left.beginning == draft.beginning:
+            draft = left
+        else:
+            draft.give("file", str(source or await asyncio.to_thread(_new_file)))
+            if left is not None:
+                self.notify("the file is another now: its questions begin anew", severity="warning")
+        self._drafts[source], self._source = draft, source
+        # Drivers tell their settings; they are loaded beside the screen.
+        await asyncio.to_thread(lambda: [draft.questions(page) for page in PAGES])
+        await self._show_wizard(draft)
 
     async def _show_wizard(self, draft: "Draft") -> None:
         from app.tui.setup.wizard import Wizard
 
         await self.query("Wizard").remove()
-        await self.query_one("#place").mount(Wizard(draft, draft.answer("file") or self._file))
+        await self.query_one("#place").mount(Wizard(draft))
         self.add_class("wizard")
         self.refresh_bindings()
 
@@ -242,6 +246,8 @@ class SetupScreen(WorkScreen):
 
     async def _save(self) -> None:
         from app.cell.wizard.pages import PAGES
+        from app.errors import CatseyeError
+        from app.files.atomic import require_output
 
         wizard = self._wizard
         await wizard.judge()
@@ -249,8 +255,13 @@ class SetupScreen(WorkScreen):
             await wizard.show_page(PAGES[-1])
             self.notify("not written: mend what is marked first", severity="warning")
             return
-        text, commented = wizard.draft.written()
         path = wizard.path
+        try:
+            await asyncio.to_thread(require_output, path)
+        except CatseyeError as error:
+            self.catseye.tell_error("The cell file was not written", str(error))
+            return
+        text, commented = wizard.draft.written()
         if not commented and self._source is not None and path.absolute() == self._source.absolute():
             path = path.with_name(f"{path.stem}-new.toml")
             told = (
@@ -281,7 +292,7 @@ class SetupScreen(WorkScreen):
             self.catseye.tell_error("The cell file was not written", str(error))
             return
         await self.query("Wizard").remove()
-        self._draft = None
+        self._drafts.pop(self._source, None)
         self.action_leave()
         await self._use(path)
 

@@ -23,6 +23,7 @@ from app.tui.wire_lines import saved_line
 
 _ENDS: Final = ("crlf", "cr", "lf", "none")
 _HISTORY: Final = 100
+_GIVES_BACK: Final = "esc, then r: the driver has its link again"
 
 
 class TerminalScreen(MainScreen):
@@ -115,6 +116,7 @@ class TerminalScreen(MainScreen):
         self.query_one("#how", Told).tell(self._how(picture))
         line = self.query_one("#line", Input)
         line.disabled = not self._is_mine(picture)
+        line.placeholder = "" if line.disabled else _GIVES_BACK
         if line.disabled and line.has_focus:
             view.focus()
 
@@ -284,7 +286,7 @@ class TerminalScreen(MainScreen):
             return Content.assemble(
                 (f"→ {self._device}  ", "bold $accent"),
                 f"{form}  end: {self._end}  ",
-                (f"{key}  r gives back", "dim"),
+                (key, "dim"),
             )
         reason = self._why_not()
         return Content.assemble(

@@ -40,19 +40,21 @@ class Start(Vertical):
         yield Told(id="present")
         yield OptionList(*(Option(_prompt(name), id=name) for name in CHOICES), id="choices")
 
-    def show(self, cell: Path | None, going: bool) -> None:
+    def show(self, cell: Path | None, describing: bool, changing: bool) -> None:
         """Say what there is.
 
         Args:
             cell: the cell file; None while there is none.
-            going: questions have been begun.
+            describing: questions about a new bench were left half-way.
+            changing: so were those about the present cell file.
         """
         there = (
             Content.assemble("Cell file  ", (str(cell), "bold"))
             if cell is not None
             else Content("catseye knows of no bench yet: its cell file says what stands there.")
         )
-        more = Content("\nThe questions were left half-way: w goes on with them.") if going else Content("")
+        left = " ".join(key for key, half_way in (("w", describing), ("c", changing)) if half_way)
+        more = Content(f"\nThe questions were left half-way: {left} goes on with them." if left else "")
         self.query_one("#present", Told).tell(there + more)
         choices = self.query_one(OptionList)
         if cell is None:

@@ -32,7 +32,6 @@ class Wizard(Horizontal):
 
     Args:
         draft: answers so far.
-        file: where it is written, as it is typed.
 
     Attributes:
         draft: answers so far.
@@ -56,12 +55,11 @@ class Wizard(Horizontal):
         Binding("up", "up", "field before", show=False, id="setup.up", tooltip="on the summary: scroll"),
     ]
 
-    def __init__(self, draft: Draft, file: str) -> None:
+    def __init__(self, draft: Draft) -> None:
         super().__init__()
         self.draft = draft
         self.faults: dict[str, str] = {}
         self.page: Page = PAGES[0]
-        self.draft.give(FILE, file)
         self._judging: Timer | None = None
 
     def compose(self) -> ComposeResult:
@@ -174,10 +172,10 @@ class Wizard(Horizontal):
     def _focus(self, key: str) -> None:
         for row in self.query(QuestionRow):
             if not key or row.question.key == key:
-                self.call_after_refresh(row.field.focus)
+                row.field.focus()
                 return
         if self.query(ReflectorRows):
-            self.call_after_refresh(self.query("ReflectorRows Input").first().focus)
+            self.query("ReflectorRows Input").first().focus()
         elif self.page.name == "summary":
             self.can_focus = True
             self.focus()

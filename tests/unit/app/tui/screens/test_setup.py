@@ -68,7 +68,7 @@ async def begin(app: CatseyeApp, pilot: Pilot[Any]) -> Wizard:
 async def to_page(app: CatseyeApp, pilot: Pilot[Any], name: str) -> None:
     await wizard_of(app).show_page(next(page for page in PAGES if page.name == name))
     app.screen.refresh_bindings()
-    await settled(app, pilot)
+    await pilot.pause()
 
 
 async def type_answer(app: CatseyeApp, pilot: Pilot[Any], key: str, text: str) -> None:
@@ -364,6 +364,58 @@ async def test_answers_are_kept_when_the_questions_are_left() -> None:
         assert "half-way" in await shown(app, pilot)
         await begin(app, pilot)
         assert wizard_of(app).draft.answer("name") == "lab-7"
+
+
+async def test_a_change_that_was_left_and_a_new_file_that_was_left_are_kept_apart(folder: Path) -> None:
+    path = folder / "mine.toml"
+    path.write_text(TEMPLATE, encoding="utf-8")
+    app = make_app(ScriptedLink({"cell": str(path)}), "setup", cell=path)
+    async with app.run_test(size=(80, 24)) as pilot:
+        for key, name in (("w", "lab-7"), ("c", "lab-8")):
+            await pilot.press(key)
+            await settled(app, pilot)
+            await type_answer(app, pilot, "name", name)
+            await pilot.press("escape")
+        assert "half-way: w c goes on" in await shown(app, pilot)
+        for key, name, file in (("w", "lab-7", "cell.toml"), ("c", "lab-8", str(path))):
+            await pilot.press(key)
+            await settled(app, pilot)
+            draft = wizard_of(app).draft
+            assert (draft.answer("name"), draft.answer("file")) == (name, file)
+            await pilot.press("escape")
+        # Somebody mends the file with an editor: what was asked about it before would undo that.
+        path.write_text(f"{TEMPLATE}# mended\n", encoding="utf-8")
+        await pilot.press("c")
+        await settled(app, pilot)
+        assert wizard_of(app).draft.answer("name") == "lab-1"
+
+
+@pytest.mark.parametrize(
+    ("file", "told"), [("adir", "is a folder"), ("", "is a folder"), ("no/cell.toml", "no folder no")]
+)
+async def test_a_place_that_is_no_file_is_told_before_anything_is_asked(
+    folder: Path, file: str, told: str
+) -> None:
+    (folder / "adir").mkdir()
+    path = folder / "mine.toml"
+    path.write_text(TEMPLATE, encoding="utf-8")
+    app = make_app(ScriptedLink({"cell": str(path)}), "setup", cell=path)
+    async with app.run_test(size=(80, 24)) as pilot:
+        await pilot.press("c")
+        await settled(app, pilot)
+        await type_answer(app, pilot, "file", file)
+        await pilot.press("ctrl+s")
+        await settled_but_dialogs(app, pilot)
+        assert isinstance(app.screen, ErrorDialog)
+        assert told in await shown(app, pilot)
+
+
+async def test_a_page_has_its_field_in_focus_when_it_is_there() -> None:
+    app, _ = first_start()
+    async with app.run_test(size=(80, 24)) as pilot:
+        await begin(app, pilot)
+        await pilot.press("pagedown", "tab", *"tcp://a:1")
+        assert wizard_of(app).draft.answer("robot.endpoint") == "tcp://a:1"
 
 
 async def test_the_palette_has_every_key() -> None:

@@ -221,7 +221,9 @@ async def test_the_robot_is_sent_to_by_f8_alone() -> None:
         await pilot.pause()
         assert asked(link, "raw") == [{"device": "robot", "on": True}]
         link.tell("raw", device="robot", on=True, by="Ada (tui-1)")
-        assert "F8 sends" in await shown(app, pilot)
+        text = await shown(app, pilot)
+        assert "F8 sends: it may move the arm" in text
+        assert "esc, then r: the driver has its link again" in text
         await pilot.press("i", *"1;1;STATE", "enter")
         await pilot.pause()
         assert asked(link, "send") == []
