@@ -76,6 +76,7 @@ class CatseyeApp(App[int]):
         self._ended = asyncio.Event()
         self._faults: set[str] = set()
         self._orders: set[asyncio.Task[None]] = set()
+        self._unmounted = False
         for theme in THEMES:
             self.register_theme(theme)
         self.theme = "catseye-dark"
@@ -97,13 +98,16 @@ class CatseyeApp(App[int]):
         self.set_timer(_LOOK_S, self._look_at_settings)
 
     def _look_at_settings(self) -> None:
-        self.keep(tell_what_is_wrong(self, self._own_keys))
+        # The time may be over while the program ends.
+        if not self._unmounted:
+            self.keep(tell_what_is_wrong(self, self._own_keys))
 
     async def on_unmount(self) -> None:
         """Let the engine go; without a word of release it does what `on_client_lost` says."""
         loop = asyncio.get_running_loop()
         for number in (signal.SIGTERM, signal.SIGHUP):
             loop.remove_signal_handler(number)
+        self._unmounted = True
         tasks = list(self._orders)
         for task in tasks:
             task.cancel()

@@ -253,3 +253,12 @@ async def test_each_place_has_stop_in_sight(size: tuple[int, int], key: str) -> 
         text = await shown(app, pilot)
         assert "STOP F12" in text
         assert "no emergency stop" in text
+
+
+async def test_nothing_is_begun_when_the_time_to_look_at_the_settings_comes_during_the_end() -> None:
+    """The fixture that looks for tasks fails where the look begins all the same."""
+    app = make_app(ScriptedLink())
+    async with app.run_test(size=(80, 24)):
+        pass
+    app._look_at_settings()  # noqa: SLF001  # as its timer does
+    assert not app._orders  # noqa: SLF001  # what goes on beside the screens
