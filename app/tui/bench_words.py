@@ -10,6 +10,9 @@ from app.tui.words import bytes_text, duration_text
 
 Part = dict[str, Any]
 
+_SLOW_STALE_S: Final = {"environment": 6.0, "material": 6.0, "tracker": 15.0}
+"""Devices that the engine asks every few seconds only: three times that is old."""
+
 _LINKS: Final = {
     "ok": ("●", "$success"),
     "connecting": ("◌", "$warning"),
@@ -238,7 +241,7 @@ def _length_lines(beam: Part, style: str) -> list[Content]:
 def _air(air: Part | None, since_s: float) -> list[Content]:
     if not air:
         return [Content.styled("no air sensor answers", "dim")]
-    style, age = age_style(air.get("age_s"), since_s)
+    style, age = age_style(air.get("age_s"), since_s, _SLOW_STALE_S["environment"])
     quantities = (
         ("temperature_c", ".2f", "°C"),
         ("pressure_hpa", ".1f", "hPa"),
@@ -274,7 +277,7 @@ def _yes_no(flag: bool | None) -> str:
 
 def _is_old(device: Part, since_s: float) -> bool:
     age_s = device.get("age_s")
-    return age_s is None or age_s + since_s > STALE_S
+    return age_s is None or age_s + since_s > _SLOW_STALE_S.get(str(device.get("name")), STALE_S)
 
 
 def _age_text(age_s: float | None, since_s: float) -> str:

@@ -138,14 +138,15 @@ STALE_S = 2.0
 """A value older than this is greyed and says its age."""
 
 
-def age_style(age_s: object, since_s: float) -> tuple[str, str]:
+def age_style(age_s: object, since_s: float, stale_s: float = STALE_S) -> tuple[str, str]:
     """Return style and text for the age of a value.
 
     Args:
         age_s: its age when it was sent, s; None when it is not known.
         since_s: time since then.
+        stale_s: older than this it is greyed and says its age.
     """
     if not isinstance(age_s, (int, float)):
         return "dim", " (no sample)"
     total_s = age_s + max(since_s, 0.0)
-    return ("", "") if total_s <= STALE_S else ("dim", f" ({duration_text(total_s)} old)")
+    return ("", "") if total_s <= stale_s else ("dim", f" ({duration_text(total_s)} old)")
