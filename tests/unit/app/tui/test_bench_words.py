@@ -152,3 +152,15 @@ def test_engine() -> None:
     assert "nobody" in text
     assert "09:00:00 fault 4" in text
     assert "fault 2" not in text
+
+
+@pytest.mark.parametrize(("age_s", "old"), [(2.5, False), (5.5, False), (6.5, True)])
+def test_air_is_old_after_three_looks_of_two_seconds(age_s: float, old: bool) -> None:
+    air = {"temperature_c": 20.0, "pressure_hpa": 1013.0, "humidity_percent": 50.0, "age_s": age_s}
+    assert ("old)" in air_lines({"air": air}, 0.0)[0].plain) is old
+
+
+@pytest.mark.parametrize(("age_s", "old"), [(1.5, False), (2.5, True)])
+def test_beam_is_old_after_two_seconds(age_s: float, old: bool) -> None:
+    beam = {"signal": 0.9, "beam_ok": True, "displacement_mm": 1.0, "age_s": age_s}
+    assert any("old)" in line.plain for line in beam_lines({"beam": beam}, 0.0)) is old
