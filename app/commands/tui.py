@@ -18,6 +18,7 @@ def tui_command(cell: Path | None, runs: Path | None, speed: float) -> None:
     from app.tui.keys import keys_file, read_keymap
     from app.tui.link import EngineLink
     from app.tui.session import Session
+    from app.tui.way_out import ends_on_signals
     from app.tui.work import Commands
     from drivers.clock import SystemClock
 
@@ -40,7 +41,8 @@ def tui_command(cell: Path | None, runs: Path | None, speed: float) -> None:
     link = EngineLink(root, found, clock)
     session = Session(link, Commands(), root, found, clock.monotonic_s, speed)
     app = CatseyeApp(session, keymap, "bench" if found is not None else "setup", trouble)
-    code = app.run()
+    with ends_on_signals(app.leave_on_signal):
+        code = app.run()
     if code is None and app.return_code:
         say(
             "catseye tui ended by a fault of its own, told above. The engine goes on without it: a run is held "

@@ -1,7 +1,6 @@
 """The program: screens, keys that work everywhere, and the way out."""
 
 import asyncio
-import signal
 from collections.abc import Callable, Coroutine, Iterable
 from functools import partial
 from typing import Any, ClassVar, Final
@@ -77,6 +76,7 @@ class CatseyeApp(App[int]):
         self._faults: set[str] = set()
         self._orders: set[asyncio.Task[None]] = set()
         self._unmounted = False
+        self._own_loop: asyncio.AbstractEventLoop | None = None
         for theme in THEMES:
             self.register_theme(theme)
         self.theme = "catseye-dark"
@@ -88,9 +88,7 @@ class CatseyeApp(App[int]):
     async def on_mount(self) -> None:
         """Show the first screen, then look for the engine."""
         await self.switch_mode(self._first)
-        loop = asyncio.get_running_loop()
-        for number in (signal.SIGTERM, signal.SIGHUP):
-            loop.add_signal_handler(number, self._signalled, number)
+        self._own_loop = asyncio.get_running_loop()
         self.keep(self.session.link.serve(self._note_change))
         self.set_interval(_REFRESH_S, self._show_changes)
         if self._trouble is not None:
@@ -104,9 +102,6 @@ class CatseyeApp(App[int]):
 
     async def on_unmount(self) -> None:
         """Let the engine go; without a word of release it does what `on_client_lost` says."""
-        loop = asyncio.get_running_loop()
-        for number in (signal.SIGTERM, signal.SIGHUP):
-            loop.remove_signal_handler(number)
         self._unmounted = True
         tasks = list(self._orders)
         for task in tasks:
@@ -337,9 +332,14 @@ class CatseyeApp(App[int]):
         await self.session.link.leave(end_engine=end_engine)
         self.exit(0)
 
-    def _signalled(self, number: int) -> None:
-        # No release: a run whose screen was killed is held, as the cell file says.
-        self.exit(128 + number)
+    def leave_on_signal(self, number: int) -> None:
+        """End, from within a signal handler.
+
+        Control is not given back: a run whose screen was killed is held, as the cell file says.
+        """
+        if self._own_loop is None:
+            raise SystemExit(128 + number)
+        self._own_loop.call_soon_threadsafe(self.exit, 128 + number)
 
     def _note_change(self) -> None:
         picture = self.session.link.picture

@@ -89,6 +89,20 @@ def test_arm_is_held_when_the_interface_dies(
     nothing_moves(bench)
 
 
+def test_a_terminal_that_takes_no_more_output_keeps_nobody(bench: Emulated, run: Path) -> None:
+    """Nobody reads: the program waits for its terminal while the strip and the ages go on being drawn."""
+    with on_screen(
+        "tui", "--cell", bench.cell, "--speed", SPEED, cwd=bench.cell.parent, size=(200, 60)
+    ) as screen:
+        screen.shows("HELD", run.name)
+        screen.press("g")
+        screen.shows("EXECUTE")
+        while_the_arm_moves(bench)
+        time.sleep(5.0)
+        screen.process.send_signal(signal.SIGTERM)
+        assert screen.process.wait(10.0) == 143
+
+
 def test_quitting_with_stop_ends_the_run_at_standstill(bench: Emulated, run: Path) -> None:
     with on_screen("tui", "--cell", bench.cell, "--speed", SPEED, cwd=bench.cell.parent) as screen:
         screen.shows("HELD", run.name)
