@@ -43,6 +43,7 @@ KEYS = {
     "ctrl+p": "\x10",
     "ctrl+q": "\x11",
     "ctrl+s": "\x13",
+    "focus lost": "\x1b[O",
 }
 
 

@@ -109,7 +109,7 @@ def test_a_tap_moves_nothing_and_a_held_key_moves_until_it_is_let_go(bench: Emul
         pytest.param(lambda screen: screen.close(), id="closed terminal"),
         pytest.param(lambda screen: screen.press("f12"), id="STOP"),
         pytest.param(lambda screen: screen.press("f2"), id="another screen"),
-        pytest.param(lambda screen: screen.press("\x1b[O"), id="focus lost"),
+        pytest.param(lambda screen: screen.press("focus lost"), id="focus lost"),
     ],
 )
 def test_what_stops_the_arm_although_the_key_is_held(
