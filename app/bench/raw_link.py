@@ -7,6 +7,7 @@ from typing import Final
 
 from app.bench.facts import BenchFacts, DeviceFacts
 from app.bench.lending import HandBench
+from app.cell.bench import may_move_an_arm
 from app.engine.halt import HaltLimits, halt
 from app.errors import InterruptedRunError, SafetyError, UsageError, exit_code_of
 from app.service.errors import RefusedError, refusal_of
@@ -133,7 +134,7 @@ class RawLink:
                 f"arm names {self._arm!r} and the cell is {facts.cell!r}: nothing was opened; check which robot it is"
             )
         identity = self._bench.identities().get(device.name)
-        self._moves = device.name == ROBOT or device.driver.startswith("melfa-")
+        self._moves = may_move_an_arm(device.name, device.driver)
         if self._moves and self._arm is None and (identity is None or not identity.simulated):
             raise UsageError(
                 f"what is sent to {device.name} may move the arm: type the cell's name to let it pass, "

@@ -92,3 +92,8 @@ def following_of(driver: str) -> Following:
 def _triple(values: list[float]) -> tuple[float, float, float]:
     first, second, third = values
     return first, second, third
+
+
+def may_move_an_arm(device: str, driver: str) -> bool:
+    """Return whether bytes that are sent to a device of a cell file may move an arm."""
+    return device == "robot" or driver.startswith("melfa-")

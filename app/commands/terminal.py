@@ -11,6 +11,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import BinaryIO, Literal
 
+from app.cell.bench import may_move_an_arm
 from app.cell.load import load_cell
 from app.cell.model import Cell
 from app.commands.output import emit, say
@@ -110,10 +111,8 @@ def _may_send(cell: Cell, device: str, arm: str | None) -> bool:
         raise SafetyError(
             f"--arm names {arm!r} and the cell is {cell.name!r}: nothing was sent; check which robot it is"
         )
-    moves = device == "robot" or any(
-        further.name == device and further.driver.startswith("melfa-") for further in cell.device
-    )
-    return arm is not None or not moves
+    drivers = {further.name: further.driver for further in cell.device}
+    return arm is not None or not may_move_an_arm(device, drivers.get(device, ""))
 
 
 def _encoder(end: LineEnd, as_hex: bool) -> Callable[[str], bytes]:

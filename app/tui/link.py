@@ -146,15 +146,10 @@ class EngineLink:
                 await self._say_goodbye(end_engine=end_engine)
 
     async def _say_goodbye(self, *, end_engine: bool) -> None:
-        if end_engine and not self.picture.running and await self._is_alone():
+        if end_engine and not self.picture.running and len(self.picture.clients) <= 1:
             await self.request("shutdown")
         elif self.picture.in_control:
             await self.request("release")
-
-    async def _is_alone(self) -> bool:
-        answer = await self.request("ping")
-        clients = answer.get("clients", self.picture.clients)
-        return len(clients) <= 1
 
     async def _converse(self, changed: Callable[[], None]) -> str:
         """Be a client of an engine until it is gone, or until a run begins at another one; return which it is."""

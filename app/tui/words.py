@@ -1,16 +1,11 @@
 """Numbers as people read them."""
 
+from app.commands.progress import duration_text as whole_duration_text
+
 
 def duration_text(duration_s: float) -> str:
     """Return a duration: 4.2 s, 3 min 05 s, 2 h 07 min."""
-    if duration_s < 10.0:
-        return f"{duration_s:.1f} s"
-    whole = round(duration_s)
-    if whole < 60:
-        return f"{whole} s"
-    if whole < 3600:
-        return f"{whole // 60} min {whole % 60:02d} s"
-    return f"{whole // 3600} h {whole % 3600 // 60:02d} min"
+    return f"{duration_s:.1f} s" if duration_s < 10.0 else whole_duration_text(duration_s)
 
 
 def bytes_text(size: float) -> str:

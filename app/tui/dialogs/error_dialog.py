@@ -1,15 +1,13 @@
 """What went wrong: title, cause, remedy; the text can be copied."""
 
-from typing import ClassVar
-
 from textual.app import ComposeResult
-from textual.binding import Binding, BindingType
 from textual.containers import Vertical, VerticalScroll
-from textual.screen import ModalScreen
 from textual.widgets import Footer, Label, Static
 
+from app.tui.dialogs.message_dialog import MessageDialog
 
-class ErrorDialog(ModalScreen[None]):
+
+class ErrorDialog(MessageDialog):
     """An error that the user has to know of.
 
     Args:
@@ -28,16 +26,6 @@ class ErrorDialog(ModalScreen[None]):
     ErrorDialog .remedy { color: $success; margin-top: 1; }
     """
 
-    BINDINGS: ClassVar[list[BindingType]] = [
-        Binding("escape,enter", "dismiss_it", "close", id="dialog.close"),
-        Binding("c", "copy", "copy the text", id="dialog.copy"),
-    ]
-
-    def __init__(self, title: str, text: str) -> None:
-        super().__init__()
-        self._title = title
-        self._text = text
-
     @property
     def told(self) -> tuple[str, str]:
         """Title and text."""
@@ -53,15 +41,6 @@ class ErrorDialog(ModalScreen[None]):
                 if remedy:
                     yield Static(f"→ {remedy}", markup=False, classes="remedy")
             yield Footer(compact=True)
-
-    def action_dismiss_it(self) -> None:
-        """Close."""
-        self.dismiss()
-
-    def action_copy(self) -> None:
-        """Put title and text on the clipboard."""
-        self.app.copy_to_clipboard(f"{self._title}\n{self._text}")
-        self.notify("copied")
 
 
 def split_remedy(text: str) -> tuple[str, str]:

@@ -1,0 +1,34 @@
+"""What dialogs with a text share: they are closed by Esc or Enter, and title and text can be copied."""
+
+from typing import ClassVar
+
+from textual.binding import Binding, BindingType
+from textual.screen import ModalScreen
+
+
+class MessageDialog(ModalScreen[None]):
+    """A title and a text; a subclass puts them on the screen.
+
+    Args:
+        title: what it is about.
+        text: what is told.
+    """
+
+    BINDINGS: ClassVar[list[BindingType]] = [
+        Binding("escape,enter", "dismiss_it", "close", id="dialog.close"),
+        Binding("c", "copy", "copy the text", id="dialog.copy"),
+    ]
+
+    def __init__(self, title: str, text: str) -> None:
+        super().__init__()
+        self._title = title
+        self._text = text
+
+    def action_dismiss_it(self) -> None:
+        """Close."""
+        self.dismiss()
+
+    def action_copy(self) -> None:
+        """Put title and text on the clipboard."""
+        self.app.copy_to_clipboard(f"{self._title}\n{self._text}")
+        self.notify("copied")
