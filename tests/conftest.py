@@ -41,8 +41,6 @@ def nothing_left_behind() -> Iterator[None]:
     yield
     gc.collect()
     threads = [t.name for t in set(threading.enumerate()) - threads_before if t.is_alive()]
-    # asyncio keeps its default executor's idle workers until the loop closes.
-    threads = [name for name in threads if not name.startswith("asyncio_")]
     files = [target for fd, target in _open_files().items() if files_before.get(fd) != target]
     assert not threads, f"threads left running: {threads}"
     assert not files, f"files or sockets left open: {files}"
@@ -51,7 +49,10 @@ def nothing_left_behind() -> Iterator[None]:
 
 
 @pytest.fixture(autouse=True)
-async def no_task_left_behind(request: pytest.FixtureRequest) -> AsyncIterator[None]:
+async def no_task_left_behind(
+    nothing_left_behind: None,  # noqa: ARG001  # looks last, when the loop with its threads is closed
+    request: pytest.FixtureRequest,
+) -> AsyncIterator[None]:
     """Fail a coroutine test that leaves a task."""
     yield
     tasks = [task for task in asyncio.all_tasks() if task is not asyncio.current_task()]

@@ -149,7 +149,8 @@ def test_parquet_of_a_result_holds_its_numbers_as_numbers(tmp_path: Path) -> Non
     parquet = importlib.import_module("pyarrow.parquet")
     write_result(sample.hand_made(), tmp_path / "result.json")
     export_command(str(tmp_path / "result.json"), tmp_path / "result.parquet", None, None)
-    table = parquet.read_table(tmp_path / "result.parquet")
+    # From bytes: a path is closed by a thread of the reader's own, some time after it returns.
+    table = parquet.read_table(io.BytesIO((tmp_path / "result.parquet").read_bytes()))
     assert [str(table.schema.field(name).type) for name in ("node_deg", "direction", "value", "unit")] == [
         "double",
         "int64",
