@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
-from scipy import stats
+from scipy import special
 
 from app.files.result_json import term_unit
 from calibration.diagnostics.cross_validation import CrossValidation
@@ -98,7 +98,7 @@ def coefficient_text(one: ComparedModel, place: int) -> str:
 def outlier_limit(diagnosis: Diagnosis) -> float:
     """Return the studentised residual that one distance of all exceeds by chance with 1 % (Bonferroni)."""
     fit = diagnosis.identified.fit
-    return float(stats.t.isf(SIGNIFICANCE / 2.0 / fit.n_points, max(fit.dof - 1, 1)))
+    return -float(special.stdtrit(max(fit.dof - 1, 1), SIGNIFICANCE / 2.0 / fit.n_points))
 
 
 def outlying(diagnosis: Diagnosis) -> list[int]:

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
-from scipy import stats
+from scipy import special
 
 from calibration.diagnostics.projection import Projection
 from calibration.diagnostics.testing import adjusted
@@ -197,7 +197,7 @@ def _fold(projection: Projection, rows: Ints, name: str, folds: int) -> Fold:
         predicted_um=1e3 * float(np.sqrt(np.mean((predicted / weights) ** 2))),
         expected_um=unit_um * float(np.sqrt(scatter * mean / rows.size)),
         identified=True,
-        probability=adjusted(float(stats.f.sf(ratio, dof, projection.expected.dof)), folds),
+        probability=adjusted(float(special.fdtrc(dof, projection.expected.dof, ratio)), folds),
     )
 
 

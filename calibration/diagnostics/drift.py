@@ -7,7 +7,7 @@ the model before the next one is looked for, until none is significant.
 from dataclasses import dataclass
 
 import numpy as np
-from scipy import stats
+from scipy import special
 
 from calibration.diagnostics.projection import Projection, addition
 from calibration.fit_statistics import SIGNIFICANCE
@@ -150,7 +150,7 @@ def _change(
 ) -> Change:
     size, u = estimate_mm
     name, segment = projection.points.dead_paths[int(projection.points.dead_path[rows[0]])]
-    once = 2.0 * float(stats.t.sf(abs(size) / u, projection.expected.dof)) if u > 0.0 else 1.0
+    once = 2.0 * float(special.stdtr(projection.expected.dof, -abs(size) / u)) if u > 0.0 else 1.0
     return Change(
         kind=kind,
         reflector=name,

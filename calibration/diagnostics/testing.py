@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 
 import numpy as np
-from scipy import stats
+from scipy import special
 
 from calibration.fit_statistics import Expected
 
@@ -50,8 +50,8 @@ def f_test(
     size = max(gain - rank * left, 0.0)
     return FTest(
         ratio,
-        float(stats.f.sf(ratio, rank, rest_dof)),
-        float(stats.f.sf(stated, gain_expected.dof, rest_expected.dof)),
+        float(special.fdtrc(rank, rest_dof, ratio)),
+        float(special.fdtrc(gain_expected.dof, rest_expected.dof, stated)),
         scale,
         float(np.sqrt(size)),
     )

@@ -5,7 +5,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from scipy import stats
+from scipy import special
 
 from calibration.types import Floats
 from calibration.uncertainty.distributions import DIVISORS, Shape
@@ -136,7 +136,7 @@ def coverage_factor(coverage: float, dof: Floats | float) -> Floats:
         coverage: probability that the interval holds the quantity, 0...1.
         dof: effective degrees of freedom, infinite for a normal distribution, any shape.
     """
-    return np.asarray(stats.t.ppf(0.5 * (1.0 + coverage), dof), dtype=np.float64)
+    return np.asarray(special.stdtrit(dof, 0.5 * (1.0 + coverage)), dtype=np.float64)
 
 
 def correlation(covariance: Floats) -> Floats:
