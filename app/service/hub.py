@@ -168,6 +168,7 @@ class Hub:
         self._count += 1
         member = Member(f"{client}-{self._count}", who, mailbox, disconnect)
         self._members[member.name] = member
+        self._tell(self._about("clients", {"clients": self._clients()}), but=member)
         return member
 
     def leave(self, member: Member, reason: str | None) -> None:
@@ -178,8 +179,11 @@ class Hub:
             reason: how it went; None when the engine ended the conversation.
         """
         self._members.pop(member.name, None)
-        if self._holder is not member:
-            return
+        if self._holder is member:
+            self._holder_left(member, reason)
+        self.say("clients", clients=self._clients())
+
+    def _holder_left(self, member: Member, reason: str | None) -> None:
         self._holder = None
         if reason is not None and self.run is not None and self.run.control.state not in ENDED:
             self._lost(self.run, member, reason)
@@ -296,7 +300,6 @@ class Hub:
         """Return everything that a client has to know when it comes."""
         run, seen = self.run, self._seen
         state = run.control.state if run else self.idle_state
-        clients: list[Json] = [{"client": each.name, "who": each.who} for each in self._members.values()]
         holder: Json = None
         if self._holder is not None:
             holder = {"client": self._holder.name, "who": self._holder.who}
@@ -307,7 +310,7 @@ class Hub:
             "protocol": VERSION,
             "pid": os.getpid(),
             "you": member.name if member else None,
-            "clients": clients,
+            "clients": self._clients(),
             "control": holder,
             "on_client_lost": self.policy,
             "run": run.path.name if run else None,
@@ -329,10 +332,14 @@ class Hub:
         run = self.run.path.name if self.run else None
         return {"v": VERSION, "t": self._clock.now_utc().isoformat(), "event": event, "run": run, **fields}
 
-    def _tell(self, event: Message) -> None:
+    def _clients(self) -> list[Json]:
+        return [{"client": each.name, "who": each.who} for each in self._members.values()]
+
+    def _tell(self, event: Message, but: Member | None = None) -> None:
         message: Message = {"v": VERSION, **event}
         for member in self.members:
-            send(message, member.mailbox, member.disconnect)
+            if member is not but:
+                send(message, member.mailbox, member.disconnect)
 
     def _control_changed(self, what: str, by: str | None, before: str | None) -> None:
         try:

@@ -10,6 +10,8 @@ from procedures.context import Json
 
 _DROPPABLE = frozenset({"point", "step-started", "step-done"})
 
+_NEWEST = frozenset({"progress", "clients"})
+
 CAPACITY = 512
 """Messages that wait for a slow client."""
 
@@ -98,7 +100,7 @@ class Mailbox:
 def _replaced_kind(message: Message) -> str | None:
     """Return the name under which only the newest message counts."""
     event = message.get("event")
-    if event == "progress" or event in MERGED:
+    if event in _NEWEST or event in MERGED:
         return str(event)
     if event == "state" and message.get("kind") == "live":
         data: Json = message.get("data")

@@ -165,6 +165,8 @@ class Picture:
                 self._raw(event)
             case "control":
                 self._control(event)
+            case "clients":
+                self.clients = list(event["clients"])
             case "dropped":
                 self._count("points and steps", event["count"])
             case "idle":

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 from app.service.errors import BadMessageError
 from app.service.messages import MAX_LINE_BYTES, decode_request
-from tests.unit.app.service.benches import ServiceBench, close, settled
+from tests.unit.app.service.benches import ServiceBench, close, event_of, settled
 
 
 @pytest.mark.parametrize(
@@ -126,6 +126,15 @@ async def test_hello_is_said_once_and_answered_with_the_state_of_things() -> Non
             assert seen["you"] == ben.name != ada.name
             with pytest.raises(Exception, match="and once"):
                 await ada.request("hello", client="x", who="y")
+
+
+async def test_those_who_are_there_hear_who_comes_and_goes() -> None:
+    async with ServiceBench().running() as bench, bench.client("Ada") as ada:
+        async with bench.client("Ben") as ben:
+            came = await event_of(ada, "clients")
+            assert came["clients"] == ben.snapshot["clients"]
+        gone = await event_of(ada, "clients")
+        assert gone["clients"] == [{"client": ada.name, "who": "Ada"}]
 
 
 async def test_every_event_of_the_run_comes_with_the_version() -> None:

@@ -60,6 +60,8 @@ def test_whoever_asks_is_answered_and_told_until_he_asks_no_more(tmp_path: Path)
         bench = served.ask(served.ada, "watch")["bench"]
         assert isinstance(bench, dict)
         assert bench["cell"] == cell_from_template().name
+        # That Ben came after her.
+        assert await events(served.ada) == ["clients"]
         await asyncio.sleep(1.0)
         # Nothing was read meanwhile: one of each waits, and the replaced ones are counted.
         assert len(served.ada.mailbox) == 2

@@ -59,3 +59,8 @@ class FakeEngine:
         if op in self.refusals:
             return {"ok": False, "error": self.refusals[op], "exit_code": 2}
         return {"ok": True, "snapshot": self.snapshot, "bench": {}}
+
+    def tell(self, **event: Any) -> None:
+        """Tell all clients something."""
+        for writer in self._writers:
+            writer.write(json.dumps({"v": 1, "t": "", "run": None, **event}).encode() + b"\n")

@@ -20,6 +20,7 @@ from app.tui import stopping
 from app.tui.engines import EngineProcess, find_engine
 from app.tui.link import EngineLink
 from tests.unit.app.tui.fake_engine import FakeEngine
+from tests.unit.app.tui.scripted import SNAPSHOT
 
 RUN = "20261121T090000Z_open-loop_abc123"
 
@@ -162,6 +163,24 @@ async def test_deaf_engine_keeps_nobody_from_quitting(root: Path, monkeypatch: p
         engine.deaf = True
         async with asyncio.timeout(20):
             await link.leave(end_engine=True)
+
+
+@pytest.mark.parametrize(("others", "ends"), [([], True), ([{"client": "tui-2", "who": "Ben"}], False)])
+async def test_quitting_ends_an_engine_that_nobody_else_uses(
+    root: Path, others: list[dict[str, str]], ends: bool
+) -> None:
+    engine = FakeEngine()
+    link = EngineLink(root, None, QuickClock())
+    # What the snapshot said is the state of things when this client came.
+    async with engine.at(root), serving(link) as until:
+        await until(lambda: link.picture.bench is not None)
+        engine.tell(event="clients", clients=[*SNAPSHOT["clients"], {"client": "x-3", "who": "Eve"}])
+        engine.tell(event="clients", clients=(now := [*SNAPSHOT["clients"], *others]))
+        engine.tell(event="warning", text="told", data={})
+        await until(lambda: bool(link.picture.log))
+        assert link.picture.clients == now
+        await link.leave(end_engine=True)
+    assert ("shutdown" in engine.asked) == ends
 
 
 async def test_engine_that_is_deaf_from_the_start_is_told_of(root: Path) -> None:
