@@ -6,7 +6,7 @@ from typing import Any
 
 from app.bench.jogging import Jogging
 from app.bench.lending import HandBench
-from app.bench.raw_link import ROBOT, RawLink
+from app.bench.raw_link import RawLink
 from app.service.errors import RefusedError
 from app.service.hub import Hub, Member
 from app.service.messages import JogHold, JogMode, JogStep, Message, Raw, Send
@@ -83,12 +83,12 @@ class ByHand:
         """Stop an arm that is moved by hand, or by raw bytes; return whether there is such a one."""
         if self._jog is not None:
             self._jog.end(reason)
-        elif (link := self._raw.get(ROBOT)) is not None:
+            return True
+        moving = [link for link in self._raw.values() if link.moves]
+        for link in moving:
             # Its driver, which can stop it, has to have the link back.
             link.end(reason)
-        else:
-            return False
-        return True
+        return bool(moving)
 
     def abort(self, reason: str) -> bool:
         """Stop an arm that is moved by hand and let nothing move until it is cleared; return whether there is one."""

@@ -13,6 +13,7 @@ from app.engine.waiting import cancel, uncancelled
 from app.exitcode import ExitCode
 from app.service.errors import RefusedError
 from drivers.clock import Clock
+from procedures.devices import Robot
 
 _MOVED_BY_HAND = ("robot", "interferometer")
 """What has to be connected before the arm is moved by hand."""
@@ -96,12 +97,28 @@ class IdleBench:
         """
         async with self._taken(*_MOVED_BY_HAND) as devices:
             await self._require_connected(*_MOVED_BY_HAND)
-            async with self._keepers["robot"].asking:
-                if not self._is_connected("robot"):
-                    # Lost while the questions under way were waited for: who answers next is not known yet.
-                    why = self._gauges.link("robot").error
-                    raise RefusedError(f"robot is not connected: {why}", ExitCode.DEVICE)
+            async with self._unasked("robot"):
                 yield devices
+
+    @asynccontextmanager
+    async def lent_robot(self, device: str) -> AsyncIterator[Robot]:
+        """Lend one robot of the cell by itself, to whoever has to stop it: what else is out of reach does not matter.
+
+        Args:
+            device: its name in the cell file.
+
+        Raises:
+            RefusedError: a run is under way or begins, the device is lent or parked already, not connected, or it
+                is no robot.
+        """
+        async with self._taken(device):
+            await self._require_connected(device)
+            async with self._unasked(device):
+                known = self._keepers[device].device
+                robot = known if isinstance(known, Robot) else known.driver
+                if not isinstance(robot, Robot):
+                    raise RefusedError(f"{device} is no robot: its driver cannot stop what moves")
+                yield robot
 
     @asynccontextmanager
     async def parked(self, device: str) -> AsyncIterator[None]:
@@ -181,6 +198,20 @@ class IdleBench:
                 why = link.error or f"it does not answer within {WAKING_LIMIT_S:g} s"
                 raise RefusedError(f"{missing[0]} is not connected: {why}", ExitCode.DEVICE)
             await self._clock.sleep(_WAKING_POLL_S)
+
+    @asynccontextmanager
+    async def _unasked(self, name: str) -> AsyncIterator[None]:
+        """Ask a connected device nothing here meanwhile.
+
+        Raises:
+            RefusedError: it was lost while a question was waited for: who answers next is not known yet.
+        """
+        async with self._keepers[name].asking:
+            if not self._is_connected(name):
+                raise RefusedError(
+                    f"{name} is not connected: {self._gauges.link(name).error}", ExitCode.DEVICE
+                )
+            yield
 
     def _is_connected(self, name: str) -> bool:
         return name in self._keepers and self._keepers[name].connected

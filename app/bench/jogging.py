@@ -7,7 +7,6 @@ from typing import Final
 from app.bench.hand_arm import HandArm
 from app.bench.jog_gate import JogGate
 from app.bench.lending import HandBench
-from app.bench.raw_link import ROBOT
 from app.engine.devices import Devices, require_permission
 from app.engine.gate import WHOLE_PERCENT, require_ready
 from app.engine.halt import HaltLimits, halt
@@ -151,7 +150,7 @@ class Jogging:
             RefusedError: it is not known who the robot is.
         """
         known = self._bench.identities()
-        if ROBOT not in known:
+        if "robot" not in known:
             # What is not known to be emulated might move without permission.
             raise RefusedError(
                 "it is not known which robot answers: see to its link, then jog again", ExitCode.DEVICE

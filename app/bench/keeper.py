@@ -35,6 +35,7 @@ class Keeper:
         clock: real time.
 
     Attributes:
+        device: that is kept.
         name: of the device in the cell file.
         asking: held while a round of questions is under way; whoever else holds it keeps the device for himself.
         connected: it answered when it was connected and has not been lost since.
@@ -44,7 +45,7 @@ class Keeper:
         self.name = device.name
         self.asking = asyncio.Lock()
         self.connected = False
-        self._device = device
+        self.device = device
         self._gauges = gauges
         self._clock = clock
         self._round = round_for(device)
@@ -72,7 +73,7 @@ class Keeper:
     async def _close(self) -> str:
         """Close the driver; a closing that hangs goes on, and is waited for again the next time."""
         if self._closing is None:
-            self._closing = asyncio.create_task(self._device.close())
+            self._closing = asyncio.create_task(self.device.close())
         timer = asyncio.create_task(self._clock.sleep(CLOSE_LIMIT_S))
         try:
             await asyncio.wait({self._closing, timer}, return_when=asyncio.FIRST_COMPLETED)
@@ -107,7 +108,7 @@ class Keeper:
     async def _connected_rounds(self) -> str:
         """Ask round after round; return how the device was lost."""
         try:
-            await self._device.connect()
+            await self.device.connect()
             # A cancellation that comes together with an answer may be lost on its way through a library.
             while not self._ended.is_set():
                 async with self.asking:

@@ -9,7 +9,7 @@ from app.bench.facts import BenchFacts
 from app.engine.devices import Devices, WireRecorder
 from drivers.clock import Clock
 from procedures.context import Json
-from procedures.devices import DeviceIdentity
+from procedures.devices import DeviceIdentity, Robot
 
 
 class Lender(Protocol):
@@ -20,6 +20,14 @@ class Lender(Protocol):
 
         Raises:
             RefusedError: they cannot be had now.
+        """
+        ...
+
+    def lent_robot(self, device: str) -> AbstractAsyncContextManager[Robot]:
+        """Lend one robot of the cell by itself, to whoever has to stop it.
+
+        Raises:
+            RefusedError: it cannot be had now.
         """
         ...
 

@@ -17,7 +17,6 @@ from drivers.errors import DeviceError
 from drivers.transport import Transport
 
 _WRITE_S: Final = 2.0
-ROBOT: Final = "robot"
 
 
 class RawLink:
@@ -31,12 +30,14 @@ class RawLink:
     Attributes:
         device: its name in the cell file.
         begun: has a result when bytes may be sent, or says why they may not.
+        moves: an arm may move by what is sent; supposed as long as the device is not known.
         aborted: why nothing may move before somebody has looked at the bench; empty while all is well.
     """
 
     def __init__(self, bench: HandBench, request: Raw, who: str) -> None:
         self.device = request.device
         self.begun: asyncio.Future[Message] = asyncio.get_running_loop().create_future()
+        self.moves = True
         self.aborted = ""
         self._bench = bench
         self._arm = request.arm
@@ -44,7 +45,6 @@ class RawLink:
         self._transport: Transport | None = None
         self._reason = ""
         self._given_back = False
-        self._moves = False
         self._task = asyncio.create_task(self._serve())
         self._task.add_done_callback(self._answer_if_unheard)
 
@@ -101,7 +101,7 @@ class RawLink:
             self.begun.set_exception(refusal_of(error))
             return
         self._bench.tell("raw", device=self.device, on=False, by=self._who, reason=self._reason)
-        if self._moves and not self._given_back:
+        if self.moves and not self._given_back:
             await self._stop_what_moves()
 
     def _answer_if_unheard(self, _task: "asyncio.Task[None]") -> None:
@@ -134,8 +134,8 @@ class RawLink:
                 f"arm names {self._arm!r} and the cell is {facts.cell!r}: nothing was opened; check which robot it is"
             )
         identity = self._bench.identities().get(device.name)
-        self._moves = may_move_an_arm(device.name, device.driver)
-        if self._moves and self._arm is None and (identity is None or not identity.simulated):
+        self.moves = may_move_an_arm(device.name, device.driver)
+        if self.moves and self._arm is None and (identity is None or not identity.simulated):
             raise UsageError(
                 f"what is sent to {device.name} may move the arm: type the cell's name to let it pass, "
                 f"--arm {facts.cell}"
@@ -143,18 +143,14 @@ class RawLink:
 
     async def _stop_what_moves(self) -> None:
         """Stop what was started by hand: whoever started it is gone."""
-        if self.device != ROBOT:
-            text = f"what was started at {self.device} goes on, and is not stopped from here: look at it"
-            self._bench.tell("warning", text=text, data={})
-            return
         try:
-            async with self._bench.lender.lent() as devices:
-                report = await halt(devices.robot, self._bench.clock, HaltLimits(), lambda: None)
+            async with self._bench.lender.lent_robot(self.device) as robot:
+                report = await halt(robot, self._bench.clock, HaltLimits(), lambda: None)
         except Exception as error:  # noqa: BLE001  # whatever fails: nobody but the operator can look now
-            self.aborted = f"whether the arm moves is not known: look at it ({error})"
+            self.aborted = f"whether the arm of {self.device} moves is not known: look at it ({error})"
         else:
             if not report.standstill:
-                self.aborted = f"standstill is not confirmed: {report.text}"
+                self.aborted = f"standstill of {self.device} is not confirmed: {report.text}"
         if self.aborted:
             self._bench.tell("warning", text=self.aborted, data={})
 

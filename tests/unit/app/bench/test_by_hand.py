@@ -321,21 +321,29 @@ def test_a_robot_whose_client_is_gone_is_stopped_when_its_driver_has_it_back(
     assert engine.fixture.events("warning") == []
 
 
-def test_another_robot_of_the_cell_is_warned_about(monkeypatch: pytest.MonkeyPatch) -> None:
+@pytest.mark.parametrize("how", ["stop", "lost"])
+def test_another_robot_of_the_cell_is_stopped_likewise(monkeypatch: pytest.MonkeyPatch, how: str) -> None:
+    other = TimedArm()
+
     async def script(engine: Engine) -> None:
         second = DeviceFacts("second", "memory://second", "melfa-r3")
         facts = engine.fixture.facts_now
         engine.fixture.facts_now = replace(facts, devices=(*facts.devices, second))
+        engine.fixture.robots["second"] = other
         with pytest.raises(RefusedError, match="what is sent to second may move the arm"):
             await engine.raw("second")
         await asyncio.sleep(0)
         await engine.raw("second", arm="lab-1")
-        engine.hub.leave(engine.ada, "it closed the connection")
-        await asyncio.sleep(0.1)
+        if how == "stop":
+            assert engine.by_hand.stop("Ben stopped it")
+        else:
+            engine.hub.leave(engine.ada, "it closed the connection")
+        await asyncio.sleep(1.0)
 
     engine = played(script, monkeypatch)
     assert engine.arm.log == []
-    assert "what was started at second goes on" in str(engine.fixture.events("warning")[0]["text"])
+    assert other.said("stop") == ["stop"]
+    assert engine.fixture.events("warning") == []
 
 
 @pytest.mark.parametrize("word", ["stop", "abort"])
@@ -359,7 +367,7 @@ def test_a_robot_that_cannot_be_stopped_after_that_is_warned_about(monkeypatch: 
         await asyncio.sleep(1.0)
 
     warned = played(script, monkeypatch).fixture.events("warning")
-    assert "whether the arm moves is not known: look at it" in str(warned[0]["text"])
+    assert "whether the arm of robot moves is not known: look at it" in str(warned[0]["text"])
 
 
 def test_a_link_that_is_ended_in_its_first_moment_answers(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -383,5 +391,5 @@ def test_whatever_keeps_a_robot_from_being_stopped_is_told(monkeypatch: pytest.M
 
     engine = played(script, monkeypatch)
     text = str(engine.fixture.events("warning")[0]["text"])
-    assert "whether the arm moves is not known: look at it" in text
+    assert "whether the arm of robot moves is not known: look at it" in text
     assert engine.aborts == [text]

@@ -261,6 +261,26 @@ def test_nothing_is_lent_without_robot_or_beam_or_during_a_run() -> None:
     played(play)
 
 
+def test_a_robot_is_lent_by_itself_to_whoever_stops_it() -> None:
+    async def play(idle: Idle) -> None:
+        idle.cell.counter.error = lost()
+        async with idle.bench.lent_robot("robot") as robot:
+            asked = len(idle.cell.robot.log)
+            await asyncio.sleep(5.0)
+            assert len(idle.cell.robot.log) == asked
+            await robot.stop()
+        assert idle.cell.robot.log.count("stop") == 1
+        with pytest.raises(RefusedError, match="environment is no robot: its driver cannot stop"):
+            async with idle.bench.lent_robot("environment"):
+                pass
+        idle.cell.robot.error = lost()
+        with pytest.raises(RefusedError, match="robot is not connected: no cable"):
+            async with idle.bench.lent_robot("robot"):
+                pass
+
+    played(play)
+
+
 def test_a_robot_that_never_answers_keeps_a_borrower_waiting_for_a_bounded_time() -> None:
     async def play(idle: Idle) -> None:
         async def never() -> None:

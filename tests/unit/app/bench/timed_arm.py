@@ -191,6 +191,7 @@ class HandFixture:
         self.arm = arm
         self.door = Door()
         self.robot: Any = arm
+        self.robots: dict[str, Any] = {"robot": arm}
         self.told: list[dict[str, Json]] = []
         self.wire: list[tuple[str, str, bytes]] = []
         self.lent_now = False
@@ -220,6 +221,12 @@ class HandFixture:
             yield Devices(self.robot, none, none, io=self.door)
         finally:
             self.lent_now = False
+
+    @asynccontextmanager
+    async def lent_robot(self, device: str) -> AsyncIterator[Any]:
+        if self.lend_error:
+            raise self.lend_error
+        yield self.robots[device]
 
     @asynccontextmanager
     async def parked(self, device: str) -> AsyncIterator[None]:
