@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from itertools import chain
 
@@ -16,7 +17,7 @@ from procedures.beam.settled import settled_measurement
 from procedures.bench import Bench, Reflector
 from procedures.context import Context, Live, Measurement, Row
 from procedures.devices import Joints
-from procedures.errors import AlignmentError, BeamLostError, PlanError, PlanLimitError
+from procedures.errors import AlignmentError, BeamLostError, NoBeamError, PlanError, PlanLimitError
 from procedures.motion.arrival import Arrival
 from procedures.motion.free_way import require_free_way
 from procedures.search.search_plan import SearchPose, looking_poses
@@ -217,8 +218,10 @@ class _Rounds:
         await self._nests.place(plan.pose.reflector, target=self.start)
         await self._arrival.at(self.start)
         window = await self._window(expected, last)
+        taken: list[tuple[int, Measurement]] | None = None
         for attempt in range(_TRIES):
-            taken = await self._turns(window, f"stage/{number}/{attempt}")
+            with suppress(NoBeamError):
+                taken = await self._turns(window, f"stage/{number}/{attempt}")
             if taken is not None:
                 self._require_enough(taken)
                 fit = _fit(taken, window.centre_deg)

@@ -7,11 +7,14 @@ from typing import Final, Literal
 
 from procedures.context import Context, Live, Prompt, Row
 from procedures.devices import Joints
-from procedures.errors import AlignmentError
+from procedures.errors import AlignmentError, BeamLostError
 from procedures.stored import number_of
 
 _ROUND_S: Final = 60.0
 """Expected time of a round, hands included; the run's own pace corrects it."""
+
+_MOST_QUESTIONS = 3
+"""So often a run asks for a free beam: an answers file must not keep an arm moving for ever."""
 
 _CLEAR = 3.0
 """A change is judged where it exceeds this many of its standard uncertainties."""
@@ -164,6 +167,7 @@ class GuidedScrew:
         self._told: list[str] = []
         self._turned: float | None = None
         self._fresh = False
+        self._questions = 0
 
     @property
     def turned(self) -> bool:
@@ -202,7 +206,7 @@ class GuidedScrew:
 
         async def action() -> Row:
             self._fresh = True
-            row = await self._measure(number, expected, self._last)
+            row = await self._measured(number, expected)
             self._ctx.record(
                 "records",
                 {
@@ -224,6 +228,34 @@ class GuidedScrew:
         self._last = row
         self._rounds.append(Observed(*(number_of(row, key) for key in ("value", "u", "u_repeat"))))
         return row
+
+    async def _measured(self, number: int, expected: float | None) -> Row:
+        """Measure; hands that hold something into the beam may free it and have it measured again."""
+        while True:
+            try:
+                return await self._measure(number, expected, self._last)
+            except BeamLostError as error:
+                if not await self._freed(error):
+                    raise
+
+    async def _freed(self, error: BeamLostError) -> bool:
+        """Return whether the operator has freed the beam."""
+        if self._questions >= _MOST_QUESTIONS:
+            return False
+        self._questions += 1
+        answer = await self._ctx.ask(
+            Prompt(
+                id=f"{self._screw.name}/beam/{self._questions}",
+                kind="choice",
+                text=f"Free the beam: {error}. Then choose retry; or stop.",
+                choices=("retry", "stop"),
+                safe_answer="stop",
+                task={"do": "clear-beam"},
+                motion=True,
+                target=self._target,
+            )
+        )
+        return answer == "retry"
 
     async def _judge(self, number: int) -> None:
         """Look what the last turn did, and take the screw as it acts from then on."""

@@ -13,6 +13,7 @@ from procedures.bench import Bench, Reflector
 from procedures.errors import (
     AlignmentError,
     BeamLostError,
+    NoBeamError,
     PlanError,
     PlanLimitError,
     ReflectorNotFoundError,
@@ -214,6 +215,40 @@ async def test_a_beam_lost_during_the_turns_begins_them_anew() -> None:
     assert context.zeros == 2
     with pytest.raises(BeamLostError, match="lost 3 times"):
         await aligned(MountContext(offset_mm=0.02, breaks_at={5, 12, 20}))
+
+
+async def test_hands_that_held_something_into_the_beam_have_it_measured_again() -> None:
+    context = await aligned(
+        MountContext(offset_mm=0.02, breaks_at={5, 12, 20}, answers={"stage/beam/1": "retry"})
+    )
+    (prompt,) = context.prompts
+    assert prompt.text.startswith("Free the beam: the beam was lost 3 times while J4 turned")
+    assert (prompt.motion, prompt.safe_answer) == (True, "stop")
+    assert prompt.target == (
+        planned().pose.theta1_deg,
+        planned().pose.theta2_deg,
+        50.0,
+        planned().pose.j4_deg,
+    )
+    assert abs(float(str(context.stored["result"]["offset_mm"]))) < 0.05
+
+
+async def test_a_beam_that_stays_away_is_asked_for_three_times_only() -> None:
+    context = MountContext(height_mm=58.0, answers={f"stage/beam/{n}": "retry" for n in range(1, 9)})
+    with pytest.raises(BeamLostError, match=r"does not return the beam within ±15°"):
+        await aligned(context)
+    assert [prompt.id for prompt in context.prompts] == ["stage/beam/1", "stage/beam/2", "stage/beam/3"]
+
+
+async def test_a_counter_that_does_not_zero_in_the_dark_is_asked_again() -> None:
+    class Dark(MountContext):
+        async def zero(self, dead_path_mm: float) -> None:
+            await super().zero(dead_path_mm)
+            if self.zeros < 3:
+                raise NoBeamError("'Z' refused: E03")
+
+    context = await aligned(Dark(offset_mm=0.02))
+    assert (context.zeros, context.prompts) == (3, [])
 
 
 async def test_no_return_at_all_names_what_to_check() -> None:
