@@ -10,6 +10,7 @@ from textual.binding import Binding, BindingType
 from textual.screen import Screen
 
 from app.tui.cell_change import look_at_cell
+from app.tui.dialogs.confirm_dialog import ConfirmDialog
 from app.tui.dialogs.error_dialog import ErrorDialog
 from app.tui.dialogs.motion_dialog import MotionDialog
 from app.tui.dialogs.quit_dialog import Choice, QuitDialog
@@ -195,12 +196,24 @@ class CatseyeApp(App[int]):
             self.action_hold()
 
     async def action_quit(self) -> None:
-        """Quit; while a run is under way ask what becomes of it."""
+        """Quit; while a run is under way ask what becomes of it, and before a command is ended that works."""
         picture = self.session.link.picture
         if picture.running and picture.run is not None:
             self.push_screen(QuitDialog(picture.run.name), self._quit_as_chosen)
-            return
-        self.keep(self._stop_and_leave() if picture.jogging else self._leave(end_engine=True))
+        elif self.session.under_way:
+            text = (
+                f"{', '.join(self.session.under_way)}: it ends with this program; what it has done is lost."
+            )
+            self.push_screen(
+                ConfirmDialog("Work is under way", text, "quit", "stay here"), self._quit_if_agreed
+            )
+        else:
+            self._quit_if_agreed(True)
+
+    def _quit_if_agreed(self, agreed: bool | None) -> None:
+        jogging = self.session.link.picture.jogging
+        if agreed:
+            self.keep(self._stop_and_leave() if jogging else self._leave(end_engine=True))
 
     def order(
         self,

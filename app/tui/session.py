@@ -1,7 +1,8 @@
 """What every screen needs: the engine, commands, and where things are."""
 
-from collections.abc import Callable
-from dataclasses import dataclass
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Final
 
@@ -23,6 +24,7 @@ class Session:
         cell: cell file; None until there is one.
         now_s: monotonic time, s.
         speed: bench seconds in one real second; above 1 for emulators only.
+        under_way: titles of the commands that work; quitting ends them.
     """
 
     link: Link
@@ -31,3 +33,13 @@ class Session:
     cell: Path | None
     now_s: Callable[[], float]
     speed: float = 1.0
+    under_way: list[str] = field(default_factory=list)
+
+    @contextmanager
+    def at_work(self, title: str) -> Iterator[None]:
+        """Know of a command that works meanwhile."""
+        self.under_way.append(title)
+        try:
+            yield
+        finally:
+            self.under_way.remove(title)

@@ -318,7 +318,8 @@ class RunScreen(MainScreen):
         self._doing = f"{advice.kind} …  Esc ends it"
         file = await asyncio.to_thread(free_name, wanted)
         try:
-            done = await self.session.work.do(*advice.command, "-o", file, talk=hear)
+            with self.session.at_work(advice.kind):
+                done = await self.session.work.do(*advice.command, "-o", file, talk=hear)
         finally:
             self._doing = ""
         if done.code:

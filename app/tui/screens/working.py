@@ -146,10 +146,11 @@ class WorkScreen(MainScreen):
         line = self.query_one(TaskLine)
         line.begin(title)
         try:
-            for words in filter(None, commands):
-                ended = await self.session.work.do(*words, talk=line.hear)
-                if ended.code:
-                    break
+            with self.session.at_work(title):
+                for words in filter(None, commands):
+                    ended = await self.session.work.do(*words, talk=line.hear)
+                    if ended.code:
+                        break
         except asyncio.CancelledError:
             if self.is_attached:
                 self.notify(f"{title}: cancelled", markup=False)

@@ -8,6 +8,7 @@ from textual.binding import Binding
 from textual.widgets import Button, Input
 
 from app.service.errors import ServiceError
+from app.tui.dialogs.confirm_dialog import ConfirmDialog
 from app.tui.dialogs.error_dialog import ErrorDialog
 from app.tui.dialogs.quit_dialog import QuitDialog
 from app.tui.places import PLACES
@@ -142,6 +143,20 @@ async def test_quitting_a_jog_stops_the_arm_first_and_stays_where_that_fails(
         await pilot.press("ctrl+q")
         await pilot.pause()
         assert (ops(link), link.left) == (["stop"], [True])
+
+
+async def test_quitting_asks_while_a_command_works() -> None:
+    link = ScriptedLink()
+    app = make_app(link)
+    async with app.run_test(size=(80, 24)) as pilot:
+        with app.session.at_work("Identification"):
+            for key, left in (("enter", []), ("escape", []), ("y", [True])):
+                if not isinstance(app.screen, ConfirmDialog):
+                    await pilot.press("ctrl+q")
+                assert "Identification: it ends with this program" in await shown(app, pilot)
+                await pilot.press(key)
+                await pilot.pause()
+                assert link.left == left
 
 
 async def test_quitting_at_once_when_nothing_runs() -> None:

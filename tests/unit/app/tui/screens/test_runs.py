@@ -393,9 +393,11 @@ async def test_work_shows_its_progress_and_escape_cancels_it(root: Path) -> None
         assert "40 %  7.0 s left  4000 of 10000 draws   Esc cancels" in text
         await pilot.press("p")
         assert len(work.done) == 1
+        assert app.session.under_way == ["verify bbbbbb"]
         await pilot.press("escape")
         await settle(app, pilot)
         assert work.cancelled
+        assert app.session.under_way == []
         text = await shown(app, pilot)
         assert "verify bbbbbb: cancelled" in text
         assert "Esc cancels" not in text.replace("Esc cancels what is under way", "")
