@@ -151,7 +151,7 @@ def _line(path: Path) -> RunLine:
     try:
         with closing(open_reader(path / DATABASE)) as connection:
             return _read(connection, path, id_, procedure, started)
-    except (StorageError, sqlite3.Error, OSError, ValueError, KeyError) as error:
+    except (StorageError, sqlite3.Error, OSError, ValueError, KeyError, TypeError) as error:
         return RunLine(path, id_, procedure, started, "damaged", fault=str(error))
 
 

@@ -2,6 +2,7 @@
 
 import os
 import sqlite3
+from contextlib import closing
 from datetime import UTC, datetime
 from pathlib import Path
 
@@ -45,6 +46,14 @@ async def test_a_line_tells_how_a_run_ended(tmp_path: Path) -> None:
     assert first.started_utc == datetime(2026, 1, 2, 0, 0, 1, tzinfo=UTC)
     assert "file is not a database" in found[0].fault
     await stores[2].abandon()
+
+
+async def test_a_fact_of_another_type_is_a_damaged_run(tmp_path: Path) -> None:
+    store = await make_run(tmp_path, TickingClock())
+    with closing(sqlite3.connect(store.path / DATABASE)) as connection, connection:
+        connection.execute("DROP TRIGGER events_no_update")
+        connection.execute("UPDATE events SET data = '5' WHERE kind = 'run-ended'")
+    assert [line.status for line in RunHistory(tmp_path).changes()] == ["damaged"]
 
 
 async def test_duration_is_from_the_first_record_to_the_last(tmp_path: Path) -> None:
