@@ -5,6 +5,7 @@ from typing import Any, Final
 from textual.content import Content
 
 from app.tui.picture import Picture
+from app.tui.session import EMULATED_BENCH
 from app.tui.widgets.status_bar import STALE_S, age_style
 from app.tui.words import bytes_text, duration_text
 
@@ -84,6 +85,8 @@ def troubles(bench: Part) -> list[tuple[str, str]]:
         found.append(("robot", alarm_text(robot)))
     if bench.get("door_closed") is False:
         found.append(("door", "it is open and nothing may move; close it when nobody is inside"))
+    if remedy := _without_emulators(bench):
+        found.append(("emulators", remedy))
     found += [
         (str(each["name"]), str(each["error"])) for each in bench.get("devices", ()) if each.get("error")
     ]
@@ -94,6 +97,17 @@ def troubles(bench: Part) -> list[tuple[str, str]]:
             ("interferometer", "the beam was moved too fast and counts are lost; zero it, go slower")
         )
     return found
+
+
+def _without_emulators(bench: Part) -> str:
+    """Return how to start the emulators where every device should answer on this machine and none does."""
+    devices = bench.get("devices") or ()
+    here = all("://127.0.0.1:" in str(each["endpoint"]) for each in devices)
+    if not devices or not here or any(each["link"] != "lost" for each in devices):
+        return ""
+    if bench.get("cell") == EMULATED_BENCH:
+        return "nobody answers on this machine; F10 and e start the emulators again"
+    return "nobody answers on this machine; where this cell is emulated, start them: catseye emulate CELL"
 
 
 def alarm_text(robot: Part) -> str:

@@ -12,6 +12,9 @@ from app.tui.work import Work
 DEMO_FOLDER: Final = Path("catseye-demo")
 """Where the demo writes, in the present folder."""
 
+EMULATED_BENCH: Final = "emulated-bench"
+"""Name of a cell that was written for emulators of this program, and of its file."""
+
 
 @dataclass
 class Session:

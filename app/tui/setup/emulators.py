@@ -7,8 +7,8 @@ from typing import Any, Final
 
 from app.cell.rewriting import rewritten
 from app.cell.template import TEMPLATE
+from app.tui.session import EMULATED_BENCH
 
-NAME: Final = "emulated-bench"
 _PLACES: Final = (
     ("robot", "endpoint"),
     ("interferometer", "endpoint"),
@@ -20,7 +20,7 @@ _PLACES: Final = (
 def emulated_cell() -> str:
     """Return a cell file whose devices are emulators at ports that are free now."""
     data = tomllib.loads(TEMPLATE)
-    data["name"] = NAME
+    data["name"] = EMULATED_BENCH
     for (section, key), port in zip(_PLACES, _free_ports(len(_PLACES)), strict=True):
         data[section][key] = f"tcp://127.0.0.1:{port}"
     return rewritten(TEMPLATE, data)
@@ -32,16 +32,16 @@ def is_emulated(text: str) -> bool:
         data: dict[str, Any] = tomllib.loads(text)
     except tomllib.TOMLDecodeError:
         return False
-    return data.get("name") == NAME
+    return data.get("name") == EMULATED_BENCH
 
 
 def free_file(folder: Path) -> Path:
     """Return the cell file of an emulated bench of before, or a name that is not taken."""
     for number in range(1, 100):
-        path = folder / (f"{NAME}.toml" if number == 1 else f"{NAME}-{number}.toml")
+        path = folder / (f"{EMULATED_BENCH}.toml" if number == 1 else f"{EMULATED_BENCH}-{number}.toml")
         if not path.exists() or is_emulated(path.read_text(encoding="utf-8", errors="replace")):
             return path
-    return folder / f"{NAME}-new.toml"
+    return folder / f"{EMULATED_BENCH}-new.toml"
 
 
 def _free_ports(count: int) -> list[int]:

@@ -106,6 +106,23 @@ def test_nothing_known_is_said() -> None:
     assert "no air sensor answers" in said(air_lines({}, 0.0))
 
 
+@pytest.mark.parametrize(
+    ("cell", "remedy"),
+    [("emulated-bench", "F10 and e start the emulators again"), ("lab-1", "catseye emulate CELL")],
+)
+def test_emulators_that_do_not_run_are_pointed_to(cell: str, remedy: str) -> None:
+    told = bench(cell=cell)
+    for number, each in enumerate(told["devices"]):
+        each.update(link="lost", error="refused", endpoint=f"tcp://127.0.0.1:{5000 + number}")
+    found = troubles(told)
+    assert found[0][0] == "emulators"
+    assert remedy in found[0][1]
+    told["devices"][0]["endpoint"] = "tcp://192.168.0.20:10001"
+    assert "emulators" not in dict(troubles(told))
+    told["devices"][0].update(endpoint="tcp://127.0.0.1:5000", link="ok")
+    assert "emulators" not in dict(troubles(told))
+
+
 def test_troubles_have_remedies() -> None:
     told = bench(
         robot={**ALARM, "emergency_stop": True},

@@ -4,7 +4,8 @@ import socket
 from pathlib import Path
 
 from app.cell.load import load_cell
-from app.tui.setup.emulators import NAME, emulated_cell, free_file, is_emulated
+from app.tui.session import EMULATED_BENCH
+from app.tui.setup.emulators import emulated_cell, free_file, is_emulated
 
 
 def test_it_loads_and_its_ports_are_free_and_its_own(tmp_path: Path) -> None:
@@ -21,10 +22,10 @@ def test_it_loads_and_its_ports_are_free_and_its_own(tmp_path: Path) -> None:
 
 
 def test_a_file_of_somebody_else_is_never_taken(tmp_path: Path) -> None:
-    first = tmp_path / f"{NAME}.toml"
+    first = tmp_path / f"{EMULATED_BENCH}.toml"
     assert free_file(tmp_path) == first
     first.write_text(emulated_cell(), encoding="utf-8")
     assert is_emulated(first.read_text(encoding="utf-8"))
     assert free_file(tmp_path) == first
     first.write_text('name = "lab-1"\n', encoding="utf-8")
-    assert free_file(tmp_path) == tmp_path / f"{NAME}-2.toml"
+    assert free_file(tmp_path) == tmp_path / f"{EMULATED_BENCH}-2.toml"
