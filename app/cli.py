@@ -48,6 +48,25 @@ config = typer.Typer(help="Check and show cell files.", no_args_is_help=True, ri
 cli.add_typer(config, name="config")
 
 
+def _tell_version(wanted: bool) -> None:
+    if wanted:
+        from app.version import SOFTWARE
+
+        print(SOFTWARE)  # noqa: T201  # what was asked for goes to stdout
+        raise typer.Exit
+
+
+@cli.callback()
+def _options(
+    version: Annotated[
+        bool,
+        typer.Option("--version", callback=_tell_version, is_eager=True, help="Show the version and exit."),
+    ] = False,
+) -> None:
+    # What the program is for is said above; `version` has been told by its callback.
+    del version
+
+
 @cli.command()
 def demo(
     out: Annotated[Path, typer.Option(help="folder for everything that the demo writes")] = Path(
