@@ -167,6 +167,8 @@ class Session:
             self._writer.write(encode(message))
             await self._writer.drain()
             self._sending = False
+            # Messages that wait together do not keep a reading of the run waiting.
+            await asyncio.sleep(0)
 
     async def _watch(self) -> str:
         """Wait until a client that holds control has been silent for too long."""
