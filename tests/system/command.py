@@ -15,6 +15,7 @@ from typing import Any
 from app.cell.load import load_cell
 from app.cell.template import TEMPLATE
 from app.emulation import emulated_devices
+from tests.system import forked
 
 SPEED = "400"
 _LIMIT_S = 110
@@ -22,15 +23,7 @@ _LIMIT_S = 110
 
 def catseye(*arguments: str | Path, cwd: Path) -> subprocess.CompletedProcess[str]:
     """Run the command to its end."""
-    return subprocess.run(
-        [sys.executable, "-m", "app", *map(str, arguments)],
-        cwd=cwd,
-        env=environment(),
-        capture_output=True,
-        text=True,
-        timeout=_LIMIT_S,
-        check=False,
-    )
+    return forked.run("app", arguments, cwd=cwd, env=environment(), limit_s=_LIMIT_S)
 
 
 def start(*arguments: str | Path, cwd: Path, module: str = "app", crash: str = "") -> subprocess.Popen[str]:
@@ -63,7 +56,7 @@ class Emulated:
 
     cell: Path
     control: tuple[str, int]
-    process: subprocess.Popen[str]
+    process: forked.Forked
 
     def ask(self, **request: object) -> dict[str, Any]:
         """Put a request to the control port."""
@@ -91,17 +84,20 @@ def emulated(
     asked = _endpoints(cell)
     free = folder / "emulator.toml"
     free.write_text(re.sub(r"(://127\.0\.0\.1):\d+", r"\1:0", text), encoding="utf-8")
-    process = start("emulate", free, "--speed", SPEED, *options, cwd=folder, module=module)
-    try:
-        assert process.stdout is not None
-        served = [json.loads(process.stdout.readline())["endpoint"] for _ in asked]
-        for old, new in zip(asked, served, strict=True):
-            text = text.replace(f'"{old}"', f'"{new}"')
-        cell.write_text(text, encoding="utf-8")
-        yield Emulated(cell, ("127.0.0.1", int(served[-1].rpartition(":")[2])), process)
-    finally:
-        process.terminate()
-        process.communicate(timeout=10)
+    words: list[str | Path] = ["emulate", free, "--speed", SPEED, *options]
+    source, sink = os.pipe()
+    with open(source, encoding="utf-8") as lines, (folder / "emulator.txt").open("wb") as said:
+        with open(sink, "wb") as out:
+            process = forked.Forked(module, words, cwd=folder, env=environment(), out=out, err=said)
+        try:
+            served = [json.loads(lines.readline())["endpoint"] for _ in asked]
+            for old, new in zip(asked, served, strict=True):
+                text = text.replace(f'"{old}"', f'"{new}"')
+            cell.write_text(text, encoding="utf-8")
+            yield Emulated(cell, ("127.0.0.1", int(served[-1].rpartition(":")[2])), process)
+        finally:
+            process.terminate()
+            process.wait(10)
 
 
 def _endpoints(cell: Path) -> list[str]:

@@ -1,7 +1,8 @@
 """Bad input: what a person meets who gives the command something that cannot be done.
 
-Each case starts the real command. It has to end with the right exit code and a sentence that names the file, line
-or device and the remedy, without a traceback, without talk on stdout and without half-written files.
+Each case is the real command in a process of its own. It has to end with the right exit code and a sentence that
+names the file, line or device and the remedy, without a traceback, without talk on stdout and without half-written
+files.
 """
 
 import contextlib
@@ -9,8 +10,6 @@ import json
 import math
 import os
 import socket
-import subprocess
-import sys
 import threading
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -19,6 +18,7 @@ from pathlib import Path
 import pytest
 
 from app.cell.template import TEMPLATE
+from tests.system import forked
 
 NODES1 = (-40, -20, 0, 20)
 NODES2 = (20, 40, 60)
@@ -59,15 +59,7 @@ def put_cell(folder: Path, *changes: tuple[str, str]) -> Path:
 def catseye(folder: Path, *arguments: str) -> Said:
     """Run the command in a folder and check what holds for every refusal."""
     environment = {k: v for k, v in os.environ.items() if not k.startswith("CATSEYE")}
-    done = subprocess.run(
-        [sys.executable, "-m", "app", *arguments],
-        cwd=folder,
-        env={**environment, "OMP_NUM_THREADS": "1", "PYTHONSAFEPATH": "1"},
-        capture_output=True,
-        text=True,
-        timeout=60,
-        check=False,
-    )
+    done = forked.run("app", arguments, cwd=folder, env=environment, limit_s=60)
     said = Said(done.returncode, done.stdout, done.stderr)
     assert "Traceback" not in said.out + said.err, said
     assert "internal error" not in said.err, said
