@@ -4,7 +4,6 @@ import asyncio
 from collections.abc import Awaitable, Callable, Sequence
 from dataclasses import dataclass, field, replace
 from functools import partial
-from pathlib import Path
 from typing import TypeVar
 
 from app.engine.announcer import Announcer
@@ -18,7 +17,7 @@ from app.engine.operator import Answer, Operator
 from app.engine.timekeeping import Progress, StepTime
 from app.engine.waiting import cancel, uncancelled
 from app.errors import ConditionLostError, ConfigError, UsageError
-from app.files.measured_csv import read_measured_csv
+from app.files.measured_csv import read_typed_csv
 from app.store.rows import encode
 from app.store.run_store import RunStore
 from drivers.clock import Clock
@@ -242,7 +241,7 @@ class RunContext:
         await self._control.checkpoint()
         try:
             # A file may lie on a disk that takes its time.
-            return await asyncio.to_thread(_measured_points, file)
+            return await asyncio.to_thread(read_typed_csv, file)
         except UsageError as error:
             raise MeasuredFileError(str(error)) from error
 
@@ -487,14 +486,6 @@ class RunContext:
             await self.event("hands", prompt=prompt.id, **answer.done)
         self._announcer.say("answer", id=prompt.id, answer=answer.text, who=answer.who)
         return answer.text
-
-
-def _measured_points(file: str) -> Sequence[MeasuredPoint]:
-    try:
-        path = Path(file.strip()).expanduser().absolute()
-    except RuntimeError as error:
-        raise UsageError(f"{file}: {error}; type the whole path") from error
-    return read_measured_csv(path)
 
 
 def _listed(joints: Joints) -> str:

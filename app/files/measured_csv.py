@@ -33,6 +33,19 @@ def read_measured_csv(path: Path) -> list[MeasuredPoint]:
     return points
 
 
+def read_typed_csv(file: str) -> list[MeasuredPoint]:
+    """Read the same from a file as somebody typed it.
+
+    Raises:
+        UsageError: likewise, or ~ stands for no folder.
+    """
+    try:
+        path = Path(file.strip()).expanduser().absolute()
+    except RuntimeError as error:
+        raise UsageError(f"{file}: {error}; type the whole path") from error
+    return read_measured_csv(path)
+
+
 def _check(path: Path, line: int, header: list[str]) -> None:
     if "displacement_mm" in header:
         raise UsageError(

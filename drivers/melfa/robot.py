@@ -42,6 +42,7 @@ from drivers.melfa.motion import (
 )
 from drivers.melfa.session import Session, byte_time_s
 from drivers.melfa.settings import MelfaSettings
+from drivers.melfa.stops import Stops, StopWatch
 from drivers.readings import Identity, Joints, RobotStatus
 from drivers.record import Sink
 from drivers.transport import Transport
@@ -86,8 +87,7 @@ class MelfaR3:
         self._declared = False
         self._has_right = False
         self._override_percent: int | None = None
-        self._stops_begun = 0
-        self._stops_ended = 0
+        self._stops = Stops()
         self._right_note = ""
         self._aside_note = ""
 
@@ -296,20 +296,20 @@ class MelfaR3:
         """
         if not all(map(math.isfinite, target)):
             raise ValueError(f"joints of a motion must be finite numbers, got {target}")
-        stops_ended = self._stops_ended
+        watch = StopWatch(self._stops, self._main.where)
         try:
             await self._main.link.ensure()
             await self.take_right()
             await self._declare()
             # The motion takes its target from this very connection, so no healing from here on.
             await self._main.command(f"EXEC{assignment(target)}", heal=False)
-            await self._go(target, partial(self._require_no_stop, stops_ended))
+            await self._go(target, watch.require_none)
         except asyncio.CancelledError:
             await self.stop()
             raise
         except NotReadyError as exc:
             # A stop of this program that overlaps the motion is its own doing and calls for no operator.
-            if exc.number == STOP_IS_ON and self._stops_begun > stops_ended:
+            if exc.number == STOP_IS_ON and watch.seen:
                 raise RefusedError(str(exc), exc.number) from None
             raise
 
@@ -325,20 +325,12 @@ class MelfaR3:
         Raises:
             LinkError: STOP could not be sent or the standstill is not confirmed: use the emergency stop.
         """
-        self._stops_begun += 1
-        try:
+        with self._stops.one():
             await uninterrupted(self._stop())
-        finally:
-            self._stops_ended += 1
 
     def watch_stops(self) -> Callable[[], None]:
         """Return a check that raises RefusedError once a stop has begun: what it overtakes must not begin."""
-        return partial(self._require_no_stop, self._stops_ended)
-
-    def _require_no_stop(self, since: int) -> None:
-        if self._stops_begun > since:
-            where = self._main.where
-            raise RefusedError(f"{where}: a stop overtook the motion: it does not go on", STOP_IS_ON)
+        return StopWatch(self._stops, self._main.where).require_none
 
     async def take_right(self) -> None:
         """Take the operation right unless it is held; permission to move has been given by now.

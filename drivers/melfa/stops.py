@@ -1,0 +1,57 @@
+"""Which stops have begun and ended: what one of them overtakes must not begin."""
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+
+from drivers.errors import RefusedError
+from drivers.melfa.alarms import STOP_IS_ON
+
+
+class Stops:
+    """Counts the stops of one robot.
+
+    Attributes:
+        begun: so many have begun.
+        ended: so many are over.
+    """
+
+    def __init__(self) -> None:
+        self.begun = 0
+        self.ended = 0
+
+    @contextmanager
+    def one(self) -> Iterator[None]:
+        """Count a stop that is under way meanwhile."""
+        self.begun += 1
+        try:
+            yield
+        finally:
+            self.ended += 1
+
+
+class StopWatch:
+    """Tells whether a stop is under way, or has begun since this was made.
+
+    Args:
+        stops: of the robot.
+        where: robot and endpoint, for the text.
+    """
+
+    def __init__(self, stops: Stops, where: str) -> None:
+        self._stops = stops
+        self._where = where
+        self._ended = stops.ended
+
+    @property
+    def seen(self) -> bool:
+        """A stop is under way or has begun."""
+        return self._stops.begun > self._ended
+
+    def require_none(self) -> None:
+        """Check that a motion may begin or go on.
+
+        Raises:
+            RefusedError: a stop has overtaken it.
+        """
+        if self.seen:
+            raise RefusedError(f"{self._where}: a stop overtook the motion: it does not go on", STOP_IS_ON)
