@@ -21,6 +21,32 @@ Dask = Annotated[
     typer.Option(metavar="ADDRESS", help="dask scheduler whose machines share the work [catseye[cluster]]"),
 ]
 
+Criterion = Annotated[
+    Literal["A", "D", "E", "path"],
+    typer.Option(help="A mean variance, D volume, E worst direction, path worst uncertainty on --path"),
+]
+Floor = Annotated[
+    str | None, typer.Option(metavar="X0,X1,Y0,Y1", help="floor on which reflectors may stand, mm")
+]
+KeepOut = Annotated[
+    float | None,
+    typer.Option(
+        metavar="MM",
+        min=0.0,
+        help="radius about J1 kept free of reflectors [the arm's reach and the shortest beam]",
+    ),
+]
+Apart = Annotated[float, typer.Option(metavar="MM", min=0.0, help="smallest distance between two reflectors")]
+RandomOnly = Annotated[
+    bool, typer.Option("--random-only", help="the criterion leaves out what does not average out")
+]
+Commands = Annotated[
+    int | None, typer.Option(metavar="N", min=1, help="choose so many of the cell file's commands")
+]
+Minutes = Annotated[
+    float | None, typer.Option(metavar="T", min=0.0, help="choose as many commands as this time allows")
+]
+
 
 def add_analysis(cli: typer.Typer) -> None:
     """Add the commands to the command line."""
@@ -188,36 +214,16 @@ def compensate(
 def design(
     cell: Annotated[Path, typer.Option(help="cell file: arm, limits, optics, nodes, uncertainty")],
     reflectors: Annotated[int, typer.Option(min=1, max=8, help="how many reflectors to place")] = 3,
-    criterion: Annotated[
-        Literal["A", "D", "E", "path"],
-        typer.Option(help="A mean variance, D volume, E worst direction, path worst uncertainty on --path"),
-    ] = "A",
+    criterion: Criterion = "A",
     path: Annotated[Path | None, typer.Option(help="path CSV for the criterion path")] = None,
-    floor: Annotated[
-        str | None, typer.Option(metavar="X0,X1,Y0,Y1", help="floor on which reflectors may stand, mm")
-    ] = None,
+    floor: Floor = None,
     places: Annotated[int, typer.Option(min=10, max=5000, help="candidate places")] = 400,
-    keep_out: Annotated[
-        float | None,
-        typer.Option(
-            metavar="MM",
-            min=0.0,
-            help="radius about J1 kept free of reflectors [the arm's reach and the shortest beam]",
-        ),
-    ] = None,
-    apart: Annotated[
-        float, typer.Option(metavar="MM", min=0.0, help="smallest distance between two reflectors")
-    ] = 100.0,
+    keep_out: KeepOut = None,
+    apart: Apart = 100.0,
     breaks: Annotated[int, typer.Option(min=0, help="how often the beam to a reflector may be given up")] = 4,
-    random_only: Annotated[
-        bool, typer.Option("--random-only", help="the criterion leaves out what does not average out")
-    ] = False,
-    commands: Annotated[
-        int | None, typer.Option(metavar="N", min=1, help="choose so many of the cell file's commands")
-    ] = None,
-    minutes: Annotated[
-        float | None, typer.Option(metavar="T", min=0.0, help="choose as many commands as this time allows")
-    ] = None,
+    random_only: RandomOnly = False,
+    commands: Commands = None,
+    minutes: Minutes = None,
     pareto: Annotated[
         bool, typer.Option("--pareto", help="bench time against uncertainty, 1 to 4 reflectors")
     ] = False,
