@@ -267,8 +267,8 @@ def lack_of_fit(fit: WeightedFit) -> LackOfFit | None:
     Returns:
         None when fewer than 10 degrees of freedom remain for the scatter, or when the fit is exact.
     """
-    within, rank = _within_poses(fit)
-    pure, pure_effects = within[:, 0], within[:, 1:]
+    within, poses, further = _within_poses(fit)
+    pure, pure_effects, rank = within[:, 0], within[:, 1:], poses + further
     dof_pure, dof_model = len(fit.points) - rank, rank - fit.free
     if dof_pure < 10 or dof_model < 1:
         return None
@@ -280,7 +280,7 @@ def lack_of_fit(fit: WeightedFit) -> LackOfFit | None:
     inner = fit.effects.T @ fit.effects - pure_effects.T @ pure_effects
     lack = whole.minus(scatter, dof_model, inner)
     lack_square = max(float(fit.residuals @ fit.residuals - pure @ pure), 0.0) / dof_model
-    return _judged(fit, lack_square, pure_square, (dof_model, dof_pure), lack, scatter)
+    return _judged(fit, lack_square, pure_square, (dof_model, dof_pure), lack, scatter, poses)
 
 
 def _judged(
@@ -290,11 +290,11 @@ def _judged(
     dofs: tuple[int, int],
     lack: Expected,
     scatter: Expected,
+    poses: int,
 ) -> LackOfFit:
     dof_model, dof_pure = dofs
     ratio = lack_square / pure_square
     expected_ratio = (lack.mean / dof_model) / (scatter.mean / dof_pure)
-    poses = int(_pose_groups(fit).max()) + 1
     unit_um = 1e3 / float(np.sqrt(np.mean(fit.weights**2)))
     systematic = max(lack_square - pure_square, 0.0) * poses / len(fit.points)
     return LackOfFit(
@@ -324,11 +324,12 @@ def _pose_groups(fit: WeightedFit) -> Ints:
     return np.asarray(np.unique(key, return_inverse=True)[1], dtype=np.int64)
 
 
-def _within_poses(fit: WeightedFit) -> tuple[Floats, int]:
-    """Return what neither the poses' own levels nor the model explain, and the rank of both together.
+def _within_poses(fit: WeightedFit) -> tuple[Floats, int, int]:
+    """Return what neither the poses' own levels nor the model explain, and the rank of each.
 
     Returns:
-        Residuals in the first column, systematic effects in the others, shape (n, 1 + m); and the rank.
+        Residuals in the first column, systematic effects in the others, shape (n, 1 + m); the number of poses; the
+        rank that the model adds to theirs.
     """
     group, weights = _pose_groups(fit), fit.weights
     stacked = np.column_stack([fit.jacobian, fit.residuals, fit.effects])
@@ -341,7 +342,7 @@ def _within_poses(fit: WeightedFit) -> tuple[Floats, int]:
     known = values > _RANK_SQUARED * values[-1]
     directions = vectors[:, known] / np.sqrt(values[known])
     explained = model @ (directions @ (directions.T @ (model.T @ rest)))
-    return rest - explained, int(group.max()) + 1 + int(known.sum())
+    return rest - explained, int(group.max()) + 1, int(known.sum())
 
 
 def _levels(weighted: Floats, squares: Floats, group: Ints) -> Floats:

@@ -6,6 +6,7 @@ from QR and singular values of the Jacobian itself, where squaring would hide a 
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from scipy import linalg
@@ -67,15 +68,20 @@ class Solution:
         parameters: estimate, shape (p,).
         residuals: unweighted residuals there, shape (n,).
         jacobian: unweighted Jacobian there, shape (n, p).
-        factor: decomposition of the weighted Jacobian there, on the free directions.
+        free: weighted Jacobian there on the free directions, shape (n, free).
         iterations: steps taken.
     """
 
     parameters: Floats
     residuals: Floats
     jacobian: Floats
-    factor: Factor
+    free: Floats
     iterations: int
+
+    @cached_property
+    def factor(self) -> Factor:
+        """Decomposition of the weighted Jacobian on the free directions; it takes as long as two steps."""
+        return factorise(self.free)
 
 
 def minimise(
@@ -105,8 +111,7 @@ def minimise(
         parameters, current, change = _improve(residuals, parameters, current, weights, equations)
         if change < STEP_TOLERANCE:
             final = jacobian(parameters)
-            factor = factorise((final * weights[:, None]) @ basis)
-            return Solution(parameters, current, final, factor, iteration)
+            return Solution(parameters, current, final, (final * weights[:, None]) @ basis, iteration)
     raise ConvergenceError(
         f"no convergence after {MAX_ITERATIONS} iterations (last change {change:.3g} mm rms): check the "
         "rough reflector places and the nominal links in the cell file, and the reflector names of the points"

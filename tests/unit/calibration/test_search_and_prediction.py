@@ -82,22 +82,6 @@ def test_prediction_of_the_commands_gives_the_true_positions() -> None:
     assert float(predicted.u_mm.max()) < 12e-3
 
 
-def test_prediction_uncertainty_against_repeated_draws() -> None:
-    truth = random_truth(6)
-    nodes = np.deg2rad(NODES1_DEG), np.deg2rad(NODES2_DEG)
-    commands = Commands(
-        np.deg2rad([-35.0, 12.0]), np.deg2rad([33.0, 97.0]), np.array([1, -1]), np.array([-1, 1])
-    )
-    draws = []
-    for seed in range(200):
-        noise = np.random.default_rng(seed).normal(0.0, 0.0156, 1056)
-        points = paper_points(truth, noise_mm=noise, sigma_mm=0.0156)
-        result = identify(points, "error-map", *nodes, 325.0, 225.0, NOMINAL_REFLECTORS)
-        predicted = predict(result.arm, commands, 325.0, 225.0)
-        draws.append(predicted.position_mm)
-    assert np.std(draws, axis=0) == pytest.approx(predicted.u_mm, rel=0.2)
-
-
 def test_rows_outside_the_nodes_are_not_predicted() -> None:
     nodes = np.deg2rad(NODES1_DEG), np.deg2rad(NODES2_DEG)
     result = identify(paper_points(random_truth(6)), "error-map", *nodes, 325.0, 225.0, NOMINAL_REFLECTORS)

@@ -94,8 +94,7 @@ def measured(
     reflector = np.repeat(np.arange(3), len(commands))
     columns = np.array(commands * 3)
     zero = np.array(lengths)[reflector * len(commands)]
-    noise = np.random.default_rng(seed).normal(0.0, 1.0, total) * noise_mm
-    return Points(
+    exact = Points(
         Commands(
             np.deg2rad(columns[:, 0]),
             np.deg2rad(columns[:, 1]),
@@ -104,11 +103,18 @@ def measured(
         ),
         reflector,
         reflector.copy(),
-        np.array(lengths) - zero + noise,
+        np.array(lengths) - zero,
         None if sigma_mm is None else np.full(total, sigma_mm),
         NAMES,
         tuple((name, 0) for name in NAMES),
     )
+    return with_noise(exact, noise_mm, seed)
+
+
+def with_noise(points: Points, noise_mm: float, seed: int) -> Points:
+    """Return distances with white errors."""
+    noise = np.random.default_rng(seed).normal(0.0, 1.0, len(points)) * noise_mm
+    return replace(points, displacement_mm=points.displacement_mm + noise)
 
 
 def problem(points: Points, model: ModelName = "error-map", terms: tuple[Term, ...] = ()) -> Problem:

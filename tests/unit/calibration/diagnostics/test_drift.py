@@ -1,6 +1,7 @@
 """Drifts and jumps put into distances by hand."""
 
 from dataclasses import replace
+from functools import cache
 
 import numpy as np
 import pytest
@@ -9,14 +10,14 @@ from calibration.diagnostics.drift import Change, changes
 from calibration.diagnostics.projection import projection_of
 from calibration.points import Points
 from calibration.types import Floats
-from tests.unit.calibration.diagnostics.bench import commands_on_nodes, measured, problem, split
+from tests.unit.calibration.diagnostics.bench import commands_on_nodes, measured, problem, split, with_noise
 from tests.unit.calibration.paper import random_truth
 
-TRUTH = random_truth(6)
+EXACT = measured(random_truth(6), commands_on_nodes(), sigma_mm=0.01)
 
 
 def points_with(error_mm: Floats | float, seed: int = 1) -> Points:
-    points = measured(TRUTH, commands_on_nodes(), noise_mm=0.01, sigma_mm=0.01, seed=seed)
+    points = with_noise(EXACT, 0.01, seed)
     return replace(points, displacement_mm=points.displacement_mm + error_mm)
 
 
@@ -28,6 +29,12 @@ def ramp(size_mm: float) -> Floats:
 
 def changes_of(points: Points) -> list[Change]:
     return changes(projection_of(problem(points).solve()))
+
+
+@cache
+def steady(seed: int) -> list[Change]:
+    """Return what is found where nothing but noise changes."""
+    return changes_of(points_with(0.0, seed))
 
 
 def test_drift_of_a_segment_is_found_with_its_size_and_sign_and_no_other() -> None:
@@ -42,7 +49,7 @@ def test_drift_of_a_segment_is_found_with_its_size_and_sign_and_no_other() -> No
 def test_u_of_a_drift_is_the_scatter_of_repeated_measurements() -> None:
     values, u = [], []
     for seed in range(40):
-        one = next(one for one in changes_of(points_with(0.0, seed)) if one.reflector == "P1")
+        one = next(one for one in steady(seed) if one.reflector == "P1")
         values.append(one.size_um)
         u.append(one.u_um)
     assert float(np.std(values)) == pytest.approx(float(np.mean(u)), rel=0.35)
@@ -79,7 +86,7 @@ def test_a_drift_and_a_slip_are_told_apart() -> None:
 
 def test_nothing_changes_where_nothing_does() -> None:
     for seed in range(12):
-        assert not any(one.significant for one in changes_of(points_with(0.0, seed)))
+        assert not any(one.significant for one in steady(seed))
 
 
 def test_time_counts_where_it_is_known() -> None:

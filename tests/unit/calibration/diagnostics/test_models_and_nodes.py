@@ -124,7 +124,7 @@ def test_every_node_is_needed_where_the_maps_turn_from_node_to_node() -> None:
 
 def test_finer_nodes_are_judged_where_commands_stand_between_them() -> None:
     extra = Extra(theta1=lambda p: 6.0 * MDEG * math.cos(18.0 * p.theta1))
-    points = measured(TRUTH, commands_between(4.9, 14.3), extra, noise_mm=0.004, sigma_mm=0.004)
+    points = measured(TRUTH, commands_between(7.3, 17.1), extra, noise_mm=0.004, sigma_mm=0.004)
     found = node_spacing(problem(points))
     assert found.between1
     assert found.by_aicc.nodes1_rad.size == 21

@@ -20,10 +20,10 @@ def with_budget(*contributors: Contributor) -> Identification:
     return identified(noisy_points(sigma_mm=None), budget=Budget(contributors))
 
 
-def drawn(one: Identification, seed: int = 1) -> Floats:
+def drawn(one: Identification, draws: int = DRAWS) -> Floats:
     """Return draws without what the fit widens them by."""
     errors = replace(distance_errors(one), factor=1.0, factor_dof=math.inf)
-    return errors.draw(np.random.default_rng(seed), DRAWS)
+    return errors.draw(np.random.default_rng(1), draws)
 
 
 def lengths_mm(one: Identification) -> Floats:
@@ -54,9 +54,10 @@ def test_a_common_uniform_error_is_one_number_for_all_distances_and_keeps_its_li
 )
 def test_white_errors_follow_their_distribution(shape: str, kurtosis: float) -> None:
     one = with_budget(Contributor("white", "length", 0.010, distribution=shape))  # type: ignore[arg-type]  # a plain string
-    errors = drawn(one)
-    assert float(errors.std()) == pytest.approx(0.010, rel=0.005)
-    assert float(np.mean(errors**4) / np.mean(errors**2) ** 2) == pytest.approx(kurtosis, rel=0.01)
+    # A million errors: their standard deviation scatters by 0.07 % at most, their kurtosis by 0.2 %.
+    square = drawn(one, 1000) ** 2
+    assert float(np.sqrt(np.mean(square))) == pytest.approx(0.010, rel=0.005)
+    assert float(np.mean(square * square) / np.mean(square) ** 2) == pytest.approx(kurtosis, rel=0.01)
 
 
 def test_the_direction_of_the_beam_makes_cosine_errors() -> None:

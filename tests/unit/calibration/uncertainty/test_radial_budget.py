@@ -41,29 +41,37 @@ def harmonics(rng: np.random.Generator, rms_mm: float, orders: int) -> list[tupl
 
 
 def wave(terms: list[tuple[float, float]], angle: float) -> float:
-    return sum(c * math.cos(k * angle) + s * math.sin(k * angle) for k, (c, s) in enumerate(terms, 1))
+    total = 0.0
+    for k, (c, s) in enumerate(terms, 1):
+        total += c * math.cos(k * angle) + s * math.sin(k * angle)
+    return total
 
 
-def radial_errors(rng: np.random.Generator, truth: Truth, budget: RadialBudget, reflectors: int) -> Floats:
-    """Return what displaced axes add to each distance: J1 in the world, J2 on link 1, J4 on link 2."""
-    terms = [
+def radial_errors(
+    rng: np.random.Generator, truth: Truth, budget: RadialBudget, reflectors: int, every: int = 1
+) -> Floats:
+    """Return what displaced axes add to each distance (to each nth): J1 in the world, J2 on link 1, J4 on link 2."""
+    one_terms, two_terms, beam_terms = (
         [harmonics(rng, rms, budget.orders) for _ in "xy"]
         for rms in (budget.j1_mm, budget.j2_mm, budget.j4_mm)
-    ]
+    )
+    # The commands stand on nodes: J1 and J2 displace in few ways.
+    of_one = [[wave(terms, math.radians(node)) for terms in one_terms] for node in NODES1_DEG]
+    of_two = [[wave(terms, math.radians(node)) for terms in two_terms] for node in NODES2_DEG]
     errors = []
     for j in range(reflectors):
-        for row in sequence():
+        for row in sequence()[::every]:
             one, two = math.radians(NODES1_DEG[row[0]]), math.radians(NODES2_DEG[row[1]])
             x, y = true_position(truth, row)
             px, py = truth.reflectors[j]
             length = math.hypot(x - px, y - py)
             towards_arm = ((x - px) / length, (y - py) / length)
             turn_of_j4 = math.atan2(py - y, px - x) - one - two
+            of_beam = [wave(terms, turn_of_j4) for terms in beam_terms]
             moved_x = moved_y = 0.0
-            for (along, across), angle, frame in zip(
-                terms, (one, two, turn_of_j4), (0.0, one, one + two), strict=True
+            for (dx, dy), frame in zip(
+                (of_one[row[0]], of_two[row[1]], of_beam), (0.0, one, one + two), strict=True
             ):
-                dx, dy = wave(along, angle), wave(across, angle)
                 moved_x += dx * math.cos(frame) - dy * math.sin(frame)
                 moved_y += dx * math.sin(frame) + dy * math.cos(frame)
             errors.append(moved_x * towards_arm[0] + moved_y * towards_arm[1])
@@ -103,7 +111,7 @@ def test_covariance_of_the_distances_agrees_with_simulated_error_motions(budget:
     effects = radial_effects(paper_points(truth, reflectors=1), units(truth, 1), budget)
     assert effects.shape == (352, 12 * budget.orders)
     rng = np.random.default_rng(20)
-    drawn = np.array([radial_errors(rng, truth, budget, 1) for _ in range(600)])[:, ::9]
+    drawn = np.array([radial_errors(rng, truth, budget, 1, every=9) for _ in range(600)])
     stated = (effects @ effects.T)[::9, ::9]
     scale = np.sqrt(np.outer(np.diag(stated), np.diag(stated)))
     # A covariance of 600 draws scatters by 1/sqrt(600) = 4 % of the variances, a variance by 6 %.
