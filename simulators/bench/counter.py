@@ -111,13 +111,10 @@ class Counter:
         length = np.concatenate([self._last.length_mm, sight.length_mm])
         same = index[1:] == index[:-1]
         time_s = np.concatenate([self._last.time_s, sight.time_s])
-        fast = (
-            same
-            & (index[1:] != NOBODY)
-            & (np.abs(np.diff(length)) > self._limit_mm_s * np.maximum(np.diff(time_s), _SHORTEST_STEP_S))
-        )
+        most = self._limit_mm_s * np.maximum(time_s[1:] - time_s[:-1], _SHORTEST_STEP_S)
+        fast = same & (index[1:] != NOBODY) & (np.abs(length[1:] - length[:-1]) > most)
         # Each interval that is not counted is taken out of the count, in the order in which they come.
-        for k in np.flatnonzero(~same | fast):
+        for k in (~same | fast).nonzero()[0]:
             optical = [float(length[i]) * self._air_index(float(time_s[i])) for i in (k, k + 1)]
             lengths = _Lengths(float(length[k]), float(length[k + 1]), *optical)
             self._skip(int(index[k]), int(index[k + 1]), lengths, fast=bool(fast[k]))
