@@ -1,16 +1,20 @@
 """A watched run reads when an unwatched one does: stamps of the readings of a dwell, point by point with and without.
 
-One run at real speed on the emulators; a client watches bench and traffic during every other point. The arrival of
-each reading is held against the moment at which it was due.
+One run at real speed on the emulators; a client watches bench and traffic during every other point, or the terminal
+user interface is there from its middle on. The arrival of each reading is held against the moment when it was due.
 """
 
 import asyncio
 import json
 import os
+import select
 import tempfile
+import threading
 import time
-from contextlib import suppress
+from collections.abc import AsyncIterator, Awaitable, Callable
+from contextlib import asynccontextmanager, suppress
 from datetime import datetime, timedelta
+from itertools import count
 from pathlib import Path
 from typing import Any
 
@@ -30,36 +34,62 @@ from drivers.umd.display import UmdDisplay
 from tests.benchmarks.stream_peers import RATE_HZ
 from tests.benchmarks.test_stream import peer
 from tests.benchmarks.test_time_per_point import FEW_NODES, searched
-from tests.system.command import emulated, start
+from tests.system.command import Emulated, emulated, start
+from tests.system.screen import Screen
 from tests.unit.app.bench.benches import bench_from_template, cell_from_template
 
 READINGS = 100
 DWELL_S = 0.5
+_MIDDLE = 24
 LIMIT_MS = 0.5
-_EDIT = {**FEW_NODES, "readings = 10 ": f"readings = {READINGS} "}
+_EDIT = {
+    **FEW_NODES,
+    next(iter(FEW_NODES)): "theta1_deg = [-80.0, -60.0, -40.0, -20.0]",
+    "readings = 10 ": f"readings = {READINGS} ",
+}
 
 Stamps = dict[bool, list[float]]
 Lateness = np.ndarray[tuple[int, int], np.dtype[np.float64]]
 """Lateness of each reading of each point, ms."""
 
 
-async def measured(client: EngineClient) -> tuple[Path, dict[str, bool]]:
+Watching = Callable[[int], Awaitable[bool | None]]
+"""Is told the number of each step that begins; returns whether it is watched, None where that changes meanwhile."""
+
+
+async def measured(client: EngineClient, watching: Watching) -> tuple[Path, dict[str, bool]]:
     """Measure; return the run and, by the time at which a point was begun, whether it was watched."""
     watched: dict[str, bool] = {}
-    looking = False
+    looking: bool | None = False
+    steps = count()
     opened = await client.request("start", procedure="open-loop", params={"reflectors": ["P2"]})
     async for event in client.events():
         if event["event"] == "step-started":
-            looking = not looking
-            for topic in ("watch", "traffic"):
-                await client.request(topic, on=looking)
-        elif event["event"] == "point":
+            looking = await watching(next(steps))
+        elif event["event"] == "point" and looking is not None:
             point: Any = event["point"]
             watched[str(point["time_utc"])] = looking
         elif event["event"] == "run-ended":
             assert event["exit_code"] == 0, event
             return Path(str(opened["path"])), watched
     raise AssertionError("the engine is gone")
+
+
+@asynccontextmanager
+async def engine_of(bench: Emulated, folder: Path) -> AsyncIterator[EngineClient]:
+    """Run an engine of a bench that has been searched; yield a client that controls it."""
+    await searched(bench, folder / "catseye-runs")
+    engine = start("engine", "--cell", bench.cell, cwd=folder)
+    try:
+        assert engine.stdout is not None
+        _undisturbed(engine.pid, bench.process.pid, os.getpid())
+        ready = json.loads(await asyncio.to_thread(engine.stdout.readline))
+        async with connect(Path(ready["socket"]), "test", "Ada") as client:
+            await client.take_control()
+            yield client
+    finally:
+        engine.terminate()
+        engine.communicate(timeout=20)
 
 
 def lateness_ms(run: Path, watched: dict[str, bool]) -> Stamps:
@@ -97,34 +127,85 @@ def _undisturbed(*processes: int) -> None:
             os.setpriority(os.PRIO_PROCESS, process, -15)
 
 
-@pytest.mark.timeout(300)
-async def test_a_watcher_delays_no_reading(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    with tempfile.TemporaryDirectory(dir="/tmp") as runtime, emulated(tmp_path, edit=_EDIT) as bench:
-        monkeypatch.setenv("XDG_RUNTIME_DIR", runtime)
-        await searched(bench, tmp_path / "catseye-runs")
-        engine = start("engine", "--cell", bench.cell, cwd=tmp_path)
-        try:
-            assert engine.stdout is not None
-            _undisturbed(engine.pid, bench.process.pid, os.getpid())
-            ready = json.loads(await asyncio.to_thread(engine.stdout.readline))
-            async with connect(Path(ready["socket"]), "test", "Ada") as client:
-                await client.take_control()
-                run, watched = await measured(client)
-        finally:
-            engine.terminate()
-            engine.communicate(timeout=20)
-    late_ms = lateness_ms(run, watched)
+def show_difference(what: str, late_ms: Stamps) -> float:
+    """Print what a watcher changes; return the lower end of the 95 % interval of the difference, ms."""
     plain, seen = (np.reshape(late_ms[is_watched], (-1, READINGS)) for is_watched in (False, True))
     (plain50, plain99), (seen50, seen99) = np.percentile(plain, [50, 99]), np.percentile(seen, [50, 99])
     low_ms, high_ms = difference_interval_ms(plain, seen)
     print(  # noqa: T201  # the figure
-        f"\nreadings after they were due: unwatched p50 {plain50:.3f} p99 {plain99:.3f} ms of {plain.size}, watched "
+        f"\nreadings after they were due: unwatched p50 {plain50:.3f} p99 {plain99:.3f} ms of {plain.size}, {what} "
         f"p50 {seen50:.3f} p99 {seen99:.3f} ms of {seen.size}: p99 differs by {seen99 - plain99:+.3f} ms "
         f"({low_ms:+.3f} … {high_ms:+.3f} ms with 95 %; limit {LIMIT_MS} ms)"
     )
     assert min(len(plain), len(seen)) >= 10
+    return low_ms
+
+
+@pytest.mark.timeout(300)
+async def test_a_watcher_delays_no_reading(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    with tempfile.TemporaryDirectory(dir="/tmp") as runtime, emulated(tmp_path, edit=_EDIT) as bench:
+        monkeypatch.setenv("XDG_RUNTIME_DIR", runtime)
+        async with engine_of(bench, tmp_path) as client:
+
+            async def every_other(number: int) -> bool:
+                looking = number % 2 == 1
+                for topic in ("watch", "traffic"):
+                    await client.request(topic, on=looking)
+                return looking
+
+            run, watched = await measured(client, every_other)
     # On a machine that does other work the interval is wide; what a watcher costs would move all of it.
-    assert low_ms <= LIMIT_MS
+    assert show_difference("watched", lateness_ms(run, watched)) <= LIMIT_MS
+
+
+class Interface:
+    """The terminal user interface in a terminal that is read and not looked at."""
+
+    def __init__(self, bench: Emulated, folder: Path) -> None:
+        self._screen = Screen("tui", "--cell", bench.cell, cwd=folder, size=(120, 40))
+        self._ended = threading.Event()
+        self._reader = threading.Thread(target=self._read)
+        self.shows = asyncio.create_task(asyncio.to_thread(self._begin))
+
+    def _begin(self) -> None:
+        self._screen.shows("BEAM OK")
+        _undisturbed(self._screen.process.pid)
+        self._reader.start()
+
+    def _read(self) -> None:
+        while not self._ended.is_set():
+            if select.select([self._screen.descriptor], [], [], 0.1)[0]:
+                os.read(self._screen.descriptor, 65536)
+
+    async def end(self) -> None:
+        """Kill it."""
+        await self.shows
+        self._ended.set()
+        self._reader.join()
+        self._screen.close()
+        self._screen.process.kill()
+        self._screen.process.wait()
+
+
+@pytest.mark.timeout(300)
+async def test_the_interface_delays_no_reading(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Without it up to the middle of the run, then with its screen of the bench, strip chart and all."""
+    shown: list[Interface] = []
+    with tempfile.TemporaryDirectory(dir="/tmp") as runtime, emulated(tmp_path, edit=_EDIT) as bench:
+        monkeypatch.setenv("XDG_RUNTIME_DIR", runtime)
+        async with engine_of(bench, tmp_path) as client:
+
+            async def from_the_middle_on(number: int) -> bool | None:
+                if number == _MIDDLE:
+                    shown.append(Interface(bench, tmp_path))
+                return shown[0].shows.done() or None if shown else False
+
+            try:
+                run, watched = await measured(client, from_the_middle_on)
+            finally:
+                for interface in shown:
+                    await interface.end()
+    assert show_difference("with the interface", lateness_ms(run, watched)) <= LIMIT_MS
 
 
 async def test_what_one_turn_of_telling_keeps_the_loop_from(tmp_path: Path) -> None:
