@@ -67,12 +67,13 @@ class CatseyeApp(App[int]):
         place: str = "bench",
         trouble: tuple[str, str] | None = None,
     ) -> None:
+        # The screen that is shown first, in place of an empty one that is made, drawn and left before it.
+        self.DEFAULT_MODE = place  # type: ignore[misc]  # is read by the instance
         super().__init__()
         self.session = session
         self._own_keys = dict(keymap or {})
         self._trouble = trouble
         self._known_facts: dict[str, Any] = {}
-        self._first = place
         self._ended = asyncio.Event()
         self._faults: set[str] = set()
         self._orders: set[asyncio.Task[None]] = set()
@@ -87,8 +88,7 @@ class CatseyeApp(App[int]):
             self.set_keymap(keymap)
 
     async def on_mount(self) -> None:
-        """Show the first screen, then look for the engine."""
-        await self.switch_mode(self._first)
+        """Look for the engine, now that the first screen is shown."""
         self._own_loop = asyncio.get_running_loop()
         self.keep(self.session.link.serve(self._note_change))
         self.set_interval(_REFRESH_S, self._show_changes)

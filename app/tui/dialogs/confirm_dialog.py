@@ -6,7 +6,9 @@ from textual.app import ComposeResult
 from textual.binding import Binding, BindingType
 from textual.containers import Vertical
 from textual.screen import ModalScreen
-from textual.widgets import Footer, Label, Static
+from textual.widgets import Label, Static
+
+from app.tui.widgets.key_line import KeyLine
 
 
 class ConfirmDialog(ModalScreen[bool]):
@@ -43,7 +45,7 @@ class ConfirmDialog(ModalScreen[bool]):
         with Vertical():
             yield Label(self._title, markup=False)
             yield Static(f"{self._text}\n\n{self._keys}", markup=False)
-            yield Footer(compact=True)
+            yield KeyLine()
 
     def action_choose(self, agreed: bool) -> None:
         """Close with the answer."""

@@ -2,9 +2,10 @@
 
 from textual.app import ComposeResult
 from textual.containers import Vertical, VerticalScroll
-from textual.widgets import Footer, Label, Static
+from textual.widgets import Label, Static
 
 from app.tui.dialogs.message_dialog import MessageDialog
+from app.tui.widgets.key_line import KeyLine
 
 
 class ErrorDialog(MessageDialog):
@@ -40,7 +41,7 @@ class ErrorDialog(MessageDialog):
                 yield Static(cause, markup=False, classes="cause")
                 if remedy:
                     yield Static(f"→ {remedy}", markup=False, classes="remedy")
-            yield Footer(compact=True)
+            yield KeyLine()
 
 
 def split_remedy(text: str) -> tuple[str, str]:

@@ -8,7 +8,9 @@ from textual.app import ComposeResult
 from textual.binding import Binding, BindingType
 from textual.containers import Horizontal, Vertical
 from textual.screen import ModalScreen
-from textual.widgets import Footer, Input, Label, Select, Static
+from textual.widgets import Input, Label, Select, Static
+
+from app.tui.widgets.key_line import KeyLine
 
 
 @dataclass(frozen=True)
@@ -96,7 +98,7 @@ class FormDialog(ModalScreen[Answers | None]):
                         yield Input(field.value, id=field.name, compact=True, select_on_focus=False)
                     yield Label(field.hint, classes="hint", markup=False)
             yield Static("", id="fault", markup=False)
-            yield Footer(compact=True)
+            yield KeyLine()
 
     def on_input_submitted(self) -> None:
         """Answer."""

@@ -6,7 +6,9 @@ from textual.app import ComposeResult
 from textual.binding import Binding, BindingType
 from textual.containers import Vertical
 from textual.screen import ModalScreen
-from textual.widgets import Footer, Label, Static
+from textual.widgets import Label, Static
+
+from app.tui.widgets.key_line import KeyLine
 
 
 class MotionDialog(ModalScreen[bool]):
@@ -41,7 +43,7 @@ class MotionDialog(ModalScreen[bool]):
         with Vertical():
             yield Label(self._title, markup=False)
             yield Static(f"{self._text}\n\nF8  move    Esc  do not move", markup=False)
-            yield Footer(compact=True)
+            yield KeyLine()
 
     def action_choose(self, move: bool) -> None:
         """Close with the decision."""

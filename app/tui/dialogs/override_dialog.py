@@ -6,7 +6,9 @@ from textual.app import ComposeResult
 from textual.binding import Binding, BindingType
 from textual.containers import Vertical
 from textual.screen import ModalScreen
-from textual.widgets import Footer, Input, Label, Static
+from textual.widgets import Input, Label, Static
+
+from app.tui.widgets.key_line import KeyLine
 
 
 class OverrideDialog(ModalScreen[float | None]):
@@ -40,7 +42,7 @@ class OverrideDialog(ModalScreen[float | None]):
             yield Static(f"It is {now}. From here it is only lowered, before the next motion.", markup=False)
             yield Input(placeholder="percent, then Enter", compact=True)
             yield Static("", id="fault", markup=False)
-            yield Footer(compact=True)
+            yield KeyLine()
 
     def on_input_submitted(self, event: Input.Submitted) -> None:
         """Take a percentage; whether it is lower the engine decides."""

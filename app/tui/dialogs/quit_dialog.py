@@ -6,7 +6,9 @@ from textual.app import ComposeResult
 from textual.binding import Binding, BindingType
 from textual.containers import Vertical
 from textual.screen import ModalScreen
-from textual.widgets import Footer, Label, Static
+from textual.widgets import Label, Static
+
+from app.tui.widgets.key_line import KeyLine
 
 Choice = Literal["leave", "hold", "stop"]
 
@@ -46,7 +48,7 @@ class QuitDialog(ModalScreen[Choice | None]):
                 "catseye tui comes back to it at any time.",
                 markup=False,
             )
-            yield Footer(compact=True)
+            yield KeyLine()
 
     def action_choose(self, choice: str) -> None:
         """Take a choice."""

@@ -7,7 +7,9 @@ from textual.app import ComposeResult
 from textual.binding import Binding, BindingType
 from textual.containers import Vertical, VerticalScroll
 from textual.screen import ModalScreen
-from textual.widgets import Footer, Input, Label, Static
+from textual.widgets import Input, Label, Static
+
+from app.tui.widgets.key_line import KeyLine
 
 
 @dataclass(frozen=True)
@@ -76,7 +78,7 @@ class StartDialog(ModalScreen[Permission | None]):
                 yield Input(id="arm", compact=True, placeholder="name of the cell")
             yield Static("", id="fault", markup=False)
             yield Static("F8  the arm moves        Esc  back; nothing moves", id="key", markup=False)
-            yield Footer(compact=True)
+            yield KeyLine()
 
     def action_begin(self) -> None:
         """Agree, if the name is right."""

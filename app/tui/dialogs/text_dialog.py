@@ -2,9 +2,10 @@
 
 from textual.app import ComposeResult
 from textual.containers import Vertical, VerticalScroll
-from textual.widgets import Footer, Label, Static
+from textual.widgets import Label, Static
 
 from app.tui.dialogs.message_dialog import MessageDialog
+from app.tui.widgets.key_line import KeyLine
 
 
 class TextDialog(MessageDialog):
@@ -31,4 +32,4 @@ class TextDialog(MessageDialog):
             yield Label(self._title, markup=False)
             with VerticalScroll():
                 yield Static(self._text, markup=False)
-            yield Footer(compact=True)
+            yield KeyLine()

@@ -6,11 +6,11 @@ from typing import TYPE_CHECKING, ClassVar, cast
 from textual.app import ComposeResult, SystemCommand
 from textual.containers import Vertical
 from textual.screen import Screen
-from textual.widgets import Footer
 from textual.worker import Worker, WorkerState
 
 from app.tui.picture import Picture
 from app.tui.session import Session
+from app.tui.widgets.key_line import KeyLine
 from app.tui.widgets.place_bar import PlaceBar
 from app.tui.widgets.status_bar import StatusBar
 from app.tui.widgets.stop_bar import StopBar
@@ -46,7 +46,7 @@ class MainScreen(Screen[None]):
         yield from self.body()
         with Vertical(id="foot"):
             yield StopBar()
-            yield Footer(compact=True)
+            yield KeyLine()
 
     def body(self) -> ComposeResult:
         """Return what stands between status and stop bar."""

@@ -61,6 +61,7 @@ class SetupScreen(WorkScreen):
         super().__init__(session)
         self._drafts: dict[Path | None, Draft] = {}
         self._source: Path | None = None
+        self._asked: Wizard | None = None
         self._emulators: asyncio.Task[None] | None = None
 
     def body(self) -> ComposeResult:
@@ -98,7 +99,7 @@ class SetupScreen(WorkScreen):
     @property
     def asking(self) -> bool:
         """The wizard is shown."""
-        return self.has_class("wizard") and bool(self.query("Wizard"))
+        return self.has_class("wizard") and self._asked is not None and self._asked.is_attached
 
     @property
     def _wizard(self) -> "Wizard":
@@ -211,7 +212,8 @@ class SetupScreen(WorkScreen):
         from app.tui.setup.wizard import Wizard
 
         await self.query("Wizard").remove()
-        await self.query_one("#place").mount(Wizard(draft))
+        self._asked = Wizard(draft)
+        await self.query_one("#place").mount(self._asked)
         self.add_class("wizard")
         self.refresh_bindings()
 

@@ -11,8 +11,9 @@ from textual.binding import Binding, BindingType
 from textual.containers import Vertical, VerticalScroll
 from textual.content import Content
 from textual.screen import ModalScreen
-from textual.widgets import Footer, Label
+from textual.widgets import Label
 
+from app.tui.widgets.key_line import KeyLine
 from app.tui.widgets.told import Told, lines
 from app.tui.words import duration_text
 from app.tui.work import Work
@@ -61,7 +62,7 @@ class DeviceTest(ModalScreen[None]):
             yield Label(f"Connection test: {self._device}", markup=False)
             with VerticalScroll():
                 yield Told(id="found")
-            yield Footer(compact=True)
+            yield KeyLine()
 
     def on_mount(self) -> None:
         """Begin at once."""

@@ -4,6 +4,7 @@ from collections.abc import Iterator
 
 from textual.app import ComposeResult
 from textual.containers import Horizontal, Vertical
+from textual.content import Content
 from textual.message import Message
 from textual.widget import Widget
 from textual.widgets import Input, Label, Select
@@ -23,7 +24,7 @@ class Fault(Told):
     def tell_fault(self, text: str) -> None:
         """Show a fault; an empty text hides it."""
         self.set_class(bool(text), "told")
-        self.update(f"✗ {text}" if text else "")
+        self.tell(Content(f"✗ {text}" if text else ""))
 
 
 class Answered(Message):

@@ -2,7 +2,6 @@
 
 from textual.app import RenderResult
 from textual.content import Content
-from textual.reactive import reactive
 from textual.widget import Widget
 
 from app.tui.picture import Picture
@@ -35,23 +34,23 @@ class StatusBar(Widget):
     StatusBar { height: 2; background: $panel; color: $foreground; text-wrap: nowrap; text-overflow: ellipsis; }
     """
 
-    revision: reactive[int] = reactive(0)
-
     def __init__(self) -> None:
         super().__init__()
         self._picture = Picture()
         self._now_s = 0.0
+        self._lines: tuple[list[Part], ...] = ()
 
     def show(self, picture: Picture, now_s: float) -> None:
-        """Show what is known now."""
+        """Show what is known now; drawn anew only where it says something else, as a dialog is with it."""
         self._picture, self._now_s = picture, now_s
-        self.refresh()
+        lines = (self._first_line(), self._second_line())
+        if lines != self._lines:
+            self._lines = lines
+            self.refresh()
 
     def render(self) -> RenderResult:
         """Return both lines."""
-        return Content("\n").join(
-            [Content.assemble(*self._first_line()), Content.assemble(*self._second_line())]
-        )
+        return Content("\n").join([Content.assemble(*line) for line in self._lines])
 
     def _first_line(self) -> list[Part]:
         picture = self._picture

@@ -1,0 +1,34 @@
+"""The line of keys below a screen or in a dialog."""
+
+from textual.app import ComposeResult
+from textual.binding import Binding
+from textual.widgets import Footer
+
+
+class KeyLine(Footer):
+    """Keys of what is shown, made anew only when they are others: the focus moves far more often."""
+
+    def __init__(self) -> None:
+        super().__init__(compact=True)
+        self._shown: list[tuple[Binding, bool, str]] | None = None
+
+    def compose(self) -> ComposeResult:
+        """Make the keys, once they are known."""
+        to_show = self._to_show()
+        for key in super().compose():
+            self._shown = to_show
+            yield key
+
+    async def recompose(self) -> None:
+        """Make the keys anew if they are others."""
+        if self.is_attached and self._to_show() != self._shown:
+            await super().recompose()
+
+    def _to_show(self) -> list[tuple[Binding, bool, str]]:
+        palette = self.app.COMMAND_PALETTE_BINDING
+        active = self.screen.active_bindings.items()
+        return [
+            (each.binding, each.enabled, each.tooltip)
+            for key, each in active
+            if each.binding.show or key == palette
+        ]
