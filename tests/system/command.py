@@ -3,6 +3,7 @@
 import json
 import os
 import re
+import signal
 import socket
 import subprocess
 import sys
@@ -19,6 +20,7 @@ from tests.system import forked
 
 SPEED = "400"
 _LIMIT_S = 110
+_END_S = 10
 
 
 def catseye(*arguments: str | Path, cwd: Path) -> subprocess.CompletedProcess[str]:
@@ -85,19 +87,25 @@ def emulated(
     free = folder / "emulator.toml"
     free.write_text(re.sub(r"(://127\.0\.0\.1):\d+", r"\1:0", text), encoding="utf-8")
     words: list[str | Path] = ["emulate", free, "--speed", SPEED, *options]
-    source, sink = os.pipe()
-    with open(source, encoding="utf-8") as lines, (folder / "emulator.txt").open("wb") as said:
-        with open(sink, "wb") as out:
-            process = forked.Forked(module, words, cwd=folder, env=environment(), out=out, err=said)
+    with (
+        (folder / "emulator.txt").open("wb") as said,
+        forked.talking(module, words, cwd=folder, env=environment(), err=said) as (process, lines),
+    ):
+        served = [json.loads(lines.readline())["endpoint"] for _ in asked]
+        for old, new in zip(asked, served, strict=True):
+            text = text.replace(f'"{old}"', f'"{new}"')
+        cell.write_text(text, encoding="utf-8")
         try:
-            served = [json.loads(lines.readline())["endpoint"] for _ in asked]
-            for old, new in zip(asked, served, strict=True):
-                text = text.replace(f'"{old}"', f'"{new}"')
-            cell.write_text(text, encoding="utf-8")
             yield Emulated(cell, ("127.0.0.1", int(served[-1].rpartition(":")[2])), process)
         finally:
-            process.terminate()
-            process.wait(10)
+            process.send_signal(signal.SIGTERM)
+            process.wait(_END_S)
+
+
+def only(reflector: str) -> dict[str, str]:
+    """Return the edit of the template that leaves one reflector."""
+    tables = re.findall(r"\[\[reflector\]\].*\n(?:.+\n)+\n", TEMPLATE)
+    return {table: "" for table in tables if f'"{reflector}"' not in table}
 
 
 def _endpoints(cell: Path) -> list[str]:

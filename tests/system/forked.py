@@ -8,10 +8,12 @@ import multiprocessing
 import os
 import pkgutil
 import runpy
+import signal
 import subprocess
 import sys
 import tempfile
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from multiprocessing.connection import Connection
 from pathlib import Path
 from typing import IO, Any
@@ -28,6 +30,8 @@ _CONTEXT.set_forkserver_preload(
         for module in pkgutil.walk_packages(package.__path__, f"{package.__name__}.")
     ]
 )
+
+_END_S = 10.0
 
 
 class Forked:
@@ -67,13 +71,14 @@ class Forked:
         assert self._process.pid is not None
         return self._process.pid
 
-    def terminate(self) -> None:
-        """Send SIGTERM."""
-        self._process.terminate()
+    def send_signal(self, number: int) -> None:
+        """Send a signal, unless it has ended."""
+        if self._process.exitcode is None:
+            os.kill(self.pid, number)
 
     def kill(self) -> None:
         """Send SIGKILL."""
-        self._process.kill()
+        self.send_signal(signal.SIGKILL)
 
     def wait(self, limit_s: float) -> int:
         """Wait for its end and return its exit code, negative for a signal; one that takes longer is killed."""
@@ -83,6 +88,22 @@ class Forked:
             self._process.join()
             raise subprocess.TimeoutExpired(self._process.name, limit_s)
         return self._process.exitcode
+
+
+@contextmanager
+def talking(
+    module: str, arguments: Sequence[str | Path], *, cwd: Path, env: Mapping[str, str], err: IO[Any]
+) -> Iterator[tuple[Forked, IO[str]]]:
+    """Run a module and yield it with its stdout; it is killed at the end, if it still runs then."""
+    source, sink = os.pipe()
+    with open(source, encoding="utf-8") as lines:
+        with open(sink, "wb") as out:
+            process = Forked(module, arguments, cwd=cwd, env=env, out=out, err=err)
+        try:
+            yield process, lines
+        finally:
+            process.kill()
+            process.wait(_END_S)
 
 
 def run(

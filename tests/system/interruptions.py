@@ -4,7 +4,7 @@ import contextlib
 import json
 import random
 import signal
-import subprocess
+import tempfile
 import threading
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
@@ -15,7 +15,8 @@ from app.errors import StorageError
 from app.store.catalog import list_runs
 from app.store.reader import RunReader
 from app.store.verify import verify
-from tests.system.command import Emulated, start
+from tests.system import forked
+from tests.system.command import Emulated, environment
 
 LIMIT_S = 600
 POINT_KEY = ("reflector", "theta1_deg", "theta2_deg", "direction1", "direction2")
@@ -102,12 +103,21 @@ class Story:
         """
         if self.path is None:
             known = {run.path for run in list_runs(self.folder / "catseye-runs")}
-            command = ["run", "open-loop", "--cell", str(self.bench.cell), "--speed", "400", *options]
-            process = start(*command, "--json", cwd=self.folder, crash=crash)
+            words = ["run", "open-loop", "--cell", str(self.bench.cell), "--speed", "400"]
         else:
             known = set()
-            process = start("resume", str(self.path), *options, "--json", cwd=self.folder, crash=crash)
-        life = _until_its_end(process, moment, number)
+            words = ["resume", str(self.path)]
+        env = {**environment(), "CATSEYE_CRASHPOINT": crash}
+        with (
+            tempfile.TemporaryFile() as said,
+            forked.talking("app", [*words, *options, "--json"], cwd=self.folder, env=env, err=said) as (
+                process,
+                lines,
+            ),
+        ):
+            returncode, events = _until_its_end(process, lines, moment, number)
+            said.seek(0)
+            life = _life(returncode, events, said.read().decode())
         self.lives.append(life)
         if self.path is None:
             new = [run.path for run in list_runs(self.folder / "catseye-runs") if run.path not in known]
@@ -167,14 +177,11 @@ def _number(value: object) -> float:
     return value
 
 
-def _until_its_end(process: "subprocess.Popen[str]", moment: Moment | None, number: int) -> Process:
+def _until_its_end(
+    process: forked.Forked, lines: Iterable[str], moment: Moment | None, number: int
+) -> tuple[int, list[dict[str, Any]]]:
+    """Return the exit code, and what it told on stdout."""
     with contextlib.ExitStack() as stack:
-        said: list[str] = []
-        assert process.stdout is not None
-        assert process.stderr is not None
-        listener = threading.Thread(target=lambda stream: said.append(stream.read()), args=(process.stderr,))
-        listener.start()
-        stack.callback(listener.join)
 
         def end_after(delay_s: float, number: int) -> None:
             killer = threading.Timer(delay_s, process.send_signal, (number,))
@@ -182,21 +189,21 @@ def _until_its_end(process: "subprocess.Popen[str]", moment: Moment | None, numb
             stack.callback(killer.join)
             stack.callback(killer.cancel)
 
-        end_after(LIMIT_S, signal.SIGKILL)
         if moment is not None and moment.event == 0:
             end_after(moment.delay_s, number)
         # The last line may be cut by the kill.
         events = []
-        for event in _whole(process.stdout):
+        for event in _whole(lines):
             events.append(event)
             if moment is not None and len(events) == moment.event:
                 end_after(moment.delay_s, number)
-        returncode = process.wait()
-        process.stdout.close()
-    process.stderr.close()
+        return process.wait(LIMIT_S), events
+
+
+def _life(returncode: int, events: list[dict[str, Any]], stderr: str) -> Process:
     points = [_command(event["point"]) for event in events if event["event"] == "point"]
     steps = [str(event["step"]) for event in events if event["event"] == "step-done"]
-    return Process(returncode, points, steps, "".join(said), len(events))
+    return Process(returncode, points, steps, stderr, len(events))
 
 
 def _whole(lines: Iterable[str]) -> Iterable[dict[str, Any]]:

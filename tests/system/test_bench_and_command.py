@@ -7,7 +7,14 @@ from pathlib import Path
 
 import pytest
 
-from tests.system.command import SPEED, Emulated, catseye, emulated, last_run
+from tests.system.command import SPEED, Emulated, catseye, emulated, last_run, only
+
+FEW_NODES = {
+    "theta1_deg = [-140.0, -120.0, -100.0, -80.0, -60.0, -40.0, -20.0, 0.0, 20.0, 40.0, 60.0]": (
+        "theta1_deg = [-100.0, -60.0, -20.0, 20.0]"
+    ),
+    "theta2_deg = [0.0, 20.0, 40.0, 60.0, 80.0, 100.0, 120.0, 140.0]": "theta2_deg = [20.0, 60.0, 100.0, 140.0]",
+}
 
 
 @pytest.fixture(scope="module")
@@ -47,7 +54,15 @@ def test_dry_run_tells_steps_and_time_and_touches_no_device(bench: Emulated) -> 
     assert moves == []
 
 
-def test_from_search_to_report(bench: Emulated) -> None:
+def test_from_search_to_report(tmp_path: Path) -> None:
+    with emulated(tmp_path, "--seed", "5", edit={**FEW_NODES, **only("P1")}) as bench:
+        measured = search_and_measure(bench)
+    report_on(tmp_path, measured)
+    check_files(tmp_path)
+
+
+def search_and_measure(bench: Emulated) -> str:
+    """Return the run of a measurement that aims from a search."""
     folder = bench.cell.parent
     searched = catseye(
         "run", "reflector-search", "--cell", bench.cell, "--speed", SPEED, "--json", cwd=folder
@@ -60,11 +75,13 @@ def test_from_search_to_report(bench: Emulated) -> None:
         "complete",
         0,
     )
-    one = ["--param", 'reflectors=["P1"]']
-    measured = catseye("run", "open-loop", "--cell", bench.cell, "--speed", SPEED, *one, cwd=folder)
+    measured = catseye("run", "open-loop", "--cell", bench.cell, "--speed", SPEED, cwd=folder)
     assert measured.returncode == 0, measured.stderr
     assert "aim from" in measured.stderr
-    run = last_run(folder, "open-loop")
+    return last_run(folder, "open-loop")
+
+
+def report_on(folder: Path, run: str) -> None:
     assert catseye("verify", run, cwd=folder).returncode == 0
     for command, output in (
         (["export", run, "--format", "csv"], "points.csv"),
@@ -77,7 +94,6 @@ def test_from_search_to_report(bench: Emulated) -> None:
     again = ["identify", "--points", "points.csv", "--cell", "cell.toml", "-o", "again.json"]
     assert catseye(*again, cwd=folder).returncode == 0
     assert catseye("report", "result.json", "-o", "result.html", cwd=folder).returncode == 0
-    check_files(folder)
 
 
 def check_files(folder: Path) -> None:

@@ -27,6 +27,12 @@ def bench(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Emulated]:
         yield running
 
 
+@pytest.fixture(scope="module")
+def tracked(bench: Emulated) -> dict[str, Any]:
+    """Return the facts of a measurement as it is planned."""
+    return measure(bench)
+
+
 def measure(bench: Emulated, *params: str) -> dict[str, Any]:
     folder = bench.cell.parent
     options = [part for text in params for part in ("--param", text)]
@@ -64,10 +70,9 @@ def true_reversal_mdeg(bench: Emulated) -> Floats:
     return at_nodes
 
 
-def test_planned_tracking_keeps_the_beam_on_every_move(bench: Emulated) -> None:
-    facts = measure(bench)
-    assert lost(facts) == 0
-    assert facts["counts"]["points"] == 3 * 8 * 8
+def test_planned_tracking_keeps_the_beam_on_every_move(tracked: dict[str, Any]) -> None:
+    assert lost(tracked) == 0
+    assert tracked["counts"]["points"] == 3 * 8 * 8
 
 
 def test_point_to_point_without_subdivision_breaks_the_beam(bench: Emulated) -> None:
@@ -75,8 +80,8 @@ def test_point_to_point_without_subdivision_breaks_the_beam(bench: Emulated) -> 
     assert lost(facts) > 40
 
 
-def test_identified_reversal_is_the_true_one_with_take_up(bench: Emulated) -> None:
-    found, u = reversal_mdeg(bench, measure(bench))
+def test_identified_reversal_is_the_true_one_with_take_up(bench: Emulated, tracked: dict[str, Any]) -> None:
+    found, u = reversal_mdeg(bench, tracked)
     assert u.max() < 1.5
     assert (np.abs(found - true_reversal_mdeg(bench)) / u).max() < 4.0
 

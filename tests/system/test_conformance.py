@@ -1,7 +1,11 @@
 """Every driver of ours passes the conformance suite that third parties are given, on our emulators."""
 
+import multiprocessing
+import tempfile
+from collections.abc import Iterator
 from dataclasses import replace
 from itertools import groupby
+from multiprocessing.pool import AsyncResult
 from pathlib import Path
 from typing import Any
 
@@ -9,10 +13,13 @@ import pytest
 
 from app.testing.candidate import KINDS, Candidate, candidate_of
 from app.testing.checks.catalogue import ALL, applicable
-from app.testing.checks.check import Check, run_check
+from app.testing.checks.check import run_check
 from drivers.registry import driver_names
 from simulators.config import Option
 from tests.system.quick import short_timeouts
+
+AT_A_TIME = 3
+LIMIT_S = 100.0
 
 _OPTIONS: dict[str, dict[str, Option]] = {"attocube-ids": {"start_time_s": 0.0}}
 """Emulators whose warming up would take longer than the check."""
@@ -24,20 +31,39 @@ def candidates() -> list[Candidate]:
 
 
 def groups() -> list[Any]:
-    """Return drivers with their checks, by the module of the checks."""
+    """Return names of drivers and of the modules of their checks."""
     return [
-        pytest.param(candidate, list(checks), id=f"{candidate.name}-{module.rpartition('.')[2]}")
+        pytest.param(candidate.name, module, id=f"{candidate.name}-{module.rpartition('.')[2]}")
         for candidate in candidates()
-        for module, checks in groupby(applicable(candidate), key=lambda check: check.body.__module__)
+        for module, _ in groupby(applicable(candidate), key=lambda check: check.body.__module__)
     ]
 
 
-@pytest.mark.parametrize(("candidate", "checks"), groups())
-def test_conforms(candidate: Candidate, checks: list[Check], tmp_path: Path) -> None:
-    settings = short_timeouts(candidate, tmp_path)
-    examined = replace(candidate, settings=settings, options=_OPTIONS.get(candidate.name, {}))
-    for check in checks:
-        run_check(check, examined)
+def examine(name: str, module: str) -> None:
+    """Run a module's checks of a driver."""
+    candidate = candidate_of(name)
+    with tempfile.TemporaryDirectory() as folder:
+        settings = short_timeouts(candidate, Path(folder))
+        examined = replace(candidate, settings=settings, options=_OPTIONS.get(name, {}))
+        for check in applicable(candidate):
+            if check.body.__module__ == module:
+                run_check(check, examined)
+
+
+@pytest.fixture(scope="module")
+def examined(request: pytest.FixtureRequest) -> Iterator[dict[tuple[str, str], "AsyncResult[None]"]]:
+    """Examine whatever drivers have been asked for, several at a time: most of it is waiting for time-outs."""
+    chosen = [getattr(item, "callspec", None) for item in request.session.items if item.path == request.path]
+    asked = [(str(one.params["name"]), str(one.params["module"])) for one in chosen if one is not None]
+    with multiprocessing.get_context("forkserver").Pool(AT_A_TIME) as pool:
+        yield {one: pool.apply_async(examine, one) for one in asked}
+        pool.close()
+        pool.join()
+
+
+@pytest.mark.parametrize(("name", "module"), groups())
+def test_conforms(name: str, module: str, examined: dict[tuple[str, str], "AsyncResult[None]"]) -> None:
+    examined[name, module].get(LIMIT_S)
 
 
 def test_every_check_has_a_name_of_its_own_within_a_kind_and_says_what_it_asks() -> None:
