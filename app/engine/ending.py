@@ -60,7 +60,9 @@ def ending_of(control: RunControl, error: BaseException) -> Ending:
     troubles = [report.text for report in control.reports if not report.standstill]
     if troubles:
         warning = "PRESS THE EMERGENCY STOP: standstill is not confirmed"
-        return Ending("aborted", ExitCode.SAFETY, "; ".join([warning, text, *troubles]))
+        # Where the link broke, the trouble with the stop quotes what ended the run.
+        first = [] if any(text in trouble for trouble in troubles) else [text]
+        return Ending("aborted", ExitCode.SAFETY, "; ".join([warning, *first, *troubles]))
     if control.state == State.ABORTED:
         return Ending("aborted", code, text)
     return Ending("stopped" if code == ExitCode.INTERRUPTED else "failed", code, text)
