@@ -30,7 +30,7 @@ class BenchScreen(MainScreen):
     DEFAULT_CSS = """
     BenchScreen #bench { height: 1fr; scrollbar-size-vertical: 1; }
     BenchScreen #troubles { height: auto; max-height: 6; padding: 0 1; display: none; }
-    BenchScreen.-low #troubles { text-wrap: nowrap; text-overflow: ellipsis; }
+    BenchScreen.-low #troubles { max-height: 3; }
     BenchScreen #parts { height: 1fr; min-height: 11; }
     BenchScreen #left { width: 40; }
     BenchScreen #right { width: 1fr; }

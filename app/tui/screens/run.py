@@ -39,7 +39,7 @@ class RunScreen(MainScreen):
     AUTO_FOCUS = ""
 
     DEFAULT_CSS = """
-    RunScreen #instruction { height: auto; max-height: 2; padding: 0 1; text-style: bold; }
+    RunScreen #instruction { height: auto; max-height: 4; padding: 0 1; text-style: bold; }
     RunScreen #middle { height: 1fr; }
     RunScreen StepList { width: 2fr; min-width: 36; height: 1fr; }
     RunScreen #right { width: 3fr; }
@@ -47,7 +47,7 @@ class RunScreen(MainScreen):
     RunScreen.-high RunLog { height: 9; }
     RunScreen.-high.asked RunLog { height: 5; }
     RunScreen.log #middle { display: none; }
-    RunScreen.log RunLog { height: 1fr; }
+    RunScreen.log RunLog { height: 1fr; text-wrap: wrap; }
     RunScreen.-low.asked RunLog { display: none; }
     RunScreen.-low.asked RunPlot { display: none; }
     RunScreen.-low.asked.log RunLog { display: block; }
@@ -235,12 +235,12 @@ class RunScreen(MainScreen):
         self.show_now()
 
     def action_earlier(self) -> None:
-        """Show earlier steps."""
-        self._move_steps(-1)
+        """Show earlier steps, or more above of a text that has no room as a whole."""
+        self._turn(-1)
 
     def action_later(self) -> None:
-        """Show later steps."""
-        self._move_steps(1)
+        """Show later steps, or more below of a text that has no room as a whole."""
+        self._turn(1)
 
     def action_after(self, kind: str) -> None:
         """Do what is sensible after the end."""
@@ -269,7 +269,11 @@ class RunScreen(MainScreen):
     def _panel(self) -> PromptPanel:
         return self.query_one(PromptPanel)
 
-    def _move_steps(self, pages: int) -> None:
+    def _turn(self, pages: int) -> None:
+        for each in self.query("PromptPanel.open #asked, RunEnd.open #how"):
+            if each.max_scroll_y:
+                each.scroll_relative(y=pages * each.size.height, animate=False)
+                return
         steps = self.query_one(StepList)
         steps.move(pages * max(steps.size.height - 1, 1), self.session.link.picture.run)
         self.show_now()

@@ -5,7 +5,7 @@ from collections.abc import Mapping, Sequence
 from typing import Any, Final
 
 from textual.app import ComposeResult
-from textual.containers import Horizontal, Vertical
+from textual.containers import Horizontal, Vertical, VerticalScroll
 from textual.content import Content
 from textual.message import Message
 from textual.widgets import Button, Input, Label
@@ -26,6 +26,7 @@ class PromptPanel(Vertical):
     DEFAULT_CSS = """
     PromptPanel { height: auto; max-height: 14; border: heavy $warning; padding: 0 1; display: none; }
     PromptPanel.open { display: block; }
+    PromptPanel #asked { height: auto; max-height: 6; scrollbar-size-vertical: 1; }
     PromptPanel #question { text-style: bold; height: auto; }
     PromptPanel #task, PromptPanel #motion, PromptPanel #refused { height: auto; }
     PromptPanel #motion, PromptPanel .motion { color: $warning; }
@@ -62,7 +63,9 @@ class PromptPanel(Vertical):
 
     def compose(self) -> ComposeResult:
         """Question, task, motion, answers, refusal."""
-        yield Told(id="question")
+        # However long a question is, the keys that answer it stay in sight.
+        with VerticalScroll(id="asked", can_focus=False):
+            yield Told(id="question")
         yield Told(id="task")
         yield Told(id="motion")
         yield Horizontal(id="answers")

@@ -3,6 +3,8 @@
 from collections.abc import Sequence
 from typing import Final
 
+from textual.app import ComposeResult
+from textual.containers import Vertical, VerticalScroll
 from textual.content import Content
 
 from app.guidance.after_run import Advice
@@ -12,17 +14,25 @@ from app.tui.widgets.told import Told, lines
 KEYS: Final = {"identify": "i", "report": "p", "resume": "e", "clear": "x", "next": "F3"}
 
 
-class RunEnd(Told):
+class RunEnd(Vertical):
     """Stands where questions stand while a run is under way."""
 
     DEFAULT_CSS = """
     RunEnd { height: auto; border: round $primary; padding: 0 1; display: none; }
     RunEnd.open { display: block; }
+    RunEnd #how { height: auto; max-height: 7; scrollbar-size-vertical: 1; }
+    RunEnd Told { height: auto; }
     """
 
     def __init__(self) -> None:
         super().__init__(id="end")
         self.border_title = "The run has ended"
+
+    def compose(self) -> ComposeResult:
+        """How it ended, and the keys for what is sensible now, which stay in sight however long the cause is."""
+        with VerticalScroll(id="how", can_focus=False):
+            yield Told(id="outcome")
+        yield Told(id="advice")
 
     def show(self, run: RunPicture | None, advice: Sequence[Advice], doing: str) -> None:
         """Show the end of a run, or nothing.
@@ -36,14 +46,14 @@ class RunEnd(Told):
         self.set_class(ended, "open")
         if run is None or not ended:
             return
-        told = [_outcome(run)]
-        told += [
+        told = [
             Content.assemble((f"{KEYS[each.kind]:>3}  ", "bold $accent"), f"{each.kind:<9} {each.text}")
             for each in advice
         ]
         if doing:
             told.append(Content.styled(doing, "$text-muted"))
-        self.tell(lines(*told))
+        self.query_one("#outcome", Told).tell(_outcome(run))
+        self.query_one("#advice", Told).tell(lines(*told))
 
 
 def _outcome(run: RunPicture) -> Content:

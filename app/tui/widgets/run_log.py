@@ -40,12 +40,21 @@ class RunLog(Told):
         self.border_subtitle = f"control: {control}"
         wanted = LEVELS[self.least :]
         found: list[Content] = []
+        room = max(self.size.height, 1)
         for line in reversed(run.log if run is not None else ()):
+            if room <= 0:
+                break
             if line.level in wanted:
                 found.append(_told(line))
-            if len(found) >= max(self.size.height, 1):
-                break
+                room -= self._height(found[-1])
+        if room < 0:
+            # Rather the oldest line is away than the end of the newest one.
+            found = found[:-1] or found
         self.tell(lines(*reversed(found)))
+
+    def _height(self, line: Content) -> int:
+        wrapped = self.styles.text_wrap == "wrap" and self.size.width > 0
+        return len(line.wrap(self.size.width)) if wrapped else 1
 
 
 def _told(line: LogLine) -> Content:

@@ -78,7 +78,8 @@ class StatusBar(Widget):
             text.append((" ", ""))
         if picture.run is not None:
             text.append((f"{picture.run.name} ", "" if picture.run.active else "dim"))
-        if picture.run is not None and not picture.run.active:
+        # "aborted" stands before its reason, below.
+        if picture.run is not None and not picture.run.active and not picture.aborted:
             ended = picture.run.ended
             word = str(ended["status"]) if ended else "ended unseen"
             text.append((f"{word} ", "$success bold" if word == "complete" else "$error bold"))

@@ -1,0 +1,109 @@
+"""Texts longer than their place: what happened and what to do is read whole, and no key goes out of sight."""
+
+import copy
+
+from app.tui.app import CatseyeApp
+from app.tui.screens.run import RunScreen
+from tests.unit.app.tui.scripted import ScriptedLink, make_app, shown, work_of
+from tests.unit.app.tui.told_bench import BENCH
+from tests.unit.app.tui.told_run import REHEARSAL, SNAPSHOT, ask, end, measure, tell
+
+LINK = "tcp://192.168.0.20:10001: cannot connect (Connection refused): check that the instrument is switched on; "
+CAUSE = "PRESS THE EMERGENCY STOP: standstill is not confirmed; " + 9 * LINK + "and that is the end of it"
+LASER = (
+    "the laser is not ready: it warms up or has lost its lock, and the count is worthless; look at the laser's lamp. "
+    "The run goes on by itself when it is ready"
+)
+
+
+def app_of(link: ScriptedLink) -> CatseyeApp:
+    app = make_app(link, "run")
+    work_of(app).outcomes["run"] = REHEARSAL
+    return app
+
+
+def in_one(text: str) -> str:
+    """Return the words of a screen, whatever line they stand in."""
+    return " ".join(text.replace("│", " ").replace("┃", " ").split())
+
+
+async def test_the_keys_of_a_long_question_stay_in_sight_and_page_down_shows_the_rest() -> None:
+    link = ScriptedLink(SNAPSHOT)
+    app = app_of(link)
+    async with app.run_test(size=(80, 24)) as pilot:
+        measure(link)
+        ask(link, id="clear", kind="confirm", text=f"The cause was ‘{CAUSE}’: is it removed?", motion=True)
+        await shown(app, pilot)
+        await app.workers.wait_for_complete()
+        text = await shown(app, pilot)
+        assert "THE ARM MOVES then" in text
+        assert "n  no" in text
+        assert "F8  done: the arm may move" in text
+        assert "is it removed?" not in text
+        for _ in range(4):
+            await pilot.press("pagedown")
+        assert "is it removed?" in in_one(await shown(app, pilot))
+
+
+async def test_the_keys_after_a_run_that_ended_with_a_long_cause_stay_in_sight() -> None:
+    link = ScriptedLink(SNAPSHOT)
+    app = app_of(link)
+    async with app.run_test(size=(80, 24)) as pilot:
+        measure(link)
+        end(link, "aborted", CAUSE)
+        await shown(app, pilot)
+        await app.workers.wait_for_complete()
+        text = await shown(app, pilot)
+        assert "PRESS THE EMERGENCY STOP" in text
+        assert all(key in text for key in ("x  clear", "e  resume", "p  report"))
+        for _ in range(4):
+            await pilot.press("pagedown")
+        assert "and that is the end of it" in in_one(await shown(app, pilot))
+
+
+async def test_why_a_run_is_suspended_is_read_to_its_end() -> None:
+    link = ScriptedLink(SNAPSHOT)
+    app = app_of(link)
+    async with app.run_test(size=(80, 24)) as pilot:
+        measure(link)
+        tell(link, "state", state="SUSPENDED", reason=LASER)
+        assert f"Suspended: {LASER}" in in_one(await shown(app, pilot))
+
+
+async def test_the_log_on_the_whole_screen_is_wrapped_and_its_newest_line_is_whole() -> None:
+    link = ScriptedLink(SNAPSHOT)
+    app = app_of(link)
+    async with app.run_test(size=(80, 24)) as pilot:
+        for number in range(30):
+            tell(link, "warning", text=f"the beam was lost, number {number}: {LASER}, says number {number}")
+        await pilot.press("l")
+        assert isinstance(app.screen, RunScreen)
+        await shown(app, pilot)
+        told = in_one(await shown(app, pilot))
+        assert f"the beam was lost, number 29: {LASER}, says number 29" in told
+        assert f"the beam was lost, number 28: {LASER}, says number 28" in told
+        assert "number 20:" not in told
+
+
+async def test_the_remedy_of_an_alarm_is_read_whole_on_a_small_bench_screen() -> None:
+    bench = copy.deepcopy(BENCH)
+    bench["robot"]["alarm_number"] = 2600
+    bench["robot"]["alarm_text"] = (
+        "alarm L2600: position data outside of the range; check the target against the joint limits in the cell file"
+    )
+    link = ScriptedLink()
+    app = make_app(link)
+    async with app.run_test(size=(80, 24)) as pilot:
+        link.tell("bench", **bench)
+        told = in_one(await shown(app, pilot))
+        assert "outside of the range → check the target against the joint limits in the cell file" in told
+
+
+async def test_the_first_line_says_once_why_a_run_was_aborted() -> None:
+    link = ScriptedLink(SNAPSHOT)
+    app = app_of(link)
+    async with app.run_test(size=(120, 40)) as pilot:
+        tell(link, "state", state="ABORTED", reason="the robot stands")
+        end(link, "aborted", "alarm 2600")
+        first = (await shown(app, pilot)).splitlines()[0]
+        assert first.strip().endswith("_open-loop_abc123 aborted: alarm 2600")
