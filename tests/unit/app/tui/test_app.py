@@ -5,6 +5,7 @@ from typing import Any
 
 import pytest
 from textual.binding import Binding
+from textual.screen import Screen
 from textual.widgets import Button, Input
 
 from app.service.errors import ServiceError
@@ -237,39 +238,37 @@ BY_ANOTHER_NAME = {"action_begin": "_ask_to_begin", "action_move": "_ask_to_step
 ALIKE = {"action_back": "action_cancel"}
 
 
-@pytest.mark.parametrize("place", PLACES)
-async def test_palette_holds_every_action_of_a_screen(place: str) -> None:
-    app = make_app(ScriptedLink(), place)
+async def test_each_place_has_stop_in_sight_and_every_action_in_the_palette() -> None:
+    app = make_app(ScriptedLink())
     async with app.run_test(size=(80, 24)) as pilot:
-        await pilot.pause()
-        screen = app.screen
-        assert isinstance(screen, MainScreen)
-        held = {_name_of(command.callback) for command in screen.commands()}
-        for binding in type(screen).BINDINGS:
-            assert isinstance(binding, Binding)
-            assert binding.id
-            action = f"action_{binding.action.partition('(')[0]}"
-            assert held & {
-                action,
-                BY_ANOTHER_NAME.get(action),
-                ALIKE.get(action),
-                f"action_ask_to{action[6:]}",
-            }, action
+        for size in ((80, 24), (120, 40)):
+            await pilot.resize_terminal(*size)
+            for name, place in PLACES.items():
+                await pilot.press(place.key)
+                text = await shown(app, pilot)
+                assert app.current_mode == name
+                assert "STOP F12" in text, (name, size)
+                assert "no emergency stop" in text, (name, size)
+                _look_at_palette(app.screen)
+
+
+def _look_at_palette(screen: Screen[Any]) -> None:
+    assert isinstance(screen, MainScreen)
+    held = {_name_of(command.callback) for command in screen.commands()}
+    for binding in type(screen).BINDINGS:
+        assert isinstance(binding, Binding)
+        assert binding.id
+        action = f"action_{binding.action.partition('(')[0]}"
+        assert held & {
+            action,
+            BY_ANOTHER_NAME.get(action),
+            ALIKE.get(action),
+            f"action_ask_to{action[6:]}",
+        }, (screen.PLACE, action)
 
 
 def _name_of(callback: Any) -> str:
     return str(callback.func.__name__ if isinstance(callback, partial) else callback.__name__)
-
-
-@pytest.mark.parametrize("size", [(80, 24), (120, 40)])
-@pytest.mark.parametrize("key", ["f2", "f3", "f4", "f5", "f6", "f7", "f9", "f10"])
-async def test_each_place_has_stop_in_sight(size: tuple[int, int], key: str) -> None:
-    app = make_app(ScriptedLink())
-    async with app.run_test(size=size) as pilot:
-        await pilot.press(key)
-        text = await shown(app, pilot)
-        assert "STOP F12" in text
-        assert "no emergency stop" in text
 
 
 async def test_nothing_is_begun_when_the_time_to_look_at_the_settings_comes_during_the_end() -> None:

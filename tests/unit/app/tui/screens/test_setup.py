@@ -92,34 +92,37 @@ def give_all(app: CatseyeApp) -> None:
         wizard_of(app).draft.give(key, text)
 
 
-@pytest.mark.parametrize("size", [(80, 24), (120, 40)])
-async def test_first_start(size: tuple[int, int]) -> None:
+async def test_start_and_pages_as_they_are_seen() -> None:
     app, _ = first_start()
-    async with app.run_test(size=size) as pilot:
-        compare(f"setup_start_{size[0]}x{size[1]}", await shown(app, pilot))
-
-
-@pytest.mark.parametrize("size", [(80, 24), (120, 40)])
-@pytest.mark.parametrize("page", ["robot", "interferometer", "reflector", "summary"])
-async def test_pages(size: tuple[int, int], page: str) -> None:
-    app, _ = first_start()
-    async with app.run_test(size=size) as pilot:
+    async with app.run_test(size=(80, 24)) as pilot:
+        compare("setup_start_80x24", await shown(app, pilot))
+        await pilot.resize_terminal(120, 40)
+        compare("setup_start_120x40", await shown(app, pilot))
+        screen = app.screen
+        assert isinstance(screen, SetupScreen)
+        actions = {binding.action for binding in screen.BINDINGS}  # type: ignore[union-attr]  # all are Binding
+        offered = {command.callback.__name__.removeprefix("action_") for command in screen.commands()}
+        assert actions == offered
         await begin(app, pilot)
-        await to_page(app, pilot, page)
-        # The cursor blinks by a clock of its own.
-        for field in app.screen.query(Input):
-            field.cursor_blink = False
-        compare(f"setup_{page}_{size[0]}x{size[1]}", await judged(app, pilot))
+        for size in ((120, 40), (80, 24)):
+            await pilot.resize_terminal(*size)
+            for page in ("robot", "interferometer", "reflector", "summary"):
+                await to_page(app, pilot, page)
+                # The cursor blinks by a clock of its own.
+                for field in app.screen.query(Input):
+                    field.cursor_blink = False
+                compare(f"setup_{page}_{size[0]}x{size[1]}", await judged(app, pilot))
 
 
-@pytest.mark.parametrize("size", [(60, 20), (100, 30), (200, 60)])
-async def test_other_sizes(size: tuple[int, int]) -> None:
+async def test_other_sizes() -> None:
     app, _ = first_start()
-    async with app.run_test(size=size) as pilot:
+    async with app.run_test(size=(100, 30)) as pilot:
         await begin(app, pilot)
         for page in PAGES:
             await to_page(app, pilot, page.name)
-            assert page.intro in await shown(app, pilot)
+            for size in ((100, 30), (200, 60), (60, 20)):
+                await pilot.resize_terminal(*size)
+                assert page.intro in await shown(app, pilot), (page.name, size)
 
 
 async def test_from_nothing_to_a_cell_file(folder: Path) -> None:
@@ -141,6 +144,8 @@ async def test_what_is_wrong_stands_beside_the_field_and_is_not_written(folder: 
     app, _ = first_start()
     async with app.run_test(size=(80, 24)) as pilot:
         await begin(app, pilot)
+        await pilot.press("pagedown", "tab", *"tcp://a:1")
+        assert wizard_of(app).draft.answer("robot.endpoint") == "tcp://a:1", "the field had the focus"
         give_all(app)
         await to_page(app, pilot, "robot")
         await type_answer(app, pilot, "robot.link1_mm", "-1")
@@ -151,7 +156,7 @@ async def test_what_is_wrong_stands_beside_the_field_and_is_not_written(folder: 
         assert not (folder / "cell.toml").exists()
 
 
-async def test_a_driver_brings_its_own_questions() -> None:
+async def test_a_driver_brings_its_own_questions_and_reflectors_are_added_and_taken_away() -> None:
     app, _ = first_start()
     async with app.run_test(size=(120, 40)) as pilot:
         await begin(app, pilot)
@@ -163,12 +168,6 @@ async def test_a_driver_brings_its_own_questions() -> None:
         text = await settled(app, pilot)
         assert "dialect" in text
         assert "Profile" not in text
-
-
-async def test_reflectors_are_added_and_taken_away() -> None:
-    app, _ = first_start()
-    async with app.run_test(size=(80, 24)) as pilot:
-        await begin(app, pilot)
         await to_page(app, pilot, "reflector")
         await pilot.press("ctrl+r")
         await pilot.pause()
@@ -318,13 +317,26 @@ async def test_a_file_that_is_no_cell_is_told(folder: Path) -> None:
         assert "not a cell file" in await shown(app, pilot)
 
 
-async def test_a_cell_file_is_opened_and_an_engine_of_another_one_asked_about(folder: Path) -> None:
+async def test_a_cell_file_with_faults_is_not_used_and_an_engine_of_another_one_is_asked_about(
+    folder: Path,
+) -> None:
     path = folder / "mine.toml"
     path.write_text(TEMPLATE, encoding="utf-8")
     link = ScriptedLink()
     app = make_app(link, "setup")
     async with app.run_test(size=(80, 24)) as pilot:
+        work_of(app).outcomes["config"] = Done(
+            (), 2, "", "catseye: the cell file cannot be used:\n  x.toml:3: name"
+        )
         await pilot.press("o")
+        await pilot.pause()
+        await pilot.press("enter")
+        await settled(app, pilot)
+        assert isinstance(app.screen, ErrorDialog)
+        assert "x.toml:3: name" in await shown(app, pilot)
+        assert [one["op"] for one in link.asked if one["op"] == "shutdown"] == []
+        del work_of(app).outcomes["config"]
+        await pilot.press("escape", "o")
         await pilot.pause()
         assert isinstance(app.screen, FormDialog)
         app.screen.query_one(Input).value = str(path)
@@ -337,22 +349,6 @@ async def test_a_cell_file_is_opened_and_an_engine_of_another_one_asked_about(fo
         assert link.asked[-1]["op"] == "shutdown"
 
 
-async def test_a_cell_file_with_faults_is_not_used() -> None:
-    link = ScriptedLink()
-    app = make_app(link, "setup")
-    work_of(app).outcomes["config"] = Done(
-        (), 2, "", "catseye: the cell file cannot be used:\n  x.toml:3: name"
-    )
-    async with app.run_test(size=(80, 24)) as pilot:
-        await pilot.press("o")
-        await pilot.pause()
-        await pilot.press("enter")
-        await settled(app, pilot)
-        assert isinstance(app.screen, ErrorDialog)
-        assert "x.toml:3: name" in await shown(app, pilot)
-        assert [one["op"] for one in link.asked if one["op"] == "shutdown"] == []
-
-
 async def test_the_demo_runs_and_shows_results() -> None:
     app, _ = first_start()
     work_of(app).outcomes["demo"] = Done((), 0, json.dumps({"report": "catseye-demo/report.html"}), "")
@@ -363,15 +359,24 @@ async def test_the_demo_runs_and_shows_results() -> None:
         assert app.current_mode == "results"
 
 
-async def test_answers_are_kept_when_the_questions_are_left() -> None:
-    app, _ = first_start()
+NO_FILES = (("adir", "is a folder"), ("", "is a folder"), ("no/cell.toml", "no folder no"))
+
+
+async def test_a_place_that_is_no_file_is_told_before_anything_is_asked(folder: Path) -> None:
+    (folder / "adir").mkdir()
+    path = folder / "mine.toml"
+    path.write_text(TEMPLATE, encoding="utf-8")
+    app = make_app(ScriptedLink({"cell": str(path)}), "setup", cell=path)
     async with app.run_test(size=(80, 24)) as pilot:
-        await begin(app, pilot)
-        await type_answer(app, pilot, "name", "lab-7")
-        await pilot.press("pagedown", "pageup", "escape")
-        assert "half-way" in await shown(app, pilot)
-        await begin(app, pilot)
-        assert wizard_of(app).draft.answer("name") == "lab-7"
+        await pilot.press("c")
+        await settled(app, pilot)
+        for file, told in NO_FILES:
+            await type_answer(app, pilot, "file", file)
+            await pilot.press("ctrl+s")
+            await settled_but_dialogs(app, pilot)
+            assert isinstance(app.screen, ErrorDialog), file
+            assert told in await shown(app, pilot), file
+            await pilot.press("escape")
 
 
 async def test_a_change_that_was_left_and_a_new_file_that_was_left_are_kept_apart(folder: Path) -> None:
@@ -383,7 +388,7 @@ async def test_a_change_that_was_left_and_a_new_file_that_was_left_are_kept_apar
             await pilot.press(key)
             await settled(app, pilot)
             await type_answer(app, pilot, "name", name)
-            await pilot.press("escape")
+            await pilot.press("pagedown", "pageup", "escape")
         assert "half-way: w c goes on" in await shown(app, pilot)
         for key, name, file in (("w", "lab-7", "cell.toml"), ("c", "lab-8", str(path))):
             await pilot.press(key)
@@ -396,42 +401,3 @@ async def test_a_change_that_was_left_and_a_new_file_that_was_left_are_kept_apar
         await pilot.press("c")
         await settled(app, pilot)
         assert wizard_of(app).draft.answer("name") == "lab-1"
-
-
-@pytest.mark.parametrize(
-    ("file", "told"), [("adir", "is a folder"), ("", "is a folder"), ("no/cell.toml", "no folder no")]
-)
-async def test_a_place_that_is_no_file_is_told_before_anything_is_asked(
-    folder: Path, file: str, told: str
-) -> None:
-    (folder / "adir").mkdir()
-    path = folder / "mine.toml"
-    path.write_text(TEMPLATE, encoding="utf-8")
-    app = make_app(ScriptedLink({"cell": str(path)}), "setup", cell=path)
-    async with app.run_test(size=(80, 24)) as pilot:
-        await pilot.press("c")
-        await settled(app, pilot)
-        await type_answer(app, pilot, "file", file)
-        await pilot.press("ctrl+s")
-        await settled_but_dialogs(app, pilot)
-        assert isinstance(app.screen, ErrorDialog)
-        assert told in await shown(app, pilot)
-
-
-async def test_a_page_has_its_field_in_focus_when_it_is_there() -> None:
-    app, _ = first_start()
-    async with app.run_test(size=(80, 24)) as pilot:
-        await begin(app, pilot)
-        await pilot.press("pagedown", "tab", *"tcp://a:1")
-        assert wizard_of(app).draft.answer("robot.endpoint") == "tcp://a:1"
-
-
-async def test_the_palette_has_every_key() -> None:
-    app, _ = first_start()
-    async with app.run_test(size=(80, 24)) as pilot:
-        await shown(app, pilot)
-        screen = app.screen
-        assert isinstance(screen, SetupScreen)
-        actions = {binding.action for binding in screen.BINDINGS}  # type: ignore[union-attr]  # all are Binding
-        offered = {command.callback.__name__.removeprefix("action_") for command in screen.commands()}
-        assert actions == offered
