@@ -31,7 +31,7 @@ def forward(
     both = first + theta2_rad
     x_mm = link1_mm * np.cos(first) + link2_mm * np.cos(both)
     y_mm = link1_mm * np.sin(first) + link2_mm * np.sin(both)
-    return np.stack(np.broadcast_arrays(x_mm, y_mm), axis=-1)
+    return np.stack([x_mm, y_mm], axis=-1)
 
 
 def inverse(

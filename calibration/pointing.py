@@ -36,7 +36,11 @@ def nearest_branch(j4_rad: Floats, reference_rad: Floats | float) -> Floats:
 
 def unwrap(j4_rad: Floats) -> Floats:
     """Return J4 angles along a path, last axis, as the joint turns: without jumps of a turn."""
-    return np.unwrap(j4_rad, axis=-1)
+    turns = np.rint(np.diff(j4_rad, axis=-1) / (2.0 * np.pi))
+    if not turns.any():
+        return j4_rad
+    back = np.concatenate([np.zeros_like(turns[..., :1]), np.cumsum(turns, axis=-1)], axis=-1)
+    return np.asarray(j4_rad - 2.0 * np.pi * back, dtype=np.float64)
 
 
 def beam_miss(xy_mm: Floats, world_rad: Floats, reflector_mm: Floats) -> Floats:
@@ -64,9 +68,8 @@ def column_clearance(xy_mm: Floats, reflector_mm: Floats) -> Floats:
         reflector_mm: place of the reflector, mm, shape (2,) or (..., 2).
     """
     # Coordinate by coordinate: sums over an axis of two elements cost several times as much.
-    (x, y), (along_x, along_y) = (
-        np.moveaxis(one, -1, 0) for one in (xy_mm, np.asarray(reflector_mm) - xy_mm)
-    )
+    along = np.asarray(reflector_mm) - xy_mm
+    (x, y), (along_x, along_y) = ((one[..., 0], one[..., 1]) for one in (xy_mm, along))
     square = along_x**2 + along_y**2
     share = np.clip(-(x * along_x + y * along_y) / np.where(square > 0.0, square, 1.0), 0.0, 1.0)
     return np.asarray(np.hypot(x + share * along_x, y + share * along_y))
@@ -99,7 +102,8 @@ def visible(
     Returns:
         Flags, shape (...).
     """
-    length = np.hypot(*np.moveaxis(np.asarray(reflector_mm) - xy_mm, -1, 0))
+    beam = np.asarray(reflector_mm) - xy_mm
+    length = np.hypot(beam[..., 0], beam[..., 1])
     return np.asarray(
         (column_clearance(xy_mm, reflector_mm) > column_radius_mm)
         & (field_angle(xy_mm, reflector_mm, facing_rad) <= field_half_angle_rad)

@@ -248,10 +248,12 @@ class _Valued:
     def _brought(self, place: Floats) -> Information | None:
         key = tuple(float(value) for value in place)
         if key not in self._known:
-            sight = self._problem.sight(place)
-            allowed = not sight.reason and bool(self._problem.floor.holds(place))
-            self._known[key] = self._problem.study.rows(sight).information() if allowed else None
+            self._known[key] = self._information(place) if self._problem.floor.holds(place) else None
         return self._known[key]
+
+    def _information(self, place: Floats) -> Information | None:
+        sight = self._problem.sight(place)
+        return None if sight.reason else self._problem.study.rows(sight).information()
 
 
 def _counts(reasons: Counter[Reason]) -> str:

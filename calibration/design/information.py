@@ -88,6 +88,11 @@ class Study:
         design = arm_design(self.layout, self.commands)
         return design, design.positions(self.parameters), self.gradient(design)
 
+    @cached_property
+    def _local(self) -> Floats:
+        """Derivatives of the positions by L1, L2, θ1 and θ2, shape (n, 2, 4)."""
+        return self._prepared[0].local_jacobian(self.parameters)
+
     def gradient(self, design: ArmDesign) -> Floats:
         """Return the derivatives of positions by the free directions, shape (n, 2, f), mm/rad."""
         local = design.local_jacobian(self.parameters)
@@ -99,12 +104,12 @@ class Study:
         Raises:
             ValueError: the budget has no white contributor, so that a distance would be exact.
         """
-        design, positions, gradient = self._prepared
+        _, positions, gradient = self._prepared
         beam = positions - sight.xy_mm
         length = np.hypot(beam[:, 0], beam[:, 1])
         # A place that the J4 axis passes over has no beam there; it is not seen from there either.
         unit = beam / np.where(length > 0.0, length, 1.0)[:, None]
-        geometry = self._geometry(design, unit, length)
+        geometry = self._geometry(unit, length)
         sigma = combined_white_mm(self.budget, geometry)
         if not sigma.all():
             raise ValueError("a distance without white uncertainty would be exact; state one in the budget")
@@ -116,10 +121,10 @@ class Study:
             weight * systematic_effects(self.budget, geometry),
         )
 
-    def _geometry(self, design: ArmDesign, unit: Floats, length: Floats) -> Geometry:
+    def _geometry(self, unit: Floats, length: Floats) -> Geometry:
         nothing = np.zeros(len(self.commands), dtype=np.int64)
         points = Points(self.commands, nothing, nothing, length, None, ("",), (("", 0),))
-        local = np.einsum("ni,nij->nj", unit, design.local_jacobian(self.parameters))
+        local = np.einsum("ni,nij->nj", unit, self._local)
         return Geometry(points, unit, length, local[:, 2:])
 
     def require_determined(self, sights: Sequence[Sight]) -> None:
@@ -139,8 +144,7 @@ class Study:
         dead_paths = linalg.block_diag(*(one[:, 2:] for one in nuisances))
         # All parameters, not the free directions: a value that no command touches is known by its column of zeros.
         design, _, _ = self._prepared
-        local = design.local_jacobian(self.parameters)
-        arm = [design.spread(np.einsum("ni,nij->nj", one[:, :2], local)) for one in nuisances]
+        arm = [design.spread(np.einsum("ni,nij->nj", one[:, :2], self._local)) for one in nuisances]
         jacobian = np.hstack([np.vstack(arm), places, dead_paths])
         require_identifiable(layout, jacobian, layout.gauge_basis())
 

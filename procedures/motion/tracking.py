@@ -151,7 +151,8 @@ def leg_miss_mm(legs: Legs, parts: int, bench: Bench, reflector: Reflector) -> F
     within = np.tile(np.arange(_MISS_SAMPLES) / _MISS_SAMPLES, parts)
     part = np.repeat(np.arange(parts), _MISS_SAMPLES)
     straight = ends[:, part] + within * (ends[:, part + 1] - ends[:, part])
-    length = np.hypot(*np.moveaxis(reflector.xy_mm - positions[:, :-1], -1, 0))
+    beam = reflector.xy_mm - positions[:, :-1]
+    length = np.hypot(beam[..., 0], beam[..., 1])
     off = np.abs(straight - world[:, :-1])
     return np.asarray(np.where(off < np.pi / 2, length * np.sin(off), np.inf).max(axis=1), dtype=np.float64)
 

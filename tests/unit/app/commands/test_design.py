@@ -34,7 +34,7 @@ def cell(tmp_path: Path) -> Path:
 
 
 def designed(cell: Path, capsys: pytest.CaptureFixture[str], **options: Any) -> dict[str, Any]:
-    design_command(cell, DesignOptions(**({"places": 120} | options)), None, None, True)
+    design_command(cell, DesignOptions(**({"places": 60} | options)), None, None, True)
     document: dict[str, Any] = json.loads(capsys.readouterr().out)
     return document
 
@@ -77,7 +77,7 @@ def test_same_seed_same_design(cell: Path, capsys: pytest.CaptureFixture[str]) -
 def test_more_of_everything_costs_time_and_lowers_what_averages_out(
     cell: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    rows = designed(cell, capsys, reflectors=1, pareto=True, random_only=True)["pareto"]
+    rows = designed(cell, capsys, places=120, reflectors=1, pareto=True, random_only=True)["pareto"]
     assert {row["reflectors"] for row in rows} == {1, 2, 3, 4}
     whole = {(row["reflectors"], row["repeats"]): row for row in rows if row["commands"] == 64}
     for count in (1, 2, 3, 4):
@@ -109,7 +109,7 @@ def test_a_layout_that_the_plan_refuses_is_no_compromise(
         return bench_cost(bench, sequence, kept)
 
     monkeypatch.setattr(design_commands, "bench_cost", refusing)
-    rows = designed(cell, capsys, reflectors=1, pareto=True, random_only=True)["pareto"]
+    rows = designed(cell, capsys, places=120, reflectors=1, pareto=True, random_only=True)["pareto"]
     refused = [row for row in rows if row["reflectors"] == 4]
     # Four reflectors tell most, and still none of these is worth having.
     assert min(row["u_random"] for row in refused) == min(row["u_random"] for row in rows)
@@ -153,7 +153,7 @@ def test_chosen_commands_keep_every_node_in_both_directions(
     }
     assert found["commands_bench_s"] < found["layouts"][0]["bench_s"]
     target = tmp_path / "commands.csv"
-    design_command(cell, DesignOptions(places=120, commands=24), None, None, True, target)
+    design_command(cell, DesignOptions(places=60, commands=24), None, None, True, target)
     rows = target.read_text().splitlines()
     assert rows[0] == "theta1_deg,theta2_deg,direction1,direction2"
     assert [[float(value) for value in row.split(",")] for row in rows[1:]] == commands
@@ -167,13 +167,13 @@ def test_a_bench_time_is_kept(cell: Path, capsys: pytest.CaptureFixture[str]) ->
 def test_fewer_commands_than_determine_the_arm_are_told(
     cell: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    design_command(cell, DesignOptions(places=120, commands=3), None, None, False)
+    design_command(cell, DesignOptions(places=60, commands=3), None, None, False)
     assert "3 commands leave parameters undetermined" in capsys.readouterr().err
 
 
 def test_tables_and_page(cell: Path, capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
     page = tmp_path / "design.html"
-    design_command(cell, DesignOptions(places=120, commands=24, pareto=True), page, None, False)
+    design_command(cell, DesignOptions(places=60, commands=24, pareto=True), page, None, False)
     told = capsys.readouterr()
     assert "cell file (= SCARA paper)" in told.out
     assert "planned breaks of the beam" in told.err
@@ -186,7 +186,7 @@ def test_tables_and_page(cell: Path, capsys: pytest.CaptureFixture[str], tmp_pat
 
 def test_written_cell_differs_in_its_reflectors_only(cell: Path, tmp_path: Path) -> None:
     target = tmp_path / "new.toml"
-    design_command(cell, DesignOptions(places=120), None, target, True)
+    design_command(cell, DesignOptions(places=60), None, target, True)
     old, new = load_cell(cell).cell, load_cell(target).cell
     assert [one.name for one in new.reflector] == ["P1", "P2", "P3"]
     assert all(one.facing_deg is not None for one in new.reflector)
