@@ -32,6 +32,7 @@ from app.report.content import (
     TruthMap,
     TruthTables,
 )
+from app.report.page import render_html
 from calibration.identification import Identification, identify
 from calibration.kinematics import forward, inverse
 from calibration.layout import ModelName
@@ -277,3 +278,15 @@ def whole(systematic_um: float = 0.0) -> ReportContent:
 def bare(result: Result) -> ReportContent:
     """Return a report of a result file alone."""
     return ReportContent("Result", "2026-01-02T03:04:05Z", "catseye 0.1.0", False, results=[result])
+
+
+@cache
+def whole_page() -> str:
+    """Return the page of a report with every part."""
+    return render_html(whole())
+
+
+@cache
+def bare_page() -> str:
+    """Return the page of a report of the result made by hand alone."""
+    return render_html(bare(hand_made()))

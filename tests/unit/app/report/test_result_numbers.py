@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 
 from app.files.result_json import Covariance
-from app.report.page import render_html
 from app.report.result_sections import models_of
 from app.report.reversal import u_reversal_mdeg
 from tests.unit.app.report import sample
@@ -15,12 +14,12 @@ from tests.unit.app.report.page_reader import Page, read_page
 
 @pytest.fixture(scope="module")
 def page() -> Page:
-    return read_page(render_html(sample.bare(sample.hand_made())))
+    return read_page(sample.bare_page())
 
 
 @pytest.fixture(scope="module")
 def whole() -> Page:
-    return read_page(render_html(sample.whole()))
+    return read_page(sample.whole_page())
 
 
 def test_links(page: Page) -> None:

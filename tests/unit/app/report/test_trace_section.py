@@ -55,7 +55,7 @@ def test_values_that_do_not_stand_in_the_file_are_marked() -> None:
     assert lines["robot.link1_mm = 325.0"] == "file"
     assert lines["robot.link2_mm = 225.0  # default"] == "default"
     assert lines["reflector[2].x_mm = 680.0  # default"] == "default"
-    text = read_page(render_html(replace(sample.whole(), origins=origins))).text
+    text = read_page(render_html(replace(sample.whole(), origins=origins, results=[], validation=None))).text
     assert "robot.link2_mm = 225.0  # default" in text
 
 
@@ -71,9 +71,10 @@ def css_texts(html: str) -> list[str]:
 
 def test_title_and_simulation_stand_on_every_printed_page() -> None:
     hostile = 'a</style><script>"}\\ 反 µ'
-    html = render_html(replace(CONTENT, title=hostile, simulated=True))
+    content = replace(CONTENT, results=[])
+    html = render_html(replace(content, title=hostile, simulated=True))
     made = "2026-01-02T03:04:05Z · catseye 0.1.0"
     assert css_texts(html)[:3] == ["SIMULATION: emulated devices", hostile, made]
     assert html.split("</head>")[0].count("</style>") == 1
     assert "<script" not in html
-    assert css_texts(render_html(CONTENT))[0] == ""
+    assert css_texts(render_html(content))[0] == ""
