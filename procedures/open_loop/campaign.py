@@ -98,7 +98,9 @@ class ReflectorCampaign:
         if result["measured"]:
             found = _Distance(segment, number_of(result, "displacement_mm"))
             self._distances[place] = found
-            self._knowledge.take(self._name, visit.command, segment, found.displacement_mm, fresh=bool(fresh))
+            await self._knowledge.take(
+                self._name, visit.command, segment, found.displacement_mm, fresh=bool(fresh)
+            )
         else:
             self.left_out.append(f"{title} ({result.get('reason', 'no beam')})")
         last = self._part.visits[-1].command.index

@@ -1,6 +1,7 @@
 """What the points so far say about the maps, told while measuring."""
 
 import math
+from collections import deque
 
 import numpy as np
 
@@ -12,6 +13,9 @@ from procedures.motion.approach import Command
 
 _COVERAGE = 3.0
 """An innovation is expected within so many of its standard uncertainties."""
+
+_JUDGED, _CONTRADICTING = 10, 8
+"""So many of the last distances to a reflector that lie outside are no chance."""
 
 _LEAST_WHITE_MM = 1e-6
 
@@ -34,6 +38,8 @@ class Knowledge:
     ) -> None:
         self._ctx = ctx
         self._stop_at_mdeg = stop_at_mdeg
+        self._outside: dict[str, deque[bool]] = {}
+        self._warned: set[str] = set()
         noise = bench.noise
         self._map = LiveMap(
             np.deg2rad(bench.nodes1_deg),
@@ -45,7 +51,7 @@ class Knowledge:
             RadialBudget(*noise.radial_mm, noise.radial_orders),
         )
 
-    def take(
+    async def take(
         self, reflector: str, command: Command, segment: int, displacement_mm: float, *, fresh: bool
     ) -> None:
         """Take a point in and show what it says beyond all points before; a stored one is not shown."""
@@ -61,16 +67,29 @@ class Knowledge:
         if found is None or not fresh:
             return
         band_um = _COVERAGE * found.u_mm * 1e3
-        self._ctx.show(
-            Live(
-                "innovation",
-                found.value_mm * 1e3,
-                "µm",
-                -band_um,
-                band_um,
-                "measured minus predicted from all points before; outside again and again: the reflector has moved, "
-                "or the arm does not repeat",
-            )
+        live = Live(
+            "innovation",
+            found.value_mm * 1e3,
+            "µm",
+            -band_um,
+            band_um,
+            "measured minus predicted from all points before; outside again and again: the reflector has moved, "
+            "or the arm does not repeat",
+        )
+        self._ctx.show(live)
+        await self._judge(reflector, outside=not live.accepted)
+
+    async def _judge(self, reflector: str, *, outside: bool) -> None:
+        """Warn once for each reflector whose distances contradict the points before."""
+        lately = self._outside.setdefault(reflector, deque(maxlen=_JUDGED))
+        lately.append(outside)
+        if reflector in self._warned or sum(lately) < _CONTRADICTING:
+            return
+        self._warned.add(reflector)
+        await self._ctx.warn(
+            f"{reflector} or the interferometer seems to have been moved: {sum(lately)} of the last {len(lately)} "
+            f"distances lie outside ±{_COVERAGE:g}u of what all points before predict; hold the run and look; what was "
+            "moved needs a new search and a new run; if nothing was, the arm does not repeat: diagnose tells more"
         )
 
     async def row_done(self, reflector: str, command: Command, *, fresh: bool) -> bool:
