@@ -88,8 +88,8 @@ class Knowledge:
         self._warned.add(reflector)
         await self._ctx.warn(
             f"{reflector} or the interferometer seems to have been moved: {sum(lately)} of the last {len(lately)} "
-            f"distances lie outside ±{_COVERAGE:g}u of what all points before predict; hold the run and look; what was "
-            "moved needs a new search and a new run; if nothing was, the arm does not repeat: diagnose tells more"
+            f"distances lie outside ±{_COVERAGE:g}u of what all points before predict; hold the run and look; what "
+            "was moved needs a new search and a new run; if nothing was, the arm does not repeat: diagnose tells more"
         )
 
     async def row_done(self, reflector: str, command: Command, *, fresh: bool) -> bool:
