@@ -3,6 +3,8 @@ PYTHON ?= python3
 BIN := .venv/bin
 # Small matrices: threads of the linear algebra wait for one another on busy machines.
 export OMP_NUM_THREADS ?= 1
+# Tests and the programs that they start are compiled once, also where the shell forbids it.
+export PYTHONDONTWRITEBYTECODE :=
 
 .PHONY: demo test lint types contracts bench soak campaigns peers seeds pictures clean help
 
