@@ -92,6 +92,7 @@ class RunContext:
         self._compensation = Compensation(devices.interferometer.compensated, air)
         self._doubts_told: set[str] = set()
         self._progress = Progress(clock)
+        self._asked_s = 0.0
         self._poll_s = poll_s
         self._speed_deg_s = speed_deg_s
         self._step: _OpenStep | None = None
@@ -259,10 +260,12 @@ class RunContext:
         if self._prompt_open:
             raise RuntimeError(f"prompt {prompt.id} is asked while another one is open")
         self._prompt_open = True
+        start_s = self._clock.monotonic_s() - self._control.waited_s
         try:
             return await self._ask(prompt, watch)
         finally:
             self._prompt_open = False
+            self._asked_s += self._clock.monotonic_s() - self._control.waited_s - start_s
 
     def show(self, live: Live) -> None:
         """Publish a value with its acceptance band; it is not stored."""
@@ -293,7 +296,8 @@ class RunContext:
 
     def progress(self, done: float, total: float, text: str = "") -> None:
         """Publish how far the run is, with elapsed and remaining time."""
-        elapsed_s, remaining_s = self._progress.estimate(done, total)
+        waited_s = self._control.waited_s + self._asked_s
+        elapsed_s, remaining_s = self._progress.estimate(done, total, waited_s)
         self._announcer.say(
             "progress", done=done, total=total, text=text, elapsed_s=elapsed_s, remaining_s=remaining_s
         )

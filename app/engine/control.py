@@ -46,6 +46,7 @@ class RunControl:
         reports: how each halt ended.
         moving: a motion is under way.
         waits: how often the run was held or suspended so far; somebody may have moved the arm meanwhile.
+        waited_s: how long it was, all waits that are over together.
     """
 
     def __init__(
@@ -66,6 +67,8 @@ class RunControl:
         self._hold_first: str | None = None
         self.moving = False
         self.waits = 0
+        self.waited_s = 0.0
+        self._waits_since_s: float | None = None
 
     def attach(self, robot: Robot) -> None:
         """From now on a stop reaches this robot."""
@@ -265,7 +268,16 @@ class RunControl:
         self.state = result.state
         for effect in result.effects:
             self._do(effect, event, reason)
+        self._count_waiting()
         self._changed.set()
+
+    def _count_waiting(self) -> None:
+        now_s = self._clock.monotonic_s()
+        if self.state not in {State.HELD, State.SUSPENDED}:
+            self.waited_s += now_s - (now_s if self._waits_since_s is None else self._waits_since_s)
+            self._waits_since_s = None
+        elif self._waits_since_s is None:
+            self._waits_since_s = now_s
 
     def _do(self, effect: Effect, event: Event, reason: str) -> None:
         match effect:

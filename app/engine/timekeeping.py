@@ -43,18 +43,20 @@ class Progress:
         self._start_s = clock.monotonic_s()
         self._first: tuple[float, float] | None = None
 
-    def estimate(self, done_s: float, total_s: float) -> tuple[float, float]:
+    def estimate(self, done_s: float, total_s: float, waited_s: float = 0.0) -> tuple[float, float]:
         """Return elapsed and remaining time, s.
 
-        Steps that were done before a resumption took no time now, so the pace counts from the first call.
+        Steps that were done before a resumption took no time now, so the pace counts from the first call. Waiting
+        for people tells nothing about the pace.
 
         Args:
             done_s: expected seconds of what is done.
             total_s: expected seconds of everything.
+            waited_s: of the elapsed time, held, suspended or with a question open.
         """
         elapsed_s = self._clock.monotonic_s() - self._start_s
         if self._first is None:
-            self._first = (done_s, elapsed_s)
-        expected_s, taken_s = done_s - self._first[0], elapsed_s - self._first[1]
+            self._first = (done_s, elapsed_s - waited_s)
+        expected_s, taken_s = done_s - self._first[0], elapsed_s - waited_s - self._first[1]
         pace = taken_s / expected_s if expected_s > 0.0 else 1.0
         return elapsed_s, max(0.0, total_s - done_s) * pace
