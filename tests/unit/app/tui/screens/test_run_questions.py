@@ -1,0 +1,392 @@
+"""The run screen: questions, and every key that answers them."""
+
+from typing import Any
+
+import pytest
+from textual.widgets import Button, Input
+from textual.widgets._footer import FooterKey  # noqa: PLC2701  # Textual has no public name for it
+
+from app.tui.dialogs.motion_dialog import MotionDialog
+from app.tui.run_picture import SoFar
+from app.tui.screens.run import RunScreen
+from tests.unit.app.tui.screens.run_screen import answers, app_of, ops, settled
+from tests.unit.app.tui.scripted import ScriptedLink, compare, shown
+from tests.unit.app.tui.told_run import MOTION, SNAPSHOT, ask, measure, tell
+
+SIZES = [(80, 24), (120, 40)]
+
+
+@pytest.mark.parametrize("size", SIZES)
+async def test_a_question_before_a_motion(size: tuple[int, int]) -> None:
+    link = ScriptedLink(SNAPSHOT)
+    app = app_of(link)
+    async with app.run_test(size=size) as pilot:
+        measure(link)
+        ask(link, **MOTION)
+        text = await settled(app, pilot, link)
+        assert "J1 -6.67°, J2 11.67°, J3 50.0 mm, J4 2.76°" in text
+        assert "20 % override" in text
+        compare(f"run-motion-{size[0]}x{size[1]}", text)
+
+
+async def test_a_key_pressed_as_the_question_comes_answers_nothing() -> None:
+    link = ScriptedLink(SNAPSHOT)
+    app = app_of(link)
+    async with app.run_test(size=(80, 24)) as pilot:
+        ask(link, **MOTION)
+        await shown(app, pilot)
+        await pilot.press("f8", "n")
+        await shown(app, pilot)
+        assert answers(link) == []
+
+
+async def test_a_key_pressed_before_the_question_was_seen_answers_nothing() -> None:
+    link = ScriptedLink(SNAPSHOT)
+    app = app_of(link)
+    async with app.run_test(size=(80, 24)) as pilot:
+        await settled(app, pilot, link)
+        ask(link, **MOTION)
+        # The screen was busy with something else for so long.
+        link.now_s += 5.0
+        await shown(app, pilot)
+        await app.workers.wait_for_complete()
+        await shown(app, pilot)
+        await pilot.press("f8")
+        await shown(app, pilot)
+        assert answers(link) == []
+
+
+async def test_a_question_that_waited_behind_another_screen_is_looked_at_before_it_is_answered() -> None:
+    link = ScriptedLink(SNAPSHOT)
+    app = app_of(link)
+    async with app.run_test(size=(80, 24)) as pilot:
+        ask(link, **MOTION)
+        await settled(app, pilot, link)
+        await pilot.press("f2")
+        link.now_s += 60.0
+        await shown(app, pilot)
+        await pilot.press("f4", "f8")
+        await shown(app, pilot)
+        assert answers(link) == []
+        link.now_s += 1.0
+        await shown(app, pilot)
+        await pilot.press("f8")
+        await settled(app, pilot, link)
+        assert answers(link) == [("stage/1", "yes")]
+
+
+async def test_the_palette_asks_for_f8_before_a_motion() -> None:
+    link = ScriptedLink(SNAPSHOT)
+    app = app_of(link)
+    async with app.run_test(size=(80, 24)) as pilot:
+        ask(link, **MOTION)
+        await settled(app, pilot, link)
+        screen = app.screen
+        assert isinstance(screen, RunScreen)
+        for key in ("enter", "escape", "f8"):
+            command = next(each for each in screen.commands() if each.title == "Answer: let the arm move")
+            command.callback()
+            text = await shown(app, pilot)
+            assert isinstance(app.screen, MotionDialog)
+            assert "J1 -6.67°, J2 11.67°, J3 50.0 mm, J4 2.76°" in text
+            await pilot.press(key)
+            await settled(app, pilot, link)
+            assert answers(link) == ([("stage/1", "yes")] if key == "f8" else [])
+            if key == "enter":
+                await pilot.press("escape")
+        command.callback()
+        await shown(app, pilot)
+        ask(link, **{**MOTION, "id": "stage/2"})
+        await settled(app, pilot, link)
+        await pilot.press("f8")
+        await settled(app, pilot, link)
+        assert len(answers(link)) == 1
+
+
+async def test_the_key_that_moves_the_arm_cannot_be_clicked() -> None:
+    link = ScriptedLink(SNAPSHOT)
+    app = app_of(link)
+    async with app.run_test(size=(200, 60)) as pilot:
+        ask(link, **MOTION)
+        text = await settled(app, pilot, link)
+        keys = [key.key for key in app.screen.query(FooterKey)]
+        assert "o" in keys
+        assert "f8" not in keys
+        for y, line in enumerate(text.splitlines()):
+            if "F8" in line:
+                await pilot.click(offset=(line.index("F8") + 1, y))
+        await settled(app, pilot, link)
+        assert answers(link) == []
+        screen = app.screen
+        assert isinstance(screen, RunScreen)
+        screen.action_ask_to_move()
+        await shown(app, pilot)
+        assert "f8" not in [key.key for key in app.screen.query(FooterKey)]
+
+
+async def test_a_refused_answer_is_told_beside_the_question() -> None:
+    link = ScriptedLink(SNAPSHOT)
+    link.refusals["answer"] = "'here' is no answer to 'jog/P1': type a number"
+    app = app_of(link)
+    async with app.run_test(size=(80, 24)) as pilot:
+        ask(link, id="jog/P1", kind="text", text="Type it.")
+        await settled(app, pilot, link)
+        await pilot.press(*"here", "enter")
+        text = await settled(app, pilot, link)
+        assert "✗ 'here' is no answer" in text
+        assert "Type it." in text
+        await pilot.press("x")
+        assert "✗" not in await shown(app, pilot)
+
+
+async def test_a_question_is_seen_from_every_screen_and_has_the_focus_when_it_is_shown() -> None:
+    link = ScriptedLink(SNAPSHOT)
+    app = app_of(link)
+    async with app.run_test(size=(80, 24)) as pilot:
+        await shown(app, pilot)
+        await pilot.press("f2")
+        ask(link, id="height", kind="number", text="How high is it?", unit="mm")
+        text = await shown(app, pilot)
+        assert "QUESTION: F4" in text
+        await pilot.press("f4")
+        await settled(app, pilot, link)
+        assert isinstance(app.focused, Input)
+        await pilot.press("7", "enter")
+        await settled(app, pilot, link)
+        assert answers(link) == [("height", "7")]
+
+
+async def test_control_is_taken_before_an_answer_when_nobody_has_it() -> None:
+    link = ScriptedLink({**SNAPSHOT, "control": None})
+    app = app_of(link)
+    async with app.run_test(size=(80, 24)) as pilot:
+        ask(link, **MOTION)
+        await settled(app, pilot, link)
+        await pilot.press("f8")
+        await settled(app, pilot, link)
+        assert ops(link) == ["control", "answer"]
+
+
+async def test_somebody_elses_control_is_named_and_can_be_taken() -> None:
+    link = ScriptedLink({**SNAPSHOT, "control": {"client": "attach-2", "who": "Bob"}})
+    app = app_of(link)
+    async with app.run_test(size=(120, 40)) as pilot:
+        ask(link, **MOTION)
+        text = await settled(app, pilot, link)
+        assert "Bob (attach-2) answers; c takes control" in text
+        await pilot.press("c")
+        await settled(app, pilot, link)
+        assert link.asked == [{"op": "control", "take": True, "force": True}]
+        await pilot.press("c")
+        await shown(app, pilot)
+        assert ops(link) == ["control", "release"]
+
+
+async def test_the_time_to_answer_and_the_clock_are_those_of_the_run_not_of_this_program() -> None:
+    question: dict[str, Any] = {
+        "id": "a",
+        "kind": "choice",
+        "text": "Which?",
+        "choices": ["x", "y"],
+        "unit": "",
+        "task": None,
+        "timeout_s": 1200.0,
+        "safe_answer": "y",
+        "motion": False,
+    }
+    link = ScriptedLink({**SNAPSHOT, "simulated": True, "prompt": question, "prompt_open_s": 15.0})
+    app = app_of(link)
+    async with app.run_test(size=(120, 40)) as pilot:
+        run = link.picture.run
+        assert run is not None
+        measure(link)
+        run.take_record(SoFar([], [], 0, [], [], speed=20.0))
+        text = await settled(app, pilot, link)
+        # 1200 bench seconds are a minute here; 15 s of it had passed before this client came, and one since.
+        assert "44 s left, then y" in text
+        assert "bench time" in text
+
+
+async def test_nobody_is_told_to_answer_while_the_run_is_being_stopped() -> None:
+    link = ScriptedLink(SNAPSHOT)
+    app = app_of(link)
+    async with app.run_test(size=(80, 24)) as pilot:
+        ask(link, **MOTION)
+        assert "Answer the question" in await settled(app, pilot, link)
+        tell(link, "state", state="STOPPING", reason="Ada stops the run")
+        text = await shown(app, pilot)
+        assert "Answer the question" not in text
+        assert "Wait for standstill: Ada stops the run" in text
+
+
+async def test_motion_is_confirmed_by_f8_alone_and_refused_by_n() -> None:
+    link = ScriptedLink(SNAPSHOT)
+    app = app_of(link)
+    async with app.run_test(size=(80, 24)) as pilot:
+        ask(link, **MOTION)
+        await settled(app, pilot, link)
+        await pilot.press("enter", "y", "space", "1", "escape")
+        text = await shown(app, pilot)
+        assert answers(link) == []
+        assert "F8 confirms it" in text
+        await pilot.press("f8")
+        await settled(app, pilot, link)
+        assert answers(link) == [("stage/1", "yes")]
+        ask(link, **{**MOTION, "id": "stage/2"})
+        await settled(app, pilot, link)
+        await pilot.press("n")
+        await settled(app, pilot, link)
+        assert answers(link)[1:] == [("stage/2", "no")]
+
+
+CONFIRMATIONS: tuple[tuple[str | None, str, str], ...] = (
+    (None, "y", "yes"),
+    (None, "n", "no"),
+    ("yes", "enter", "yes"),
+    (None, "enter", "no"),
+)
+
+
+async def test_a_confirmation_has_its_safe_answer_in_focus() -> None:
+    link = ScriptedLink(SNAPSHOT)
+    app = app_of(link)
+    async with app.run_test(size=(80, 24)) as pilot:
+        for number, (safe, key, answer) in enumerate(CONFIRMATIONS):
+            case = (safe, key)
+            ask(link, id=f"place/{number}", kind="confirm", text="Put it there.", safe_answer=safe)
+            await settled(app, pilot, link)
+            focused = app.focused
+            assert isinstance(focused, Button), case
+            assert focused.name == (safe or "no"), case
+            await pilot.press("f8")
+            await shown(app, pilot)
+            assert answers(link)[number:] == [], case
+            await pilot.press(key)
+            await settled(app, pilot, link)
+            assert answers(link)[number:] == [(f"place/{number}", answer)], case
+
+
+async def test_choices_are_taken_by_their_numbers_and_by_f8_where_the_arm_moves_after_them() -> None:
+    link = ScriptedLink(SNAPSHOT)
+    app = app_of(link)
+    choices = ["retry", "skip", "stop"]
+    async with app.run_test(size=(80, 24)) as pilot:
+        ask(link, id="beam/1", kind="choice", text="Which?", choices=choices)
+        text = await settled(app, pilot, link)
+        assert "1  retry" in text
+        await pilot.press("enter", "9", "y", "n")
+        await shown(app, pilot)
+        assert answers(link) == []
+        await pilot.press("2")
+        await settled(app, pilot, link)
+        assert answers(link) == [("beam/1", "skip")]
+        two = ["retry", "stop"]
+        ask(link, id="beam/2", kind="choice", text="Which?", choices=two, motion=True, safe_answer="stop")
+        await settled(app, pilot, link)
+        await pilot.press("1")
+        assert "F8 confirms it" in await shown(app, pilot)
+        assert answers(link)[1:] == []
+        await pilot.press("f8")
+        await settled(app, pilot, link)
+        assert answers(link)[1:] == [("beam/2", "retry")]
+        # Every choice but the safe one takes F8.
+        ask(link, id="beam/3", kind="choice", text="?", choices=choices, motion=True, safe_answer="stop")
+        text = await settled(app, pilot, link)
+        assert [button.name for button in app.screen.query("#answers Button").results(Button)] == ["stop"]
+        assert "2 F8  skip: the arm moves" in text
+        await pilot.press("2")
+        assert "the arm moves after skip: F8 confirms it" in await shown(app, pilot)
+        assert answers(link)[2:] == []
+        await pilot.press("f8")
+        await settled(app, pilot, link)
+        assert answers(link)[2:] == [("beam/3", "skip")]
+        ask(link, id="beam/4", kind="choice", text="?", choices=choices, motion=True, safe_answer="stop")
+        await settled(app, pilot, link)
+        await pilot.press("f8")
+        await settled(app, pilot, link)
+        assert answers(link)[3:] == [("beam/4", "retry")]
+        ask(link, id="a", kind="choice", text="Which?", choices=["x", "y"], timeout_s=60.0, safe_answer="y")
+        assert "59 s left, then y" in await settled(app, pilot, link)
+        link.now_s += 30.0
+        assert "29 s left, then y" in await shown(app, pilot)
+
+
+async def test_numbers_and_texts_are_checked_as_they_are_typed_and_gone_when_they_are_withdrawn() -> None:
+    link = ScriptedLink(SNAPSHOT)
+    app = app_of(link)
+    async with app.run_test(size=(80, 24)) as pilot:
+        ask(link, id="height", kind="number", text="How high is it?", unit="mm")
+        text = await settled(app, pilot, link)
+        assert isinstance(app.focused, Input)
+        assert " mm" in text
+        await pilot.press("enter", "1", "x")
+        assert "'1x' is no number in mm" in await shown(app, pilot)
+        await pilot.press("enter")
+        await shown(app, pilot)
+        assert answers(link) == []
+        await pilot.press("backspace", "full_stop", "5", "enter")
+        await settled(app, pilot, link)
+        assert answers(link) == [("height", "1.5")]
+        ask(link, id="jog/P1", kind="text", text="Type degrees, here or skip.", unit="deg")
+        await settled(app, pilot, link)
+        await pilot.press("enter")
+        assert "type a line of text in deg" in await shown(app, pilot)
+        await pilot.press(*"here", "enter")
+        await settled(app, pilot, link)
+        assert answers(link)[1:] == [("jog/P1", "here")]
+        ask(link, id="height/2", kind="number", text="How high is it?", unit="mm")
+        await settled(app, pilot, link)
+        await pilot.press("1", "2")
+        tell(link, "answer", id="height/2", answer="3", who="Bob (attach-2)")
+        text = await settled(app, pilot, link)
+        assert "How high" not in text
+        await pilot.press("enter", "y")
+        await shown(app, pilot)
+        assert answers(link)[2:] == []
+        assert not app.screen.query("#prompt Input")
+
+
+async def test_stop_and_hold_from_within_an_input() -> None:
+    link = ScriptedLink(SNAPSHOT)
+    app = app_of(link)
+    async with app.run_test(size=(80, 24)) as pilot:
+        for kind in ("number", "text"):
+            link.asked.clear()
+            ask(link, id=kind, kind=kind, text="What?")
+            await settled(app, pilot, link)
+            await pilot.press("h", "o", "n", "f12", "ctrl+c")
+            await shown(app, pilot)
+            assert ops(link) == ["stop", "hold"], kind
+            assert isinstance(app.focused, Input), kind
+            assert app.focused.value == "hon", kind
+
+
+async def test_what_is_typed_moves_the_arm_by_f8_not_by_enter() -> None:
+    link = ScriptedLink(SNAPSHOT)
+    app = app_of(link)
+    async with app.run_test(size=(80, 24)) as pilot:
+        for kind in ("text", "number"):
+            link.asked.clear()
+            ask(link, id=kind, kind=kind, text="By how much?", unit="deg", safe_answer="skip", motion=True)
+            assert "THE ARM MOVES then, as the answer says" in await settled(app, pilot, link), kind
+            await pilot.press("f8")
+            assert "✗ type a" in await shown(app, pilot), kind
+            await pilot.press("1", "enter")
+            assert "the arm moves after 1: F8 confirms it" in await shown(app, pilot), kind
+            await settled(app, pilot, link)
+            assert answers(link) == [], kind
+            await pilot.press("f8")
+            await settled(app, pilot, link)
+            assert answers(link) == [(kind, "1")]
+
+
+async def test_other_sizes_do_not_crash() -> None:
+    link = ScriptedLink(SNAPSHOT)
+    app = app_of(link)
+    async with app.run_test(size=(100, 30)) as pilot:
+        measure(link)
+        ask(link, **MOTION)
+        assert "F8" in await settled(app, pilot, link)
+        for size in ((60, 20), (200, 60), (40, 12)):
+            await pilot.resize_terminal(*size)
+            assert "F8" in await shown(app, pilot) or size[1] < 20, size
