@@ -23,9 +23,10 @@ _LIMIT_S = 110
 _END_S = 10
 
 
-def catseye(*arguments: str | Path, cwd: Path) -> subprocess.CompletedProcess[str]:
-    """Run the command to its end."""
-    return forked.run("app", arguments, cwd=cwd, env=environment(), limit_s=_LIMIT_S)
+def catseye(*arguments: str | Path, cwd: Path, crash: str = "") -> subprocess.CompletedProcess[str]:
+    """Run the command to its end, or to a crash point at which it dies."""
+    env = {**environment(), "CATSEYE_CRASHPOINT": crash}
+    return forked.run("app", arguments, cwd=cwd, env=env, limit_s=_LIMIT_S)
 
 
 def start(*arguments: str | Path, cwd: Path, module: str = "app", crash: str = "") -> subprocess.Popen[str]:

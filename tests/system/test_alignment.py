@@ -6,14 +6,13 @@ from pathlib import Path
 from typing import Any
 
 from app.exitcode import ExitCode
-from tests.system.command import SPEED, Emulated, catseye, emulated, last_run, start
+from tests.system.command import SPEED, Emulated, catseye, emulated, last_run
 
 
 def run(bench: Emulated, procedure: str, crash: str = "") -> list[dict[str, Any]]:
     """Run a procedure, which may die at a crash point; return its events."""
     command = ("run", procedure, "--cell", bench.cell, "--speed", SPEED, "--json")
-    stdout, _ = start(*command, cwd=bench.cell.parent, crash=crash).communicate(timeout=60)
-    return events(stdout)
+    return events(catseye(*command, cwd=bench.cell.parent, crash=crash).stdout)
 
 
 def events(stdout: str) -> list[dict[str, Any]]:

@@ -9,13 +9,13 @@ from tests.system.by_keys import measure_by_keys, result_of
 from tests.system.command import emulated
 from tests.system.screen import on_screen
 
-SPEED = "100"
+SPEED = "400"
 LIMIT_S = 100.0
 _FEWER_NODES = {
     "theta1_deg = [-140.0, -120.0, -100.0, -80.0, -60.0, -40.0, -20.0, 0.0, 20.0, 40.0, 60.0]": (
-        "theta1_deg = [-100.0, -50.0, 0.0, 50.0]"
+        "theta1_deg = [-80.0, -40.0, 0.0]"
     ),
-    "theta2_deg = [0.0, 20.0, 40.0, 60.0, 80.0, 100.0, 120.0, 140.0]": "theta2_deg = [20.0, 70.0, 120.0]",
+    "theta2_deg = [0.0, 20.0, 40.0, 60.0, 80.0, 100.0, 120.0, 140.0]": "theta2_deg = [30.0, 70.0, 110.0]",
 }
 
 
