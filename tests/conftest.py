@@ -2,27 +2,28 @@
 
 import asyncio
 import gc
+import inspect
 import os
 import threading
-from collections.abc import AsyncIterator, Iterator
-from pathlib import Path
+from collections.abc import AsyncIterator, Generator, Iterator
 
 import pytest
+from pytest_asyncio import is_async_test
 
 
 def _open_files() -> dict[str, str]:
     """Return the sockets and regular files that this process holds open, by descriptor."""
     links: dict[str, str] = {}
-    for entry in Path("/proc/self/fd").iterdir():
+    for descriptor in os.listdir("/proc/self/fd"):
         try:
-            target = os.readlink(entry)
+            target = os.readlink(f"/proc/self/fd/{descriptor}")
         except OSError:
             continue
         # matplotlib keeps each font open that it has used once, for as long as the process lives.
         if target.startswith("/dev/") or "/mpl-data/fonts/" in target:
             continue
         if target.startswith(("socket:", "/")):
-            links[entry.name] = target
+            links[descriptor] = target
     return links
 
 
@@ -49,11 +50,29 @@ def nothing_left_behind() -> Iterator[None]:
 
 
 @pytest.fixture(autouse=True)
-async def no_task_left_behind(
+def coroutines_leave_no_task(
     nothing_left_behind: None,  # noqa: ARG001  # looks last, when the loop with its threads is closed
     request: pytest.FixtureRequest,
-) -> AsyncIterator[None]:
-    """Fail a coroutine test that leaves a task."""
+) -> None:
+    """Look for tasks where there may be any: a loop for each of the other tests would cost more than most of them."""
+    if is_async_test(request.node):
+        request.getfixturevalue("no_task_left_behind")
+
+
+@pytest.hookimpl(wrapper=True, tryfirst=True)
+def pytest_fixture_setup(
+    fixturedef: pytest.FixtureDef[object], request: pytest.FixtureRequest
+) -> Generator[None, object, object]:
+    """Look for tasks after a coroutine fixture too, whatever the test is that asks for it."""
+    is_coroutine = inspect.iscoroutinefunction(fixturedef.func) or inspect.isasyncgenfunction(fixturedef.func)
+    if is_coroutine and fixturedef.argname != "no_task_left_behind":
+        request.getfixturevalue("no_task_left_behind")
+    return (yield)
+
+
+@pytest.fixture
+async def no_task_left_behind(request: pytest.FixtureRequest) -> AsyncIterator[None]:
+    """Fail a coroutine test, or one with a coroutine fixture, that leaves a task."""
     yield
     tasks = [task for task in asyncio.all_tasks() if task is not asyncio.current_task()]
     names = [repr(task.get_coro()) for task in tasks]
