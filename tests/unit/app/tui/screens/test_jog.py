@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import Any
 
 import pytest
-from textual.events import AppBlur
+from textual.events import AppBlur, AppFocus
 from textual.pilot import Pilot
 from textual.widgets import Input
 
@@ -15,7 +15,7 @@ from app.tui.dialogs.error_dialog import ErrorDialog
 from app.tui.dialogs.motion_dialog import MotionDialog
 from app.tui.screens.jog import JogScreen
 from app.tui.widgets.strip import Strip
-from tests.unit.app.tui.scripted import ScriptedLink, compare, make_app, shown
+from tests.unit.app.tui.scripted import SNAPSHOT, ScriptedLink, compare, make_app, shown
 from tests.unit.app.tui.told_bench import BENCH, bench, tell_strip
 
 SIZES = [(80, 24), (120, 40)]
@@ -78,17 +78,6 @@ async def test_looks_before(size: tuple[int, int], name: str, told: dict[str, An
         compare(f"jog-{name}-{size[0]}x{size[1]}", await shown(app, pilot))
 
 
-@pytest.mark.parametrize(("percent", "told"), [(5.0, True), (19.5, False), (20.0, False), (100.0, False)])
-async def test_an_override_that_stays_low_is_told(percent: float, told: bool) -> None:
-    link = ScriptedLink()
-    app = make_app(link, "jog")
-    async with app.run_test(size=(80, 24)) as pilot:
-        link.tell("bench", **bench(robot={**BENCH["robot"], "override_percent": percent}))
-        text = " ".join((await shown(app, pilot)).split())
-        assert (f"override {percent:g} %" in text) == told
-        assert ("until raised at controller" in text) == told
-
-
 @pytest.mark.parametrize("size", SIZES)
 async def test_looks_while_jogging(size: tuple[int, int]) -> None:
     async def look(play: Play) -> None:
@@ -109,7 +98,21 @@ async def test_other_sizes_and_changes_of_size() -> None:
     await jogging(look)
 
 
-async def test_only_f8_begins() -> None:
+async def test_an_override_that_stays_low_is_told() -> None:
+    link = ScriptedLink()
+    app = make_app(link, "jog")
+    async with app.run_test(size=(80, 24)) as pilot:
+        for percent, told in ((5.0, True), (19.5, False), (20.0, False), (100.0, False)):
+            link.tell("bench", **bench(robot={**BENCH["robot"], "override_percent": percent}))
+            text = " ".join((await shown(app, pilot)).split())
+            assert (f"override {percent:g} %" in text) == told, percent
+            assert ("until raised at controller" in text) == told, percent
+
+
+SPEEDS = ((("plus",), 10.0), (("pageup", "pageup", "pageup", "plus"), 20.0), (("minus",) * 9, 1.0))
+
+
+async def test_only_f8_begins_at_the_speed_that_was_chosen_and_never_beyond_the_cap() -> None:
     link = ScriptedLink()
     app = make_app(link, "jog")
     async with app.run_test(size=(80, 24)) as pilot:
@@ -118,12 +121,26 @@ async def test_only_f8_begins() -> None:
         await pilot.press("enter", "space", "left", "a", "q", "z", "p", "1", "escape")
         await pilot.pause()
         assert link.asked == []
+        callbacks = {command.title: command.callback for command in jog_screen(app).commands()}
+        callbacks["Begin to jog"]()
+        assert "at 5 %; this is emulators" in await shown(app, pilot)
+        await pilot.press("enter", "escape")
+        await pilot.pause()
+        assert link.asked == []
+        begin = {"op": "jog", "on": True, "percent": 5.0, "arm": None}
         await pilot.press("f8")
         await pilot.pause()
-        assert link.asked == [
-            {"op": "control", "take": True},
-            {"op": "jog", "on": True, "percent": 5.0, "arm": None},
-        ]
+        assert link.asked == [{"op": "control", "take": True}, begin]
+        callbacks["Begin to jog"]()
+        await pilot.press("f8")
+        await pilot.pause()
+        assert link.asked[2:] == [begin]
+        for keys, percent in SPEEDS:
+            await pilot.press(*keys)
+            assert f"{percent:g} % (cap 20 %)" in await shown(app, pilot), keys
+            await pilot.press("f8")
+            await pilot.pause()
+            assert link.asked[-1] == {**begin, "percent": percent}, keys
 
 
 async def test_a_real_arm_needs_the_typed_name() -> None:
@@ -157,24 +174,7 @@ async def test_a_refused_jog_is_told_with_its_remedy() -> None:
         assert "→ close it when nobody is inside" in text
 
 
-@pytest.mark.parametrize(
-    ("keys", "percent"),
-    [(("plus",), 10.0), (("pageup", "pageup", "pageup", "plus"), 20.0), (("minus",) * 9, 1.0)],
-)
-async def test_speed_is_chosen_before_and_never_beyond_the_cap(keys: tuple[str, ...], percent: float) -> None:
-    link = ScriptedLink()
-    app = make_app(link, "jog")
-    async with app.run_test(size=(80, 24)) as pilot:
-        link.tell("bench", **BENCH)
-        await shown(app, pilot)
-        await pilot.press(*keys)
-        assert f"{percent:g} % (cap 20 %)" in await shown(app, pilot)
-        await pilot.press("f8")
-        await pilot.pause()
-        assert link.asked[-1]["percent"] == percent
-
-
-async def test_keys_step_joints() -> None:
+async def test_keys_step_joints_and_beam_by_the_size_that_was_chosen() -> None:
     async def press(play: Play) -> None:
         for keys, joint, sign in _STEPS:
             for key in keys:
@@ -182,23 +182,12 @@ async def test_keys_step_joints() -> None:
                 await play.pilot.pause()
                 asked = {"op": "jog-step", "joint": joint, "by": sign * 0.1, "aim": None}
                 assert play.link.asked[-1] == asked
-
-    await jogging(press)
-
-
-async def test_sizes_of_steps() -> None:
-    async def press(play: Play) -> None:
-        for key, by in (("1", 0.01), ("2", 0.1), ("3", 1.0), ("4", 5.0), ("5", 10.0)):
+        for key, by in (("1", 0.01), ("3", 1.0), ("4", 5.0), ("5", 10.0), ("2", 0.1)):
             await play.pilot.press(key, "q")
             await play.pilot.pause()
             assert play.link.asked[-1]["by"] == by
             assert f"[{by:g}]" in await shown(play.app, play.pilot)
-
-    await jogging(press)
-
-
-async def test_the_beam_steps_at_the_aim() -> None:
-    async def press(play: Play) -> None:
+        play.link.asked.clear()
         await play.pilot.press("z")
         assert "choose one with t" in await shown(play.app, play.pilot)
         assert play.link.asked == []
@@ -212,6 +201,13 @@ async def test_the_beam_steps_at_the_aim() -> None:
         await play.pilot.press("t", "t", "left")
         await play.pilot.pause()
         assert play.link.asked[-1]["aim"] is None
+        await play.pilot.press("l")
+        assert play.app.screen.query_one(Strip).window_s == 30
+        await play.pilot.press("v")
+        assert "From above" in await shown(play.app, play.pilot)
+        play.link.refusals["jog-step"] = "J1 would leave its range of -170 to 170 deg"
+        await play.pilot.press("left")
+        assert "J1 would leave its range" in await shown(play.app, play.pilot)
 
     await jogging(press)
 
@@ -249,7 +245,7 @@ async def test_where_the_arm_points_is_not_reckoned_from_old_joints() -> None:
 
 async def hold_j1(play: Play) -> None:
     """Hold a key until the joint is fed."""
-    await play.pilot.press("m", "left")
+    await play.pilot.press("left")
     await play.pilot.pause()
     assert play.link.asked == []
     play.link.now_s += 0.5
@@ -306,33 +302,59 @@ async def another_key(play: Play) -> None:
     await play.pilot.press("right")
 
 
-@pytest.mark.parametrize(
-    "end",
-    [
-        no_repeat,
-        no_look,
-        another_screen,
-        a_dialog,
-        the_palette,
-        another_mode,
-        escape,
-        jog_over,
-        link_lost,
-        another_key,
-    ],
+ENDS: tuple[Script, ...] = (
+    no_repeat,
+    no_look,
+    another_screen,
+    a_dialog,
+    the_palette,
+    another_mode,
+    escape,
+    jog_over,
+    another_key,
+    link_lost,
 )
-async def test_what_lets_the_arm_go(end: Script) -> None:
-    async def play(play: Play) -> None:
-        await hold_j1(play)
-        assert STOP not in play.link.asked
-        await end(play)
-        await asks(play.link, STOP)
-        fed = play.link.asked.count(HOLD)
-        await play.pilot.pause()
-        assert play.link.asked.count(HOLD) == fed
-        assert not jog_screen_of(play.app).hands.busy
 
-    await jogging(play)
+
+async def test_what_lets_the_arm_go() -> None:
+    async def each(play: Play) -> None:
+        await play.pilot.press("m")
+        for end in ENDS:
+            play.link.asked.clear()
+            await hold_j1(play)
+            assert STOP not in play.link.asked, end
+            await end(play)
+            await asks(play.link, STOP)
+            fed = play.link.asked.count(HOLD)
+            await play.pilot.pause()
+            assert play.link.asked.count(HOLD) == fed, end
+            assert not jog_screen_of(play.app).hands.busy, end
+            if end is escape:
+                assert {"op": "jog", "on": False} in play.link.asked
+            await jog_again(play, end)
+        play.link.picture.met({**SNAPSHOT, "control": {"client": "tui-1", "who": "Ada"}}, play.link.now_s)
+        await jog_again(play, link_lost)
+        play.link.asked.clear()
+        await hold_j1(play)
+        await play.pilot.press("f12")
+        await asks(play.link, {"op": "stop"})
+
+    await jogging(each)
+
+
+async def jog_again(play: Play, end: Script) -> None:
+    """Have the program jog as before, by keys that are held."""
+    if end in {a_dialog, the_palette}:
+        await play.pilot.press("escape")
+    if end is another_screen:
+        await play.pilot.press("f5")
+    if end is another_mode:
+        await play.pilot.press("m")
+    play.app.post_message(AppFocus())
+    play.link.now_s += 1.0
+    play.link.tell("bench", **BENCH)
+    play.link.tell("jog", **MINE)
+    await shown(play.app, play.pilot)
 
 
 def jog_screen_of(app: CatseyeApp) -> JogScreen:
@@ -340,22 +362,36 @@ def jog_screen_of(app: CatseyeApp) -> JogScreen:
     return next(screen for screen in stacks["jog"] if isinstance(screen, JogScreen))
 
 
-@pytest.mark.parametrize("key", ["escape", "f2"])
-async def test_leaving_ends_the_jog(key: str) -> None:
-    async def leave(play: Play) -> None:
-        await play.pilot.press(key)
+async def test_the_palette_has_the_actions_and_what_moves_asks_for_f8_there_and_leaving_ends_the_jog() -> (
+    None
+):
+    async def call(play: Play) -> None:
+        callbacks = {command.title: command.callback for command in jog_screen(play.app).commands()}
+        callbacks["Steps of 1 deg"]()
+        callbacks["One step: J2 clockwise"]()
+        assert "J2 clockwise by 1 deg, at 5 %" in await shown(play.app, play.pilot)
+        await play.pilot.press("enter", "escape")
+        await play.pilot.pause()
+        assert play.link.asked == []
+        callbacks["One step: J2 clockwise"]()
+        await play.pilot.press("f8")
+        await asks(play.link, {"op": "jog-step", "joint": "j2", "by": -1.0, "aim": None})
+        for title in ("Steps or hold", "Next aim", "Beam or bench from above", "Length of the strip"):
+            callbacks[title]()
+        text = await shown(play.app, play.pilot)
+        assert "[hold]" in text
+        assert "[P1]" in text
+        callbacks["End the jog"]()
         await asks(play.link, {"op": "jog", "on": False})
+        for key in ("escape", "f2"):
+            play.link.asked.clear()
+            play.link.tell("jog", **{**MINE, "on": False, "reason": "Ada (tui-1) ended it"})
+            play.link.tell("jog", **MINE)
+            await shown(play.app, play.pilot)
+            await play.pilot.press(key)
+            await asks(play.link, {"op": "jog", "on": False})
 
-    await jogging(leave)
-
-
-async def test_stop_key_stops() -> None:
-    async def press(play: Play) -> None:
-        await hold_j1(play)
-        await play.pilot.press("f12")
-        await asks(play.link, {"op": "stop"})
-
-    await jogging(press)
+    await jogging(call)
 
 
 async def test_who_else_jogs_is_told_and_keys_do_nothing() -> None:
@@ -370,67 +406,3 @@ async def test_who_else_jogs_is_told_and_keys_do_nothing() -> None:
         await pilot.press("left", "f8", "p", "escape")
         await pilot.pause()
         assert link.asked == []
-
-
-async def test_a_refused_step_is_told() -> None:
-    async def press(play: Play) -> None:
-        play.link.refusals["jog-step"] = "J1 would leave its range of -170 to 170 deg"
-        await play.pilot.press("left")
-        assert "J1 would leave its range" in await shown(play.app, play.pilot)
-
-    await jogging(press)
-
-
-async def test_strip_and_view_keys() -> None:
-    async def press(play: Play) -> None:
-        await play.pilot.press("l")
-        assert play.app.screen.query_one(Strip).window_s == 30
-        await play.pilot.press("v")
-        assert "From above" in await shown(play.app, play.pilot)
-
-    await jogging(press)
-
-
-async def test_each_action_stands_in_the_palette() -> None:
-    async def call(play: Play) -> None:
-        callbacks = {command.title: command.callback for command in jog_screen(play.app).commands()}
-        for title in ("Steps or hold", "Next aim", "Beam or bench from above", "Length of the strip"):
-            callbacks[title]()
-        text = await shown(play.app, play.pilot)
-        assert "[hold]" in text
-        assert "[P1]" in text
-        callbacks["End the jog"]()
-        await asks(play.link, {"op": "jog", "on": False})
-
-    await jogging(call)
-
-
-async def test_what_moves_asks_for_f8_when_it_comes_from_the_palette() -> None:
-    async def call(play: Play) -> None:
-        callbacks = {command.title: command.callback for command in jog_screen(play.app).commands()}
-        callbacks["Steps of 1 deg"]()
-        callbacks["One step: J2 clockwise"]()
-        assert "J2 clockwise by 1 deg, at 5 %" in await shown(play.app, play.pilot)
-        await play.pilot.press("enter", "escape")
-        await play.pilot.pause()
-        assert play.link.asked == []
-        callbacks["One step: J2 clockwise"]()
-        await play.pilot.press("f8")
-        await asks(play.link, {"op": "jog-step", "joint": "j2", "by": -1.0, "aim": None})
-
-    await jogging(call)
-
-
-async def test_a_jog_that_is_begun_from_the_palette_asks_for_f8() -> None:
-    link = ScriptedLink()
-    app = make_app(link, "jog")
-    async with app.run_test(size=(80, 24)) as pilot:
-        link.tell("bench", **BENCH)
-        callbacks = {command.title: command.callback for command in jog_screen(app).commands()}
-        callbacks["Begin to jog"]()
-        assert "at 5 %; this is emulators" in await shown(app, pilot)
-        await pilot.press("enter")
-        await pilot.pause()
-        assert link.asked == []
-        await pilot.press("f8")
-        await asks(link, {"op": "jog", "on": True, "percent": 5.0, "arm": None})
