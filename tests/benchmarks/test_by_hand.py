@@ -8,7 +8,7 @@ from collections.abc import Iterator
 import pytest
 
 from tests.system.command import emulated
-from tests.system.test_by_hand import Engine, fed
+from tests.system.test_by_hand import Engine, engine_of, fed
 
 STOPS = 30
 FEEDS = 15
@@ -22,9 +22,8 @@ def engine(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Engine]:
         emulated(tmp_path_factory.mktemp("by-hand"), "--speed", "1") as bench,
     ):
         patch.setenv("XDG_RUNTIME_DIR", runtime)
-        made = Engine(bench)
-        yield made
-        made.end()
+        with engine_of(bench) as made:
+            yield made
 
 
 def tell(what: str, taken_ms: list[float]) -> None:

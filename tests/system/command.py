@@ -7,11 +7,12 @@ import signal
 import socket
 import subprocess
 import sys
+import tempfile
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import IO, Any
 
 from app.cell.load import load_cell
 from app.cell.template import TEMPLATE
@@ -27,6 +28,16 @@ def catseye(*arguments: str | Path, cwd: Path, crash: str = "") -> subprocess.Co
     """Run the command to its end, or to a crash point at which it dies."""
     env = {**environment(), "CATSEYE_CRASHPOINT": crash}
     return forked.run("app", arguments, cwd=cwd, env=env, limit_s=_LIMIT_S)
+
+
+@contextmanager
+def begun(*arguments: str | Path, cwd: Path) -> Iterator[tuple[forked.Forked, IO[str]]]:
+    """Begin the command and yield it with its stdout; it is killed at the end, if it still runs then."""
+    with (
+        tempfile.TemporaryFile() as said,
+        forked.talking("app", arguments, cwd=cwd, env=environment(), err=said) as talking,
+    ):
+        yield talking
 
 
 def start(*arguments: str | Path, cwd: Path, module: str = "app", crash: str = "") -> subprocess.Popen[str]:

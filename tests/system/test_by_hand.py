@@ -13,8 +13,9 @@ from typing import Any
 
 import pytest
 
-from tests.system.command import Emulated, emulated, environment, start
+from tests.system.command import Emulated, begun, emulated, environment
 from tests.system.feeder import FEED_S, hold
+from tests.system.forked import Forked
 from tests.system.socket_client import Lines
 
 NARROW = {"j1 = [-170.0, 170.0]": "j1 = [-170.0, 10.0]"}
@@ -35,13 +36,10 @@ def bench(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Emulated]:
 class Engine:
     """An idle engine as a process, and one client of it that holds no control yet."""
 
-    def __init__(self, bench: Emulated) -> None:
+    def __init__(self, bench: Emulated, process: Forked, path: str) -> None:
         self.bench = bench
-        # An engine that was killed leaves them on.
-        bench.ask(op="fault", name="servo_off")
-        self.process = start("engine", "--cell", bench.cell, cwd=bench.cell.parent)
-        assert self.process.stdout is not None
-        self.path = str(json.loads(self.process.stdout.readline())["socket"])
+        self.process = process
+        self.path = path
         self.client = self.joined("Ben")
         self.begun_s = self.now_s()
 
@@ -89,18 +87,24 @@ class Engine:
         off = self.requests("SRVOFF")
         return bool(off) and off[-1] > self.requests("SRVON")[-1]
 
-    def end(self) -> None:
-        self.client.close()
-        self.process.kill()
-        self.process.communicate(timeout=_LIMIT_S)
-
 
 @pytest.fixture
 def engine(bench: Emulated) -> Iterator[Engine]:
-    with contextlib.ExitStack() as stack:
-        made = Engine(bench)
-        stack.callback(made.end)
+    with engine_of(bench) as made:
         yield made
+
+
+@contextlib.contextmanager
+def engine_of(bench: Emulated) -> Iterator[Engine]:
+    """Run an idle engine."""
+    # An engine that was killed leaves them on.
+    bench.ask(op="fault", name="servo_off")
+    with begun("engine", "--cell", bench.cell, cwd=bench.cell.parent) as (process, told):
+        made = Engine(bench, process, json.loads(told.readline())["socket"])
+        try:
+            yield made
+        finally:
+            made.client.close()
 
 
 @contextlib.contextmanager

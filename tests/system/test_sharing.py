@@ -35,9 +35,11 @@ if __name__ == "__main__":
 
 CONNECTING = """
 import sys
+from app.cluster import machines
 from app.cluster.sharing import sharing
 from app.failure import tell
 
+machines._CONNECT_S = 2.0
 try:
     with sharing(1, sys.argv[1]):
         pass
@@ -168,8 +170,9 @@ def test_dask_gives_the_same_numbers_and_the_same_errors(scheduler: str) -> None
 
 @pytest.mark.slow
 def test_workers_that_all_go_are_told_and_nothing_hangs(
-    scheduler: str, workers: subprocess.Popen[bytes], tmp_path: Path
+    scheduler: str, workers: subprocess.Popen[bytes], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
+    monkeypatch.setattr("app.cluster.machines._LOOK_S", 0.4)
     begun_s = 0.0
     with ready(scheduler), sharing(1, scheduler) as share:
 

@@ -4,23 +4,23 @@ Alarm, emergency stop and pulled cable are in test_stop.py, a blocked beam in te
 """
 
 import json
-import subprocess
 import time
 from collections.abc import Iterator
 from dataclasses import dataclass, field
-from typing import Any
+from typing import IO, Any
 
 import pytest
 
 from app.cell.template import TEMPLATE
 from app.store.reader import RunReader
-from tests.system.command import Emulated, emulated, start
+from tests.system.command import Emulated, begun, emulated
+from tests.system.forked import Forked
 from tests.system.test_ways_of_following import ALL_THETA2, FEW_NODES, TRUTH
 
 SPEED = "60"
 POINTS = 16
 LIMIT_S = 60
-IO = '[io]\nendpoint = "tcp://127.0.0.1:10503"\n\n[tracker]'
+DOOR = '[io]\nendpoint = "tcp://127.0.0.1:10503"\n\n[tracker]'
 
 
 @pytest.fixture(scope="module")
@@ -28,7 +28,7 @@ def bench(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Emulated]:
     folder = tmp_path_factory.mktemp("troubles")
     truth = folder / "truth.json"
     truth.write_text(json.dumps(TRUTH), encoding="utf-8")
-    edit = {**FEW_NODES, ALL_THETA2: "theta2_deg = [20.0, 40.0]", "[tracker]": IO}
+    edit = {**FEW_NODES, ALL_THETA2: "theta2_deg = [20.0, 40.0]", "[tracker]": DOOR}
     with emulated(folder, "--speed", SPEED, "--truth", str(truth), edit=edit, text=TEMPLATE) as running:
         yield running
 
@@ -39,16 +39,17 @@ class Run:
 
     Attributes:
         process: the command.
+        told: its stdout.
         events: what it has told so far.
     """
 
-    process: "subprocess.Popen[str]"
+    process: Forked
+    told: IO[str]
     events: list[dict[str, Any]] = field(default_factory=list)
 
     def until(self, **wanted: str) -> dict[str, Any]:
         """Read on until an event has these values."""
-        assert self.process.stdout is not None
-        for line in self.process.stdout:
+        for line in self.told:
             event: dict[str, Any] = json.loads(line)
             self.events.append(event)
             if all(event.get(key) == value for key, value in wanted.items()):
@@ -58,8 +59,7 @@ class Run:
     def end(self) -> dict[str, Any]:
         """Read on to the end and return how it ended."""
         ended = self.until(event="run-ended")
-        self.process.communicate(timeout=LIMIT_S)
-        assert self.process.returncode == ended["exit_code"]
+        assert self.process.wait(LIMIT_S) == ended["exit_code"]
         return ended
 
     def points(self) -> int:
@@ -73,15 +73,16 @@ class Run:
 def run(bench: Emulated) -> Iterator[Run]:
     """A measurement whose second point is done; afterwards the bench is whole again."""
     options = ["--speed", SPEED, "--search", "none", "--json", "--param", 'reflectors=["P2"]']
-    process = start("run", "open-loop", "--cell", bench.cell, *options, cwd=bench.cell.parent)
-    made = Run(process)
     try:
-        made.until(event="step-done")
-        made.until(event="step-done")
-        yield made
+        with begun("run", "open-loop", "--cell", bench.cell, *options, cwd=bench.cell.parent) as (
+            process,
+            told,
+        ):
+            made = Run(process, told)
+            made.until(event="step-done")
+            made.until(event="step-done")
+            yield made
     finally:
-        process.kill()
-        process.communicate()
         bench.ask(op="fault", name="clear_faults")
 
 

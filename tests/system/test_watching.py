@@ -16,7 +16,7 @@ from app.engine.waiting import cancel
 from app.service.address import find_socket
 from app.service.client import EngineClient, connect
 from app.store.reader import RunReader
-from tests.system.command import Emulated, emulated, start
+from tests.system.command import Emulated, begun, emulated, start
 
 SPEED = 40.0
 _SMALL = {
@@ -96,18 +96,13 @@ async def watching(socket: Path) -> AsyncIterator[Watcher]:
 
 @asynccontextmanager
 async def idle_engine(bench: Emulated) -> AsyncIterator[Watcher]:
-    process = start("engine", "--cell", bench.cell, cwd=bench.cell.parent)
-    try:
-        assert process.stdout is not None
-        line = await asyncio.to_thread(process.stdout.readline)
+    with begun("engine", "--cell", bench.cell, cwd=bench.cell.parent) as (process, told):
+        line = await asyncio.to_thread(told.readline)
         async with watching(Path(json.loads(line)["socket"])) as watcher:
             await watcher.client.take_control()
             yield watcher
             await watcher.client.request("shutdown")
         assert await asyncio.to_thread(process.wait, _LIMIT_S) == 0
-    finally:
-        process.kill()
-        process.communicate()
 
 
 def links(bench: dict[str, Any]) -> set[str]:
