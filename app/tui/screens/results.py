@@ -25,6 +25,7 @@ from app.tui.path_questions import newest_path_run, path_fault, reference_of
 from app.tui.screens.working import WorkScreen, free_name, is_file, typed_path, why_not_written
 from app.tui.session import DEMO_FOLDER, Session
 from app.tui.widgets.result_parts import ComparePart, LayoutPart, MapsPart, PathPart, ResidualsPart
+from app.tui.widgets.row_table import RowTable
 from app.tui.widgets.tab_line import TabLine
 from app.tui.widgets.task_line import TaskLine
 from app.tui.widgets.told import Told, lines
@@ -136,10 +137,10 @@ class ResultsScreen(WorkScreen):
         yield Told(id="heading")
         with ContentSwitcher(initial="files"):
             with Vertical(id="files", classes="part"):
-                yield DataTable[Text](id="file-table", cursor_type="row", cell_padding=0)
+                yield RowTable(id="file-table")
             yield MapsPart(id="maps", classes="part")
             with Vertical(id="values", classes="part"):
-                yield DataTable[Text](id="value-table", cursor_type="row", cell_padding=0)
+                yield RowTable(id="value-table")
             yield LayoutPart(id="layout", classes="part charts")
             yield ResidualsPart(id="residuals", classes="part")
             with VerticalScroll(id="fit", classes="part text"):

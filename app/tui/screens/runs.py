@@ -21,6 +21,7 @@ from app.tui.dialogs.text_dialog import TextDialog
 from app.tui.run_rows import STATES, cells, columns, passes
 from app.tui.screens.working import WorkScreen, free_name, typed_path, why_not_written
 from app.tui.session import Session
+from app.tui.widgets.row_table import RowTable
 from app.tui.widgets.task_line import TaskLine
 from app.tui.widgets.told import Told
 from app.tui.work import Done, command_line
@@ -96,7 +97,7 @@ class RunsScreen(WorkScreen):
         with Horizontal(id="line"):
             yield Input(id="filter", compact=True, placeholder="/ filter: words of a row")
             yield Told(id="count")
-        yield DataTable[Text](id="table", cursor_type="row", cell_padding=0, zebra_stripes=False)
+        yield RowTable(id="table")
         with VerticalScroll(id="story-panel", classes="panel"):
             yield Told(id="story")
         yield TaskLine(self.session.now_s)

@@ -1,0 +1,29 @@
+"""The tables of runs and results."""
+
+from textual.app import App, ComposeResult
+
+from app.tui.widgets.row_table import RowTable
+
+
+class TableApp(App[None]):
+    def compose(self) -> ComposeResult:
+        yield RowTable(id="table")
+
+    def on_mount(self) -> None:
+        table = self.query_one(RowTable)
+        table.add_columns("run", "state")
+        for number in range(50):
+            table.add_row(str(number), "complete")
+
+
+async def test_home_and_end_go_to_the_first_and_the_last_row() -> None:
+    app = TableApp()
+    async with app.run_test(size=(80, 24)) as pilot:
+        table = app.query_one(RowTable)
+        table.focus()
+        await pilot.press("end")
+        assert table.cursor_row == 49
+        await pilot.press("up", "home")
+        assert table.cursor_row == 0
+        await pilot.press("right", "left")
+        assert table.cursor_row == 0
