@@ -98,6 +98,11 @@ class FlankTable:
         return width
 
 
+_CURVE_DEG = np.linspace(0.0, 360.0, 721)
+_ORDERS = np.arange(1, 6)
+_TURNS = np.exp(1j * _ORDERS[:, None] * np.deg2rad(_CURVE_DEG))
+
+
 class RadialError:
     """Radial error motion of one axis: a smooth closed curve over a turn, harmonics 1 to 5.
 
@@ -107,23 +112,20 @@ class RadialError:
     """
 
     def __init__(self, rng: np.random.Generator, rms_um: float) -> None:
-        self._angles_deg = np.linspace(0.0, 360.0, 721)
-        turn = np.deg2rad(self._angles_deg)
-        axes = [self._harmonics(rng, turn, rms_um * 1e-3) for _ in range(2)]
+        axes = [self._harmonics(rng, rms_um * 1e-3) for _ in range(2)]
         self._curve_mm = axes[0] + 1j * axes[1]
 
     @staticmethod
-    def _harmonics(rng: np.random.Generator, turn_rad: Floats, rms_mm: float) -> Floats:
-        weights = rng.uniform(0.5, 1.0, 5) / np.arange(1, 6)
+    def _harmonics(rng: np.random.Generator, rms_mm: float) -> Floats:
+        weights = rng.uniform(0.5, 1.0, 5) / _ORDERS
         weights *= rms_mm * np.sqrt(2.0) / np.linalg.norm(weights)
         phases = rng.uniform(0.0, 2.0 * np.pi, 5)
-        orders = np.arange(1, 6)
-        waves: Floats = weights @ np.sin(orders[:, None] * turn_rad + phases[:, None])
+        waves: Floats = ((weights * np.exp(1j * phases)) @ _TURNS).imag
         return waves
 
     def shift_mm(self, theta_deg: Floats) -> Plane:
         """Return the shifts, mm, at command angles in deg."""
-        shift: Plane = np.interp(theta_deg % 360.0, self._angles_deg, self._curve_mm).astype(np.complex128)
+        shift: Plane = np.interp(theta_deg % 360.0, _CURVE_DEG, self._curve_mm).astype(np.complex128)
         return shift
 
 

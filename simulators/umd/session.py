@@ -23,7 +23,8 @@ from simulators.timekeeper import TimeKeeper
 MARK = 0x454D554C
 FIRMWARE = 100
 
-_MOST_LINES = 20_000
+MOST_LINES = 20_000
+"""So many samples are kept for a client that does not take them; the oldest go first."""
 _NO_AXIS = "0 0 0 0"
 _REFERENCE = 1500
 
@@ -149,7 +150,7 @@ class UmdSession(Session):
 
     def __init__(self, umd: Umd) -> None:
         self._umd = umd
-        self._lines: deque[bytes] = deque(maxlen=_MOST_LINES)
+        self._lines: deque[bytes] = deque(maxlen=MOST_LINES)
         self._listener = self._lines.append
         umd.join(self._listener)
 

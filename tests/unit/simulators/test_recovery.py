@@ -16,8 +16,8 @@ from simulators.truth import TrueArm
 from tests.unit.simulators.benches import QUIET, go, without_j4_play
 
 MDEG = math.pi / 180e3
-NODES1_DEG = np.arange(-120.0, 101.0, 20.0)
-NODES2_DEG = np.arange(0.0, 121.0, 20.0)
+NODES1_DEG = np.arange(-120.0, 101.0, 40.0)
+NODES2_DEG = np.arange(0.0, 121.0, 40.0)
 PLACES = {"P1": (651.0, -402.0), "P2": (678.0, 1.0), "P3": (642.0, 379.0)}
 TAKE_UP_DEG = 5.0
 

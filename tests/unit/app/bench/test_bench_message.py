@@ -3,6 +3,7 @@
 import json
 import math
 from dataclasses import replace
+from functools import cache
 from typing import Any
 
 import pytest
@@ -21,6 +22,7 @@ STATUS = RobotStatus(True, False, True, False, False, 10.0, 0, "")
 BEAM = CounterStatus(True, False, False, True, 0.8, "800 mV")
 
 
+@cache
 def facts() -> BenchFacts:
     return facts_of(cell_from_template(), bench_from_template())
 
