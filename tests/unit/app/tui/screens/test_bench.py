@@ -39,10 +39,31 @@ async def test_looks(size: tuple[int, int], name: str, told: dict[str, Any]) -> 
         compare(f"bench-{name}-{size[0]}x{size[1]}", await shown(app, pilot))
 
 
-async def test_before_anything_is_told() -> None:
-    app = make_app(ScriptedLink())
+async def test_before_anything_is_told_then_length_of_the_strip_and_the_bench_from_above() -> None:
+    link = ScriptedLink()
+    app = make_app(link)
     async with app.run_test(size=(80, 24)) as pilot:
         compare("bench-nothing-80x24", await shown(app, pilot))
+        link.tell("bench", **BENCH)
+        tell_strip(link)
+        strip = app.screen.query_one(Strip)
+        for window_s in (30, 60, 10):
+            await pilot.press("w")
+            assert strip.window_s == window_s
+        assert "−10." in await shown(app, pilot)
+        # The bench from above takes the place of the beam on a small screen.
+        await pilot.press("v")
+        text = await shown(app, pilot)
+        assert "From above" in text
+        assert "── beam ok → P1" in text
+        assert "BEAM OK" not in text
+        await pilot.press("v")
+        assert "BEAM OK" in await shown(app, pilot)
+        assert isinstance(app.screen, BenchScreen)
+        for command in app.screen.commands():
+            command.callback()
+        assert app.screen.has_class("plan")
+        assert app.screen.query_one(BeamPanel).query_one(Strip).window_s == 30
 
 
 async def test_other_sizes_and_changes_of_size() -> None:
@@ -59,41 +80,19 @@ async def test_other_sizes_and_changes_of_size() -> None:
             assert max(map(len, text.splitlines())) <= size[0]
 
 
-async def test_the_bench_from_above_takes_the_place_of_the_beam_on_a_small_screen() -> None:
+async def test_all_about_the_chosen_device_is_read_and_copied_while_values_come() -> None:
     link = ScriptedLink()
     app = make_app(link)
     async with app.run_test(size=(80, 24)) as pilot:
         link.tell("bench", **BENCH)
         await shown(app, pilot)
-        await pilot.press("v")
-        text = await shown(app, pilot)
-        assert "From above" in text
-        assert "── beam ok → P1" in text
-        assert "BEAM OK" not in text
-        await pilot.press("v")
-        assert "BEAM OK" in await shown(app, pilot)
-
-
-async def test_length_of_the_strip() -> None:
-    link = ScriptedLink()
-    app = make_app(link)
-    async with app.run_test(size=(80, 24)) as pilot:
-        link.tell("bench", **BENCH)
-        tell_strip(link)
-        strip = app.screen.query_one(Strip)
-        for window_s in (30, 60, 10):
-            await pilot.press("w")
-            assert strip.window_s == window_s
-        assert "−10." in await shown(app, pilot)
-
-
-async def test_all_about_a_device_is_read_and_copied() -> None:
-    link = ScriptedLink()
-    app = make_app(link)
-    async with app.run_test(size=(80, 24)) as pilot:
+        await pilot.press("down")
+        link.now_s += 3.0
         link.tell("bench", **LOST)
         await shown(app, pilot)
-        await pilot.press("down", "down", "enter")
+        await pilot.press("enter")
+        assert "line-counter" in await shown(app, pilot)
+        await pilot.press("escape", "down", "enter")
         text = await shown(app, pilot)
         assert isinstance(app.screen, TextDialog)
         assert "no answer within 1 s: check cable and power" in text
@@ -106,21 +105,7 @@ async def test_all_about_a_device_is_read_and_copied() -> None:
         assert "H2165" in await shown(app, pilot)
 
 
-async def test_the_chosen_device_stays_chosen_while_values_come() -> None:
-    link = ScriptedLink()
-    app = make_app(link)
-    async with app.run_test(size=(80, 24)) as pilot:
-        link.tell("bench", **BENCH)
-        await shown(app, pilot)
-        await pilot.press("down")
-        link.now_s += 3.0
-        link.tell("bench", **LOST)
-        await shown(app, pilot)
-        await pilot.press("enter")
-        assert "line-counter" in await shown(app, pilot)
-
-
-async def test_what_is_old_is_greyed_and_says_how_old() -> None:
+async def test_what_is_old_is_greyed_and_without_an_engine_the_reason_is_told() -> None:
     link = ScriptedLink()
     app = make_app(link)
     async with app.run_test(size=(120, 40)) as pilot:
@@ -133,29 +118,13 @@ async def test_what_is_old_is_greyed_and_says_how_old() -> None:
         assert "arm as it was: old" in text
         assert all("dim" in str(span.style) for span in app.screen.query_one(Strip).shown.spans)
         assert all("dim" in str(span.style) for span in app.screen.query_one(PlanView).shown.spans)
-
-
-async def test_without_an_engine_the_reason_is_told() -> None:
-    link = ScriptedLink()
-    app = make_app(link)
-    async with app.run_test(size=(120, 40)) as pilot:
         link.tell("bench", **BENCH)
-        await shown(app, pilot)
+        assert "BEAM OK" in await shown(app, pilot)
         link.picture.lost("the engine is gone; looking for it")
         text = await shown(app, pilot)
         assert "the engine is gone; looking for it" in text
         assert "no robot answers" in text
         assert "BEAM OK" not in text
-
-
-async def test_each_action_stands_in_the_palette() -> None:
-    app = make_app(ScriptedLink())
-    async with app.run_test(size=(80, 24)):
-        assert isinstance(app.screen, BenchScreen)
-        for command in app.screen.commands():
-            command.callback()
-        assert app.screen.has_class("plan")
-        assert app.screen.query_one(BeamPanel).query_one(Strip).window_s == 30
 
 
 FIRST_SCREEN = """

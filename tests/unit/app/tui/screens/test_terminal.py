@@ -3,7 +3,6 @@
 from pathlib import Path
 from typing import Any
 
-import pytest
 from textual.pilot import Pilot
 from textual.widgets import Input
 
@@ -68,22 +67,27 @@ async def take_link(app: CatseyeApp, pilot: Pilot[Any], link: ScriptedLink, devi
     await shown(app, pilot)
 
 
-@pytest.mark.parametrize("size", [(80, 24), (120, 40)])
-async def test_screen(size: tuple[int, int]) -> None:
-    link = told()
-    app = make_app(link, "terminal")
-    async with app.run_test(size=size) as pilot:
-        compare(f"terminal_{size[0]}x{size[1]}", await shown(app, pilot))
-
-
-@pytest.mark.parametrize("size", [(60, 20), (100, 30), (200, 60)])
-async def test_other_sizes(size: tuple[int, int]) -> None:
+async def test_screen() -> None:
     app = make_app(told(), "terminal")
-    async with app.run_test(size=size) as pilot:
-        assert "30 31 32" in await shown(app, pilot)
+    async with app.run_test(size=(80, 24)) as pilot:
+        text = await shown(app, pilot)
+        compare("terminal_80x24", text)
+        assert "3 lines missed" in text
+        for size in ((60, 20), (100, 30), (200, 60), (120, 40)):
+            await pilot.resize_terminal(*size)
+            text = await shown(app, pilot)
+            assert "30 31 32" in text, size
+        compare("terminal_120x40", text)
+        screen: Any = app.screen
+        actions = {binding.action for binding in screen.BINDINGS}
+        offered = {command.callback.__name__.removeprefix("action_") for command in screen.commands()}
+        assert actions == offered
+        assert "1;1;STATE" in text
+        await pilot.press("delete")
+        assert "1;1;STATE" not in await shown(app, pilot)
 
 
-async def test_traffic_is_asked_for_while_it_is_shown() -> None:
+async def test_traffic_is_asked_for_while_it_is_shown_and_anew_of_another_engine() -> None:
     link = told()
     app = make_app(link, "terminal")
     async with app.run_test(size=(80, 24)) as pilot:
@@ -95,34 +99,14 @@ async def test_traffic_is_asked_for_while_it_is_shown() -> None:
         await pilot.press("f9")
         await shown(app, pilot)
         assert asked(link, "traffic")[2:] == [{"on": True}]
-
-
-async def test_traffic_is_asked_for_anew_of_another_engine() -> None:
-    link = told()
-    app = make_app(link, "terminal")
-    async with app.run_test(size=(80, 24)) as pilot:
-        await shown(app, pilot)
         link.picture.lost("gone")
         await shown(app, pilot)
         link.picture.met(dict(link.picture.facts), 0.0)
         await shown(app, pilot)
-        assert asked(link, "traffic") == [{"on": True}, {"on": True}]
+        assert asked(link, "traffic")[3:] == [{"on": True}]
 
 
-async def test_filters_by_device_and_text() -> None:
-    link = told()
-    app = make_app(link, "terminal")
-    async with app.run_test(size=(80, 24)) as pilot:
-        await to_device(app, pilot, "interferometer")
-        assert len(view_of(app).lines) == 2
-        await pilot.press("slash", *"743.1")
-        await shown(app, pilot)
-        assert [line.text for line in view_of(app).lines] == ["+743.123456 mm.."]
-        await pilot.press("enter")
-        assert app.focused is view_of(app)
-
-
-async def test_stands_still_and_follows_again() -> None:
+async def test_stands_still_scrolls_and_follows_again_and_filters_by_device_and_text() -> None:
     link = told()
     app = make_app(link, "terminal")
     async with app.run_test(size=(80, 24)) as pilot:
@@ -134,12 +118,6 @@ async def test_stands_still_and_follows_again() -> None:
         assert "LATER" not in text
         await pilot.press("space")
         assert "LATER" in await shown(app, pilot)
-
-
-async def test_arrow_keys_scroll_and_pause() -> None:
-    link = told()
-    app = make_app(link, "terminal")
-    async with app.run_test(size=(80, 24)) as pilot:
         link.tell("wire", lines=[wire(3.0, "robot", "tx", b"%d" % i) for i in range(60)], missed=0)
         await shown(app, pilot)
         await shown(app, pilot)
@@ -157,12 +135,13 @@ async def test_arrow_keys_scroll_and_pause() -> None:
         await pilot.press("end")
         assert "following" in await shown(app, pilot)
         assert view_of(app).scroll_offset.y == low
-
-
-async def test_lines_missed_are_counted() -> None:
-    app = make_app(told(), "terminal")
-    async with app.run_test(size=(80, 24)) as pilot:
-        assert "3 lines missed" in await shown(app, pilot)
+        await to_device(app, pilot, "interferometer")
+        assert len(view_of(app).lines) == 2
+        await pilot.press("slash", *"743.1")
+        await shown(app, pilot)
+        assert [line.text for line in view_of(app).lines] == ["+743.123456 mm.."]
+        await pilot.press("enter")
+        assert app.focused is view_of(app)
 
 
 async def test_instruments_are_sent_to_with_enter() -> None:
@@ -188,25 +167,28 @@ async def test_instruments_are_sent_to_with_enter() -> None:
         assert asked(link, "raw")[1:] == [{"device": "interferometer", "on": False}]
 
 
-async def test_the_link_is_given_back_when_another_screen_is_shown() -> None:
+async def test_what_cannot_be_typed_is_not_sent_and_the_link_is_given_back_when_another_screen_is_shown() -> (
+    None
+):
     link = told()
+    link.refusals["raw"] = "the engine is busy: try again"
     app = make_app(link, "terminal")
     async with app.run_test(size=(80, 24)) as pilot:
-        await take_link(app, pilot, link, "interferometer")
-        await pilot.press("f2")
-        await shown(app, pilot)
-        assert asked(link, "raw")[1:] == [{"device": "interferometer", "on": False}]
-
-
-async def test_bytes_that_cannot_be_typed_are_not_sent() -> None:
-    link = told()
-    app = make_app(link, "terminal")
-    async with app.run_test(size=(80, 24)) as pilot:
+        await to_device(app, pilot, "interferometer")
+        await pilot.press("r")
+        await pilot.pause()
+        assert isinstance(app.screen, ErrorDialog)
+        await pilot.press("escape")
+        link.refusals.clear()
+        link.asked.clear()
         await take_link(app, pilot, link, "interferometer")
         await pilot.press("i", *r"\q", "enter")
         await pilot.pause()
         assert asked(link, "send") == []
         assert any("is no escape" in note.message for note in app._notifications)  # noqa: SLF001  # what was said
+        await pilot.press("f2")
+        await shown(app, pilot)
+        assert asked(link, "raw")[1:] == [{"device": "interferometer", "on": False}]
 
 
 async def test_the_robot_is_sent_to_by_f8_alone() -> None:
@@ -261,17 +243,6 @@ async def test_nothing_is_sent_during_a_run() -> None:
         assert app.screen.query_one("#line", Input).disabled
 
 
-async def test_a_refusal_is_told() -> None:
-    link = told()
-    link.refusals["raw"] = "the engine is busy: try again"
-    app = make_app(link, "terminal")
-    async with app.run_test(size=(80, 24)) as pilot:
-        await to_device(app, pilot, "interferometer")
-        await pilot.press("r")
-        await pilot.pause()
-        assert isinstance(app.screen, ErrorDialog)
-
-
 async def test_copies_and_saves(tmp_path: Path) -> None:
     link = told()
     app = make_app(link, "terminal")
@@ -291,21 +262,3 @@ async def test_copies_and_saves(tmp_path: Path) -> None:
         assert len(saved) == len(LINES)
         assert saved[4].endswith("+236 bytes")
         assert isinstance(app.screen, ErrorDialog)
-
-
-async def test_forgets_lines() -> None:
-    app = make_app(told(), "terminal")
-    async with app.run_test(size=(80, 24)) as pilot:
-        await shown(app, pilot)
-        await pilot.press("delete")
-        assert "1;1;STATE" not in await shown(app, pilot)
-
-
-async def test_the_palette_has_every_key() -> None:
-    app = make_app(told(), "terminal")
-    async with app.run_test(size=(80, 24)) as pilot:
-        await shown(app, pilot)
-        screen: Any = app.screen
-        actions = {binding.action for binding in screen.BINDINGS}
-        offered = {command.callback.__name__.removeprefix("action_") for command in screen.commands()}
-        assert actions == offered
