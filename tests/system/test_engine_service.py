@@ -24,7 +24,7 @@ import pytest
 
 from app.service.address import find_socket
 from app.store.reader import RunReader
-from tests.system.command import Emulated, catseye, emulated, environment, start
+from tests.system.command import Emulated, begun, catseye, emulated, environment, start
 from tests.system.socket_client import Lines
 
 SPEED = "40"
@@ -60,7 +60,7 @@ def bench(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Emulated]:
 
 def detached(bench: Emulated, *options: str) -> Path:
     """Start a measurement that runs on by itself, kill the starter, and return the run."""
-    starter = start(
+    starter = begun(
         "run",
         "open-loop",
         "--cell",
@@ -74,11 +74,8 @@ def detached(bench: Emulated, *options: str) -> Path:
         *options,
         cwd=bench.cell.parent,
     )  # fmt: skip - a command line
-    assert starter.stdout is not None
-    path = Path(starter.stdout.readline().strip())
-    starter.kill()
-    starter.communicate(timeout=_LIMIT_S)
-    return path
+    with starter as (_, told):
+        return Path(told.readline().strip())
 
 
 def held(bench: Emulated, *options: str) -> Path:
