@@ -74,6 +74,7 @@ class CatseyeApp(App[int]):
         self._own_keys = dict(keymap or {})
         self._trouble = trouble
         self._known_facts: dict[str, Any] = {}
+        self._had_control = False
         self._ended = asyncio.Event()
         self._faults: set[str] = set()
         self._orders: set[asyncio.Task[None]] = set()
@@ -174,8 +175,20 @@ class CatseyeApp(App[int]):
         self.order("clear", "The abort is not cleared", control=True, done="cleared")
 
     def action_take_control(self) -> None:
-        """Take control by force: whoever has it is told."""
-        self.order("control", "Control was not taken", done="control taken", take=True, force=True)
+        """Take control; from somebody else only after a question, and by force: whoever has it is told."""
+        picture = self.session.link.picture
+        if picture.control is None or picture.in_control:
+            self._take_control(True)
+            return
+        holder = f"{picture.control.get('who')} ({picture.control.get('client')})"
+        text = f"{holder} answers questions and lets the run go on until now, and is told that you do from now on."
+        self.push_screen(
+            ConfirmDialog(f"Take control from {holder}?", text, "take it", "leave it"), self._take_control
+        )
+
+    def _take_control(self, agreed: bool | None) -> None:
+        if agreed:
+            self.order("control", "Control was not taken", done="control taken", take=True, force=True)
 
     def action_release(self) -> None:
         """Give control back."""
@@ -372,6 +385,13 @@ class CatseyeApp(App[int]):
         screen = self.screen_stack[0]
         if isinstance(screen, MainScreen):
             screen.show_now()
-        if isinstance(self.screen, QuitDialog) and not self.session.link.picture.running:
+        picture = self.session.link.picture
+        if self._had_control and picture.control is not None and not picture.in_control:
+            self.notify(
+                f"{picture.control.get('who')} ({picture.control.get('client')}) has taken control",
+                severity="warning",
+            )
+        self._had_control = picture.in_control
+        if isinstance(self.screen, QuitDialog) and not picture.running:
             self.screen.dismiss(None)
             self.notify("the run has ended meanwhile")

@@ -174,7 +174,7 @@ async def test_somebody_elses_control_is_named_and_can_be_taken() -> None:
         ask(link, **MOTION)
         text = await settled(app, pilot, link)
         assert "Bob (attach-2) answers; c takes control" in text
-        await pilot.press("c")
+        await pilot.press("c", "y")
         await settled(app, pilot, link)
         assert link.asked == [{"op": "control", "take": True, "force": True}]
         await pilot.press("c")

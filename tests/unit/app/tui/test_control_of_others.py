@@ -1,0 +1,56 @@
+"""Control that somebody else holds, and control that somebody else takes."""
+
+import pytest
+
+from app.tui.dialogs.confirm_dialog import ConfirmDialog
+from tests.unit.app.tui.scripted import ScriptedLink, make_app, shown
+from tests.unit.app.tui.told_run import SNAPSHOT, end, tell
+
+BOB = {"client": "attach-2", "who": "Bob"}
+
+
+@pytest.mark.parametrize(("key", "asked"), [("escape", []), ("enter", []), ("y", ["control"])])
+async def test_control_is_taken_from_somebody_only_after_a_question(key: str, asked: list[str]) -> None:
+    link = ScriptedLink({**SNAPSHOT, "control": BOB})
+    app = make_app(link, "bench")
+    async with app.run_test(size=(80, 24)) as pilot:
+        app.action_take_control()
+        assert "Take control from Bob (attach-2)?" in await shown(app, pilot)
+        assert isinstance(app.screen, ConfirmDialog)
+        await pilot.press(key)
+        await shown(app, pilot)
+        assert [request["op"] for request in link.asked] == asked
+
+
+async def test_nobody_is_asked_where_nobody_has_it() -> None:
+    link = ScriptedLink({**SNAPSHOT, "control": None})
+    app = make_app(link, "bench")
+    async with app.run_test(size=(80, 24)) as pilot:
+        app.action_take_control()
+        await shown(app, pilot)
+        assert link.asked == [{"op": "control", "take": True, "force": True}]
+
+
+async def test_who_loses_control_is_told_by_whom() -> None:
+    link = ScriptedLink(SNAPSHOT)
+    app = make_app(link, "bench")
+    async with app.run_test(size=(120, 40), notifications=True) as pilot:
+        await shown(app, pilot)
+        app._show_changes()  # noqa: SLF001  # what the clock does five times a second
+        tell(link, "control", what="taken by force", by="Bob (attach-2)", before="Ada (tui-1)")
+        app._show_changes()  # noqa: SLF001  # what the clock does five times a second
+        await pilot.pause()
+        assert "Bob (attach-2) has taken control" in " ".join((await shown(app, pilot)).split())
+
+
+async def test_an_abort_that_is_cleared_is_not_offered_to_be_cleared() -> None:
+    link = ScriptedLink(SNAPSHOT)
+    app = make_app(link, "run")
+    async with app.run_test(size=(120, 40)) as pilot:
+        tell(link, "state", state="ABORTED", reason="the robot stands")
+        end(link, "aborted", "alarm 2600")
+        assert "x  clear" in await shown(app, pilot)
+        tell(link, "state", state="STOPPED", reason="Ada cleared the abort")
+        text = await shown(app, pilot)
+        assert "x  clear" not in text
+        assert "e  resume" in text
