@@ -1,5 +1,6 @@
 """The tables of runs and results."""
 
+from rich.text import Text
 from textual.app import App, ComposeResult
 
 from app.tui.widgets.row_table import RowTable
@@ -13,7 +14,7 @@ class TableApp(App[None]):
         table = self.query_one(RowTable)
         table.add_columns("run", "state")
         for number in range(50):
-            table.add_row(str(number), "complete")
+            table.add_row(Text(str(number)), Text("complete"))
 
 
 async def test_home_and_end_go_to_the_first_and_the_last_row() -> None:
