@@ -31,7 +31,9 @@ def forward(
     both = first + theta2_rad
     x_mm = link1_mm * np.cos(first) + link2_mm * np.cos(both)
     y_mm = link1_mm * np.sin(first) + link2_mm * np.sin(both)
-    return np.stack([x_mm, y_mm], axis=-1)
+    position_mm = np.empty((*np.shape(x_mm), 2))
+    position_mm[..., 0], position_mm[..., 1] = x_mm, y_mm
+    return position_mm
 
 
 def inverse(

@@ -1,5 +1,6 @@
 """The beam from the arm to the reflectors: who is hit, how far, what blocks it."""
 
+import math
 from collections.abc import Collection
 from dataclasses import dataclass
 
@@ -125,7 +126,7 @@ class Optics:
         relative = (self._centres - origin[:, None]) * np.conj(beam)[:, None]
         along = relative.real
         lift = (poses.height_mm - mount.height_j3_mm)[:, None]
-        rise, run = np.sin(mount.pitch_rad), np.cos(mount.pitch_rad)
+        rise, run = math.sin(mount.pitch_rad), math.cos(mount.pitch_rad)
         length = along * run - lift * rise
         miss = np.hypot(relative.imag, along * rise + lift * run)
         returns = (miss <= self._reach_mm()) & (along > 0.0) & self._in_place
@@ -142,8 +143,8 @@ class Optics:
 
     def _reach_mm(self) -> float:
         """Return the largest miss at which the level is that of the acceptance's edge; below 0 for none."""
-        left = 1.0 + np.log(self.clearness) / 2.0
-        return self._acceptance_mm * float(np.sqrt(left)) if left >= 0.0 else -1.0
+        left = 1.0 + math.log(self.clearness) / 2.0 if self.clearness > 0.0 else -math.inf
+        return self._acceptance_mm * math.sqrt(left) if left >= 0.0 else -1.0
 
     def _in_field(self, beam: Plane) -> Bools:
         back: Bools = (-beam[:, None] * np.conj(self._facing)).real >= self._least_cosine
@@ -170,7 +171,7 @@ def _choose(poses: Poses, returns: Bools, length: Floats, miss: Floats, candidat
     hit: Bools = np.any(returns, axis=1)
     # Of several reflectors in the beam the first one stops it; without any, the nearest miss is of interest.
     rank = np.where(hit[:, None], np.where(returns, length, np.inf), candidates)
-    best = np.argmin(rank, axis=1)
+    best = rank.argmin(axis=1)
     rows = np.arange(best.size)
     seen = length[rows, best] + poses.white_mm
     return Sight(poses.time_s, np.where(hit, best, NOBODY), seen, miss[rows, best], best)

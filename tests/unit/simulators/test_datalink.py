@@ -282,7 +282,7 @@ pieces = st.one_of(
 )
 
 
-@settings(max_examples=150, deadline=None)
+@settings(deadline=None)
 @given(sent=st.lists(pieces, max_size=10))
 def test_random_bytes_raise_nothing(sent: list[bytes]) -> None:
     line = Line()

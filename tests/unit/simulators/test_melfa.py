@@ -5,7 +5,7 @@ from dataclasses import replace
 from itertools import pairwise
 
 import pytest
-from hypothesis import example, given, settings
+from hypothesis import example, given
 from hypothesis import strategies as st
 
 from simulators.serving import Pending
@@ -401,7 +401,6 @@ WORDS = st.sampled_from(
 )
 
 
-@settings(max_examples=300)
 @given(st.lists(st.one_of(st.binary(max_size=40), WORDS), max_size=40).map(b"".join))
 @example(b"1;1;VAL=P1=(" + b"9" * 200 + b",0,0,0,0,0)\r1;1;EXECMOV P1\r")
 @example(b"1;1;ERRORMES-5\r1;1;JPOS\xb2\r1;99999999999;STATE\r\xb2;1;STATE\r")

@@ -357,7 +357,7 @@ datagrams = st.one_of(
 )
 
 
-@settings(max_examples=200, deadline=None)
+@settings(deadline=None)
 @given(sent=st.lists(datagrams, max_size=8), mode=st.sampled_from(["joint", "xyz", "pulse"]))
 def test_random_datagrams_raise_nothing(sent: list[bytes], mode: str) -> None:
     line = Line(options=MxtOptions(mode=mode))

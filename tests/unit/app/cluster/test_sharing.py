@@ -23,7 +23,7 @@ from tests.unit.app.cluster.work import (
 )
 
 
-@pytest.fixture(params=[1, 3])
+@pytest.fixture(params=[1, 2])
 def share(request: pytest.FixtureRequest) -> Iterator[Share]:
     with sharing(request.param, None) as found:
         yield found

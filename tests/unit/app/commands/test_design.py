@@ -142,7 +142,9 @@ def test_a_reflector_under_the_arm_is_compared_all_the_same(
 def test_chosen_commands_keep_every_node_in_both_directions(
     cell: Path, capsys: pytest.CaptureFixture[str], tmp_path: Path
 ) -> None:
-    found = designed(cell, capsys, commands=24)
+    target = tmp_path / "commands.csv"
+    design_command(cell, DesignOptions(places=60, commands=24), None, None, True, target)
+    found = json.loads(capsys.readouterr().out)
     commands = found["commands"]
     assert len(commands) == 24
     assert {(one[0], one[2]) for one in commands} == {
@@ -152,8 +154,6 @@ def test_chosen_commands_keep_every_node_in_both_directions(
         (node, sign) for node in (20.0, 60.0, 100.0, 140.0) for sign in (1, -1)
     }
     assert found["commands_bench_s"] < found["layouts"][0]["bench_s"]
-    target = tmp_path / "commands.csv"
-    design_command(cell, DesignOptions(places=60, commands=24), None, None, True, target)
     rows = target.read_text().splitlines()
     assert rows[0] == "theta1_deg,theta2_deg,direction1,direction2"
     assert [[float(value) for value in row.split(",")] for row in rows[1:]] == commands
