@@ -48,7 +48,7 @@ class ProceduresScreen(MainScreen):
     ProceduresScreen #totals { height: auto; max-height: 7; }
     ProceduresScreen #head-line { height: 1; color: $primary; }
     ProceduresScreen #table { height: 1fr; scrollbar-size: 1 1; background: $background; }
-    ProceduresScreen.-low.rehearsal #needs { display: none; }
+    ProceduresScreen.-low #needs.rehearsal { display: none; }
     ProceduresScreen.-narrow #left { width: 20; }
     """
 
@@ -329,7 +329,7 @@ class ProceduresScreen(MainScreen):
 
     def _show_part(self, part: str) -> None:
         self.query_one(ContentSwitcher).current = part
-        self.set_class(part == "rehearsal", "rehearsal")
+        self.query_one("#needs").set_class(part == "rehearsal", "rehearsal")
         self.query_one("#what").border_title = "Parameters" if part == "form" else "Rehearsal"
 
     def _ready_to_go(self) -> bool:
