@@ -115,7 +115,8 @@ class SetupScreen(WorkScreen):
         """Say what there is."""
         del picture, now_s
         self.set_class(self.size.width < _NARROW, "-narrow")
-        self.query_one(Start).show(self.session.cell, None in self._drafts, self.session.cell in self._drafts)
+        cell = self.session.cell
+        self.query_one(Start).show(cell, None in self._drafts, cell is not None and cell in self._drafts)
 
     def on_option_list_option_selected(self, event: OptionList.OptionSelected) -> None:
         """Do what was chosen."""

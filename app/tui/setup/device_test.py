@@ -110,7 +110,7 @@ class DeviceTest(ModalScreen[None]):
 def _lines_of(device: dict[str, Any]) -> list[Content]:
     sign = ("✓ ", "$success bold") if device["ok"] else ("✗ ", "$error bold")
     emulated = ("  SIMULATION", "black on yellow") if device["simulated"] else ""
-    first = Content.assemble(sign, device["identity"] or "nobody answers", emulated)
+    first = Content.assemble(sign, device["identity"] or "nobody answers as this device would", emulated)
     told = [first, Content.assemble((str(device["endpoint"]), "dim"))]
     told += [Content(f"  {fact}") for fact in device["status"]]
     return told + [Content.assemble(("→ ", "$warning"), text) for text in device["advice"]]

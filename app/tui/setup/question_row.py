@@ -1,8 +1,10 @@
 """One question of the wizard: title, answer, and what is wrong with it."""
 
 from collections.abc import Iterator
+from typing import ClassVar
 
 from textual.app import ComposeResult
+from textual.binding import Binding, BindingType
 from textual.containers import Horizontal, Vertical
 from textual.content import Content
 from textual.message import Message
@@ -25,6 +27,12 @@ class Fault(Told):
         """Show a fault; an empty text hides it."""
         self.set_class(bool(text), "told")
         self.tell(Content(f"✗ {text}" if text else ""))
+
+
+class Choice(Select[str], inherit_bindings=False):
+    """Answers to choose from; up and down go to the questions before and after it, as from every other answer."""
+
+    BINDINGS: ClassVar[list[BindingType]] = [Binding("enter,space", "show_overlay", "Show menu", show=False)]
 
 
 class Answered(Message):
@@ -104,7 +112,7 @@ class QuestionRow(Vertical):
     def _select(self) -> Select[str]:
         known = self._answer in {choice.text for choice in self.question.choices}
         prompt = f"default {self._default}" if self._default else "not answered yet"
-        return Select(
+        return Choice(
             list(self._options()),
             prompt=prompt,
             value=self._answer if known else Select.NULL,
