@@ -6,7 +6,7 @@ import numpy as np
 
 from simulators.bench.air import Air, AirSample
 from simulators.bench.arm import Arm
-from simulators.bench.counter import Counter, Reading
+from simulators.bench.counter import Counter, Gap, Reading, gaps_between
 from simulators.bench.insight import Insight
 from simulators.bench.motion import SHORTEST
 from simulators.bench.mount import Mount
@@ -416,8 +416,11 @@ class Bench:
     def _shift_target(self) -> None:
         """Go on counting after a hand changed the beam or its target."""
         sight = self._look(np.array([self.time_s]))
+        # A push by hand is counted, for it takes time; a jump to another reflector or to none is not.
+        jumped = int(sight.index[0]) != int(self._counter.last.index[0])
+        gaps = self._gaps(sight) if jumped else []
         for counter in self._counters():
-            counter.shift_target(sight)
+            counter.follow(gaps, sight)
 
     def _look(self, time_s: Floats) -> Sight:
         return self._optics.look(self._arm.poses(time_s))
@@ -429,9 +432,13 @@ class Bench:
 
     def _follow(self, sight: Sight) -> None:
         self._largest_miss_mm = max(self._largest_miss_mm, float(sight.miss_mm.max()))
-        self._counter.follow(sight)
-        for counter in self._instruments:
-            counter.follow(sight)
+        gaps, last = self._gaps(sight), sight.last()
+        for counter in self._counters():
+            counter.follow(gaps, last)
+
+    def _gaps(self, sight: Sight) -> list[Gap]:
+        """Return what no counter counts from the last look to some looks: all of them have seen the same."""
+        return gaps_between(self._counter.last, sight, self._config.speed_limit_mm_s, self._air.index_at)
 
     def _nearest(self, sight: Sight) -> str:
         return self._optics.names[int(sight.nearest[0])]

@@ -66,7 +66,7 @@ class Counter:
     """State of the count.
 
     Args:
-        config: budget, seed and the displacement rate that the counter follows.
+        config: budget and seed.
         first: what the beam meets at bench time 0, shape (1,).
         air_index: refractive index of the air at a bench time.
         number: of the counters on one bench, each has noise and errors of its own.
@@ -85,7 +85,6 @@ class Counter:
     ) -> None:
         self._air_index = air_index
         self._budget: ErrorBudget = config.budget
-        self._limit_mm_s = config.speed_limit_mm_s
         self._noise = np.random.default_rng([config.seed, 6, number])
         self._slips = np.random.default_rng([config.seed, 10, number])
         rng = np.random.default_rng([config.seed, 7, number])
@@ -105,26 +104,21 @@ class Counter:
         self.overspeed_count = 0
         self.laser_ready = True
 
-    def follow(self, sight: Sight) -> None:
-        """Count along consecutive looks at the beam, in the order of bench time."""
-        index = np.concatenate([self._last.index, sight.index])
-        length = np.concatenate([self._last.length_mm, sight.length_mm])
-        same = index[1:] == index[:-1]
-        time_s = np.concatenate([self._last.time_s, sight.time_s])
-        most = self._limit_mm_s * np.maximum(time_s[1:] - time_s[:-1], _SHORTEST_STEP_S)
-        fast = same & (index[1:] != NOBODY) & (np.abs(length[1:] - length[:-1]) > most)
-        # Each interval that is not counted is taken out of the count, in the order in which they come.
-        for k in (~same | fast).nonzero()[0]:
-            optical = [float(length[i]) * self._air_index(float(time_s[i])) for i in (k, k + 1)]
-            lengths = _Lengths(float(length[k]), float(length[k + 1]), *optical)
-            self._skip(int(index[k]), int(index[k + 1]), lengths, fast=bool(fast[k]))
-        self._last = sight.last()
+    @property
+    def last(self) -> Sight:
+        """The last look at the beam, shape (1,)."""
+        return self._last
 
-    def shift_target(self, sight: Sight) -> None:
-        """Go on after a reflector was moved by hand: a quick push, but not a jump in no time."""
-        if int(sight.index[0]) != int(self._last.index[0]):
-            self.follow(sight)
-        self._last = sight
+    def follow(self, gaps: list["Gap"], last: Sight) -> None:
+        """Count along looks at the beam.
+
+        Args:
+            gaps: what is not counted between the last look so far and the new last one, in the order of bench time.
+            last: the new last look, shape (1,).
+        """
+        for gap in gaps:
+            self._skip(gap)
+        self._last = last
 
     def outrun(self) -> None:
         """Lose fringes, as after too fast a change of the length."""
@@ -206,29 +200,67 @@ class Counter:
         step_mm = self._budget.counter_resolution_um * 1e-3
         return round(value_mm / step_mm) * step_mm if step_mm else value_mm
 
-    def _skip(self, before: int, after: int, lengths: "_Lengths", *, fast: bool) -> None:
-        if fast:
+    def _skip(self, gap: "Gap") -> None:
+        if gap.fast:
             self.overspeed = True
             self.overspeed_count += 1
-            self._origin_mm += lengths.after_mm - lengths.before_mm
-            self._optical_origin_mm += lengths.optical_after_mm - lengths.optical_before_mm
+            self._origin_mm += gap.after_mm - gap.before_mm
+            self._optical_origin_mm += gap.optical_after_mm - gap.optical_before_mm
             return
-        if before != NOBODY:
+        if gap.before != NOBODY:
             self.beam_lost = True
             self.break_count += 1
             slip_mm = self._slip_mm()
-            self._held_mm = lengths.before_mm - self._origin_mm + slip_mm
-            self._optical_held_mm = lengths.optical_before_mm - self._optical_origin_mm + slip_mm
-        if after != NOBODY:
-            self._origin_mm = lengths.after_mm - self._held_mm
-            self._optical_origin_mm = lengths.optical_after_mm - self._optical_held_mm
+            self._held_mm = gap.before_mm - self._origin_mm + slip_mm
+            self._optical_held_mm = gap.optical_before_mm - self._optical_origin_mm + slip_mm
+        if gap.after != NOBODY:
+            self._origin_mm = gap.after_mm - self._held_mm
+            self._optical_origin_mm = gap.optical_after_mm - self._optical_held_mm
 
 
 @dataclass(frozen=True)
-class _Lengths:
-    """The beam's length and optical length at both ends of an interval that is not counted."""
+class Gap:
+    """An interval between two looks at the beam that no counter counts: too fast, or not on one reflector.
 
+    Attributes:
+        before: reflector at its start, NOBODY without a return.
+        after: reflector at its end.
+        fast: the beam stays on its reflector, and its length changes too fast.
+        before_mm: length of the beam at the start.
+        after_mm: length of the beam at the end.
+        optical_before_mm: optical length of the beam at the start.
+        optical_after_mm: optical length of the beam at the end.
+    """
+
+    before: int
+    after: int
+    fast: bool
     before_mm: float
     after_mm: float
     optical_before_mm: float
     optical_after_mm: float
+
+
+def gaps_between(
+    last: Sight, sight: Sight, limit_mm_s: float, air_index: Callable[[float], float]
+) -> list[Gap]:
+    """Return what is not counted along consecutive looks at the beam, in the order of bench time.
+
+    Args:
+        last: the look before them, shape (1,).
+        sight: the looks.
+        limit_mm_s: displacement rate that counters follow.
+        air_index: refractive index of the air at a bench time.
+    """
+    index = np.concatenate([last.index, sight.index])
+    length = np.concatenate([last.length_mm, sight.length_mm])
+    time_s = np.concatenate([last.time_s, sight.time_s])
+    same = index[1:] == index[:-1]
+    most_mm = limit_mm_s * np.maximum(time_s[1:] - time_s[:-1], _SHORTEST_STEP_S)
+    fast = same & (index[1:] != NOBODY) & (np.abs(length[1:] - length[:-1]) > most_mm)
+    gaps = []
+    for k in (~same | fast).nonzero()[0]:
+        optical = [float(length[i]) * air_index(float(time_s[i])) for i in (k, k + 1)]
+        ends = int(index[k]), int(index[k + 1])
+        gaps.append(Gap(*ends, bool(fast[k]), float(length[k]), float(length[k + 1]), *optical))
+    return gaps
