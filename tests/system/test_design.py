@@ -48,7 +48,8 @@ def test_processes_find_the_same_design(tmp_path: Path) -> None:
 
 def test_bad_floor_is_exit_code_2(tmp_path: Path) -> None:
     (tmp_path / "cell.toml").write_text(TEMPLATE)
-    refused = catseye("design", "--cell", "cell.toml", "--floor", "0,100,0,100", cwd=tmp_path)
+    floor = ("--floor", "0,100,0,100", "--places", "40")
+    refused = catseye("design", "--cell", "cell.toml", *floor, cwd=tmp_path)
     assert refused.returncode == 2
     assert "larger --floor" in refused.stderr
     assert not refused.stdout
