@@ -65,6 +65,7 @@ class RunControl:
         self._changed = asyncio.Event()
         self._motion_permitted = False
         self._hold_first: str | None = None
+        self._hold_reason = ""
         self.moving = False
         self.waits = 0
         self.waited_s = 0.0
@@ -76,6 +77,7 @@ class RunControl:
 
     def hold(self, reason: str) -> None:
         """Hold at the next checkpoint; the move under way ends by itself."""
+        self._hold_reason = reason
         self._apply(Event.HOLD, reason)
 
     def hold_before_motion(self, reason: str) -> None:
@@ -147,7 +149,7 @@ class RunControl:
         self.raise_ending()
         while self.state in _WAITING:
             if self.state == State.HOLDING:
-                self._apply(Event.HELD, "at a checkpoint")
+                self._apply(Event.HELD, f"at a checkpoint: {self._hold_reason}")
             self.waits += 1
             self._changed.clear()
             await self._changed.wait()

@@ -1,0 +1,21 @@
+"""A run that is held says why for as long as it is."""
+
+import asyncio
+
+from app.engine.control import RunControl
+from app.engine.states import State
+from tests.unit.app.engine.fakes import ManualClock
+
+
+async def test_a_held_run_says_who_or_what_holds_it() -> None:
+    told: list[tuple[State, str]] = []
+    control = RunControl(ManualClock(), lambda state, reason: told.append((state, reason)))
+    control.starting()
+    control.started()
+    control.hold("Ada (tui-1), who held control, is lost")
+    held = asyncio.create_task(control.checkpoint())
+    await asyncio.sleep(0)
+    assert told[-1] == (State.HELD, "at a checkpoint: Ada (tui-1), who held control, is lost")
+    control.unhold("Bob")
+    await held
+    assert control.state == State.EXECUTE
