@@ -126,7 +126,10 @@ def make_app(
 ) -> CatseyeApp:
     """Return the program on a scripted engine."""
     session = Session(link, ScriptedWork(), root, cell or Path("/bench/cell.toml"), lambda: link.now_s)
-    return CatseyeApp(session, place=place)
+    app = CatseyeApp(session, place=place)
+    # What slides to its place is drawn many times on its way.
+    app.animation_level = "none"
+    return app
 
 
 def work_of(app: CatseyeApp) -> ScriptedWork:
