@@ -27,7 +27,13 @@ def bench(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Emulated]:
     with (
         tempfile.TemporaryDirectory(dir="/tmp") as runtime,
         pytest.MonkeyPatch.context() as patch,
-        emulated(tmp_path_factory.mktemp("by-hand"), "--speed", "1", edit=NARROW) as running,
+        emulated(
+            tmp_path_factory.mktemp("by-hand"),
+            "--speed",
+            "1",
+            edit=NARROW,
+            module="tests.system.prompt_drives",
+        ) as running,
     ):
         patch.setenv("XDG_RUNTIME_DIR", runtime)
         yield running

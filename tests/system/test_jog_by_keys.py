@@ -21,7 +21,9 @@ def bench(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Emulated]:
     with (
         tempfile.TemporaryDirectory(dir="/tmp") as runtime,
         pytest.MonkeyPatch.context() as patch,
-        emulated(tmp_path_factory.mktemp("jog-by-keys"), "--speed", "1") as running,
+        emulated(
+            tmp_path_factory.mktemp("jog-by-keys"), "--speed", "1", module="tests.system.prompt_drives"
+        ) as running,
     ):
         patch.setenv("XDG_RUNTIME_DIR", runtime)
         yield running
