@@ -147,18 +147,19 @@ def _change(
             continue
         if present.get(key) == wanted.get(key) and (key in present) == (key in wanted):
             continue
-        if inner in within or (isinstance(wanted.get(key), Mapping) and not (block and key in present)):
-            _change_table(blocks, inner, present.get(key) or {}, wanted.get(key))
-        elif block is not None:
-            _change_key(block, key, wanted.get(key))
+        value = wanted.get(key)
+        if isinstance(value, Mapping) and (inner in within or not (block and key in present)):
+            _change_table(blocks, inner, present.get(key) or {}, value)
+            continue
+        # A table that is no longer wanted goes, also where a single value takes its place.
+        blocks[:] = [other for other in blocks if other.path[: len(inner)] != inner]
+        if block is not None:
+            _change_key(block, key, value)
 
 
 def _change_table(
-    blocks: list[_Block], path: tuple[str, ...], present: Mapping[str, Any], wanted: Mapping[str, Any] | None
+    blocks: list[_Block], path: tuple[str, ...], present: Mapping[str, Any], wanted: Mapping[str, Any]
 ) -> None:
-    if wanted is None:
-        blocks[:] = [block for block in blocks if block.path[: len(path)] != path]
-        return
     if not any(block.path == path for block in blocks):
         plain_keys = {key: value for key, value in wanted.items() if not isinstance(value, Mapping)}
         _insert(blocks, _Block(path, array=False, lines=_table(path, plain_keys, array=False)))

@@ -48,6 +48,14 @@ def test_any_change_of_values_in_the_template_gives_exactly_these_values(data: s
     assert tomllib.loads(rewritten(TEMPLATE, wanted)) == wanted
 
 
+@pytest.mark.parametrize("value", [True, "", [1.0, 2.0]])
+def test_a_value_may_take_the_place_of_a_table(value: Any) -> None:
+    wanted = tomllib.loads(TEMPLATE)
+    assert isinstance(wanted["robot"]["limits_deg"], dict)
+    wanted["robot"]["limits_deg"] = value
+    assert tomllib.loads(rewritten(TEMPLATE, wanted)) == wanted
+
+
 def test_what_stays_keeps_its_line_and_what_changes_its_comment() -> None:
     wanted = tomllib.loads(TEMPLATE)
     wanted["robot"]["override_cap_percent"] = 5
