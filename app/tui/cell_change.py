@@ -57,14 +57,21 @@ def _ask(app: "CatseyeApp", path: Path) -> None:
         if agreed:
             _start_anew(app)
         else:
-            app.session.cell = app.session.link.cell = _cell_of(picture) or path
+            _keep(app)
 
     app.push_screen(ConfirmDialog("An engine of another cell", text, "start anew", "keep its cell"), answered)
 
 
 def _start_anew(app: "CatseyeApp") -> None:
+    ended: list[object] = []
     # The link looks for an engine again by itself, finds none, and starts one.
-    app.order("shutdown", "The engine was not started anew with the cell")
+    order = app.order("shutdown", "The engine was not started anew with the cell", then=ended.append)
+    # What is shown of the bench is of the engine's cell: no run may begin on another one than that.
+    order.add_done_callback(lambda _order: None if ended else _keep(app))
+
+
+def _keep(app: "CatseyeApp") -> None:
+    app.session.cell = app.session.link.cell = _cell_of(app.session.link.picture) or app.session.cell
 
 
 def _cell_of(picture: Picture) -> Path | None:

@@ -350,10 +350,11 @@ class ProceduresScreen(MainScreen):
     def _words(self) -> dict[str, Any]:
         """Return what a request to start carries."""
         form, facts = self.query_one(ParameterForm), self._catalogue.procedures[self._chosen]
-        typed = form.typed
+        typed, cell = form.typed, self.session.cell
         return {
             "procedure": self._chosen,
-            "cell": str(self.session.cell),
+            # The engine may have been started in another folder.
+            "cell": "" if cell is None else str(cell.absolute()),
             "params": form.params(set(facts["params"])),
             "search": typed.get("search", "auto"),
             "speed": 1.0 if self._real else float(typed.get("speed", self.session.speed)),
@@ -361,7 +362,7 @@ class ProceduresScreen(MainScreen):
 
     def _start_lines(self) -> list[str]:
         words = self._words()
-        told = [f"{self._chosen} on cell {self._catalogue.cell} ({words['cell']})"]
+        told = [f"{self._chosen} on cell {self._catalogue.cell} ({self.session.cell})"]
         told += [f"  {text}" for text in words["params"]] or ["  every parameter at its default"]
         if self._catalogue.procedures[self._chosen]["needs_aim"]:
             told.append(f"  aim: {words['search']}")

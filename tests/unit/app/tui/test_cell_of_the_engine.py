@@ -1,0 +1,51 @@
+"""A run begins on the cell file that this program shows, wherever the engine was started."""
+
+from pathlib import Path
+
+import pytest
+
+from app.cell.template import TEMPLATE
+from app.tui.dialogs.confirm_dialog import ConfirmDialog
+from tests.unit.app.tui.screens.test_procedures import app_of, settled
+from tests.unit.app.tui.scripted import ScriptedLink, make_app, shown
+from tests.unit.app.tui.told_bench import BENCH
+
+
+async def test_a_cell_file_that_was_given_relative_to_this_folder_is_told_in_full(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    link = ScriptedLink({"cell": str(tmp_path / "cell.toml")})
+    app = app_of(link)
+    app.session.cell = Path("cell.toml")
+    async with app.run_test(size=(80, 24)) as pilot:
+        link.tell("bench", **BENCH)
+        await settled(app, pilot)
+        await pilot.press("s")
+        await settled(app, pilot)
+        await pilot.press("f8")
+        await settled(app, pilot)
+        (start,) = [request for request in link.asked if request["op"] == "start"]
+        assert start["cell"] == str(tmp_path / "cell.toml")
+
+
+@pytest.mark.parametrize(
+    ("refusal", "used"), [("", "own"), ("this needs control, which Bob holds", "engine's")]
+)
+async def test_an_engine_that_does_not_end_keeps_its_cell_here_too(
+    tmp_path: Path, refusal: str, used: str
+) -> None:
+    cell = tmp_path / "cell.toml"
+    cell.write_text(TEMPLATE, encoding="utf-8")
+    link = ScriptedLink()
+    if refusal:
+        link.refusals["shutdown"] = refusal
+    app = make_app(link, cell=cell)
+    async with app.run_test(size=(80, 24)) as pilot:
+        await shown(app, pilot)
+        assert isinstance(app.screen, ConfirmDialog)
+        await pilot.press("y")
+        for _ in range(3):
+            await shown(app, pilot)
+        assert [request["op"] for request in link.asked] == ["shutdown"]
+        assert app.session.cell == (cell if used == "own" else Path("/bench/cell.toml"))
