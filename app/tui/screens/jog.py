@@ -168,6 +168,9 @@ class JogScreen(MainScreen):
         picture = self.session.link.picture
         if self._beginning or picture.jogging:
             return
+        if picture.running:
+            self.notify("a run is under way: jog when it has ended", severity="warning")
+            return
         self._beginning = True
         percent = min(float(self.choices.percent), cap_percent(picture))
         typed = self.query_one("#typed", Input).value.strip()
