@@ -3,7 +3,7 @@
 import asyncio
 from collections.abc import Callable, Coroutine, Iterable
 from functools import partial
-from typing import Any, ClassVar, Final
+from typing import TYPE_CHECKING, Any, ClassVar, Final
 
 from textual.app import App, SystemCommand
 from textual.binding import Binding, BindingType
@@ -22,6 +22,9 @@ from app.tui.start_checks import tell_what_is_wrong
 from app.tui.stopping import StopOp
 from app.tui.themes import HIGH_CONTRAST, THEMES
 
+if TYPE_CHECKING:
+    from app.tui.palette import Actions
+
 _REFRESH_S: Final = 0.2
 """Screens are painted anew at most so often."""
 
@@ -29,6 +32,13 @@ _LOOK_S: Final = 2.0
 """Keys and cell file are looked at so long after the first screen: what that imports would delay it."""
 
 _STANDSTILL_S: Final = 15.0
+
+
+def _actions() -> "type[Actions]":
+    # The first screen is painted before this is imported.
+    from app.tui.palette import Actions
+
+    return Actions
 
 
 class CatseyeApp(App[int]):
@@ -44,6 +54,7 @@ class CatseyeApp(App[int]):
     TITLE = "catseye"
     CSS_PATH = "styles/app.tcss"
     ENABLE_COMMAND_PALETTE = True
+    COMMANDS: ClassVar[set[Any]] = {_actions}
 
     BINDINGS: ClassVar[list[BindingType]] = [
         Binding("f12", "stop", "STOP", priority=True, id="run.stop", tooltip="stop the arm now"),
@@ -115,8 +126,11 @@ class CatseyeApp(App[int]):
         self.set_class(theme == HIGH_CONTRAST.name, "-contrast")
 
     def get_system_commands(self, screen: Screen[Any]) -> Iterable[SystemCommand]:
-        """Add every action of the program and of the screen to the palette."""
-        yield from super().get_system_commands(screen)
+        """Put every action of the program and of the screen into the palette; what changes nothing comes first."""
+        for name, place in PLACES.items():
+            yield SystemCommand(f"Go to {place.title}", place.tooltip, partial(self.action_go, name))
+        if isinstance(screen, MainScreen):
+            yield from screen.commands()
         yield SystemCommand("Hold the run", "at the next checkpoint", self.action_hold)
         yield SystemCommand("Let the run go on", "after a hold; asks first", self.action_ask_to_go_on)
         yield SystemCommand("STOP", "the arm stops now; the run can be resumed", self.action_stop)
@@ -124,10 +138,7 @@ class CatseyeApp(App[int]):
         yield SystemCommand("Clear an abort", "after a look at the bench", self.action_clear)
         yield SystemCommand("Take control", "from whoever has it", self.action_take_control)
         yield SystemCommand("Give control back", "the run goes on as it is", self.action_release)
-        for name, place in PLACES.items():
-            yield SystemCommand(f"Go to {place.title}", place.tooltip, partial(self.action_go, name))
-        if isinstance(screen, MainScreen):
-            yield from screen.commands()
+        yield from super().get_system_commands(screen)
 
     def action_go(self, name: str) -> None:
         """Show a screen."""

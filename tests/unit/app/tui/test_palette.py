@@ -1,0 +1,29 @@
+"""The palette before anything is typed."""
+
+import pytest
+from textual.command import CommandPalette
+
+from app.tui.places import PLACES
+from tests.unit.app.tui.scripted import ScriptedLink, make_app, shown
+from tests.unit.app.tui.told_run import MOTION, SNAPSHOT, ask
+
+
+@pytest.mark.parametrize("place", PLACES)
+async def test_enter_alone_changes_nothing(place: str) -> None:
+    link = ScriptedLink(SNAPSHOT)
+    app = make_app(link, place)
+    async with app.run_test(size=(80, 24)) as pilot:
+        ask(link, **MOTION)
+        await pilot.press("ctrl+p")
+        for _ in range(20):
+            text = await shown(app, pilot)
+            if "Go to Bench" in text:
+                break
+            await pilot.pause(0.05)
+        assert isinstance(app.screen, CommandPalette)
+        await pilot.press("enter")
+        await pilot.pause()
+        await shown(app, pilot)
+        assert app.current_mode == "bench"
+        # Of the screen Terminal: it looks at the traffic while it is shown.
+        assert [request for request in link.asked if request["op"] != "traffic"] == []
