@@ -114,15 +114,14 @@ def fit_sentences(result: Result, diagnosis: dict[str, Any] | None) -> list[Sent
     if result.fit.null_directions:
         named = "; ".join(", ".join(names) for names in result.fit.null_directions)
         told.append(("bad", f"Not observable, and therefore without numbers: {named}."))
-    told += [("note", f"left out: {text}") for text in result.fit.rejected]
     if result.uncertainty is not None:
         told += [("note", text) for text in sentences(result.uncertainty)]
     if diagnosis is None:
-        return [
-            *told,
-            ("note", "d: diagnosis, what speaks for and against the fit (takes seconds to minutes)"),
-        ]
-    return [*told, *((str(one["kind"]), str(one["text"])) for one in diagnosis["findings"])]
+        told.append(("note", "d: diagnosis, what speaks for and against the fit (takes seconds to minutes)"))
+    else:
+        told += [(str(one["kind"]), str(one["text"])) for one in diagnosis["findings"]]
+    # After many losses of the beam these are more lines than a small screen has.
+    return [*told, *(("note", f"left out: {text}") for text in result.fit.rejected)]
 
 
 def outlier_rows(result: Result, diagnosis: dict[str, Any] | None) -> list[int]:
@@ -141,23 +140,22 @@ def residual_text(result: Result, diagnosis: dict[str, Any] | None) -> str:
     """Return the outliers in a numbered list; before a diagnosis the scatter of each reflector."""
     if result.residuals is None:
         return "the result file holds no residuals"
-    lines = [f"left out: {text}" for text in result.fit.rejected]
+    left_out = [f"left out: {text}" for text in result.fit.rejected]
     if diagnosis is None:
-        lines += _scatter(result)
-        return "\n".join([*lines, "d: diagnosis, marks the outliers"])
+        return "\n".join([*_scatter(result), "d: diagnosis, marks the outliers", *left_out])
     outliers = diagnosis["outliers"]
     limit = f"limit {outliers['limit']:.1f}"
     if not outliers["distances"]:
-        lines.append(f"✓ no outlier: no studentised residual beyond the {limit}")
-        return "\n".join([*lines, *_scatter(result)])
-    lines.append(f"{len(outliers['distances'])} outliers: residual, studentised residual ({limit})")
+        none = f"✓ no outlier: no studentised residual beyond the {limit}"
+        return "\n".join([none, *_scatter(result), *left_out])
+    lines = [f"{len(outliers['distances'])} outliers: residual, studentised residual ({limit})"]
     lines += [
         f"{place:>2}  {one['residual_um']:>+8.1f} µm {one['external']:>+6.1f}  {one['what']}"
         for place, one in enumerate(outliers["distances"], 1)
     ]
     if not outlier_rows(result, diagnosis):
         lines.append("not marked above: the diagnosis is of the error map over all distances of the runs")
-    return "\n".join(lines)
+    return "\n".join([*lines, *left_out])
 
 
 def _scatter(result: Result) -> list[str]:

@@ -1,0 +1,29 @@
+"""Texts of a result: what speaks for and against it comes before what was left out."""
+
+from typing import Any
+
+import pytest
+
+from app.files.result_json import Result
+from app.tui.result_texts import fit_sentences, residual_text
+from tests.unit.app.tui.stored_results import DIAGNOSIS, error_map
+
+LOST = [f"segment {number} of reflector P2 dropped: 1 distance(s), fewer than 3" for number in range(30)]
+
+
+@pytest.fixture
+def result() -> Result:
+    told = error_map()
+    told["fit"]["rejected"] = LOST
+    return Result.model_validate(told)
+
+
+@pytest.mark.parametrize("diagnosis", [None, DIAGNOSIS], ids=["before", "after"])
+def test_what_was_left_out_stands_last(result: Result, diagnosis: dict[str, Any] | None) -> None:
+    for lines in (
+        residual_text(result, diagnosis).splitlines(),
+        [text for _, text in fit_sentences(result, diagnosis)],
+    ):
+        assert lines[-30:] == [f"left out: {text}" for text in LOST]
+        assert not [line for line in lines[:-30] if line.startswith("left out")]
+        assert len(lines) > 30
