@@ -35,6 +35,9 @@ _START_S = 15.0
 SILENT_S = 3.0
 """An engine that has not answered for so long is said not to answer; orders wait no longer for it."""
 
+_MOVING = frozenset({"answer", "unhold", "start", "resume", "jog", "jog-step", "jog-hold", "raw", "send"})
+"""Orders after which the arm may move, or bytes may reach it."""
+
 _LEAVE_S = 2.0
 """An engine that does not answer keeps nobody here."""
 
@@ -117,6 +120,11 @@ class EngineLink:
         if self._client is None:
             raise ServiceError(f"no engine is connected: {self.picture.trouble or 'wait a moment'}")
         limit_s = SILENT_S if self.picture.silent_since_s is not None else None
+        if limit_s is not None and op in _MOVING and fields.get("on") is not False:
+            raise ServiceError(
+                "the engine does not answer, and nothing was sent: it would be done whenever the engine wakes up, and "
+                "the arm would move unexpectedly; wait until it answers; F12 stops by every way"
+            )
         try:
             async with asyncio.timeout(limit_s) as wait:
                 self._waits.add(wait)
