@@ -122,8 +122,8 @@ class EngineLink:
         limit_s = SILENT_S if self.picture.silent_since_s is not None else None
         if limit_s is not None and op in _MOVING and fields.get("on") is not False:
             raise ServiceError(
-                "the engine does not answer, and nothing was sent: it would be done whenever the engine wakes up, and "
-                "the arm would move unexpectedly; wait until it answers; F12 stops by every way"
+                "the engine does not answer, and nothing was sent: it would be done whenever the engine wakes up, "
+                "and the arm would move unexpectedly; wait until it answers; F12 stops by every way"
             )
         try:
             async with asyncio.timeout(limit_s) as wait:
