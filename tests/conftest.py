@@ -11,6 +11,9 @@ import pytest
 from pytest_asyncio import is_async_test
 
 
+_WAY_OUT_S = 1.0
+
+
 def _open_files() -> dict[str, str]:
     """Return the sockets and regular files that this process holds open, by descriptor."""
     links: dict[str, str] = {}
@@ -27,6 +30,12 @@ def _open_files() -> dict[str, str]:
     return links
 
 
+def _ends(thread: threading.Thread) -> bool:
+    """Return whether a thread has done its work: one that has told its result may still be on its way out."""
+    thread.join(_WAY_OUT_S)
+    return not thread.is_alive()
+
+
 @pytest.fixture(scope="session", autouse=True)
 def imported_modules_stay() -> None:
     """Take what importing has made out of the garbage collector's rounds, of which every test pays one."""
@@ -41,7 +50,7 @@ def nothing_left_behind() -> Iterator[None]:
     files_before = _open_files()
     yield
     gc.collect()
-    threads = [t.name for t in set(threading.enumerate()) - threads_before if t.is_alive()]
+    threads = [thread.name for thread in set(threading.enumerate()) - threads_before if not _ends(thread)]
     files = [target for fd, target in _open_files().items() if files_before.get(fd) != target]
     assert not threads, f"threads left running: {threads}"
     assert not files, f"files or sockets left open: {files}"
