@@ -208,7 +208,7 @@ class PromptPanel(Vertical):
         """Return why what is typed answers nothing; empty when it does."""
         text, number = self._typed(), self._kind() == "number"
         if not text:
-            return f"type a {'number' if number else 'line of text'}{self._in_unit()}"
+            return f"type {'a number' if number else 'an answer'}{self._in_unit()}"
         return f"{text!r} is no number{self._in_unit()}" if number and not _is_number(text) else ""
 
     def _answer(self, text: str) -> None:

@@ -330,7 +330,7 @@ async def test_numbers_and_texts_are_checked_as_they_are_typed_and_gone_when_the
         ask(link, id="jog/P1", kind="text", text="Type degrees, here or skip.", unit="deg")
         await settled(app, pilot, link)
         await pilot.press("enter")
-        assert "type a line of text in deg" in await shown(app, pilot)
+        assert "type an answer in deg" in await shown(app, pilot)
         await pilot.press(*"here", "enter")
         await settled(app, pilot, link)
         assert answers(link)[1:] == [("jog/P1", "here")]
