@@ -10,7 +10,6 @@ from collections.abc import AsyncIterator, Generator, Iterator
 import pytest
 from pytest_asyncio import is_async_test
 
-
 _WAY_OUT_S = 1.0
 
 
