@@ -146,6 +146,7 @@ class HandArm:
 
     def _begin(self, motion: HandMotion, work: Coroutine[Any, Any, Message]) -> "asyncio.Task[Message]":
         self.motion = motion
+        self._gate.belong_to(motion.require_unstopped)
         self._task = asyncio.create_task(self._conducted(motion, work))
         return self._task
 

@@ -49,6 +49,14 @@ class HandMotion:
         """Why the standstill is not certain; empty when the arm stands."""
         return next((report.text for report in self._control.reports if not report.standstill), "")
 
+    def require_unstopped(self) -> None:
+        """Check that nobody has stopped it.
+
+        Raises:
+            CatseyeError: why it was ended.
+        """
+        self._control.raise_ending()
+
     def stop(self, reason: str) -> None:
         """Stop the robot now, past everything under way; again does no harm."""
         self._control.stop(reason)

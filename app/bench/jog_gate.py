@@ -1,5 +1,6 @@
 """The gate of motions by hand: the one of a run, with limits and words for whoever jogs."""
 
+from collections.abc import Callable
 from dataclasses import replace
 
 from app.bench.facts import BenchFacts
@@ -39,6 +40,10 @@ class JogGate:
     def override_percent(self) -> float:
         """The override as it was read last: at most `percent`, less where the controller's is lower."""
         return self._gate.override_percent
+
+    def belong_to(self, permit: Callable[[], None]) -> None:
+        """Ask a motion from now on whether the override may still be lowered; it raises once it was stopped."""
+        self._gate.permit = permit
 
     async def switch_on(self) -> float:
         """Bring the override down and the drives on; return the override that is read back.

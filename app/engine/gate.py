@@ -68,6 +68,7 @@ class MotionGate:
 
     Attributes:
         on_override: is told each override that was lowered on request and read back, percent.
+        permit: raises when a stop has begun: nothing is told to the controller then, not even a lower override.
     """
 
     def __init__(
@@ -84,6 +85,7 @@ class MotionGate:
         self._wanted_percent = override_cap_percent
         self._read_percent = override_cap_percent
         self.on_override: Callable[[float], None] = lambda _percent: None
+        self.permit: Callable[[], None] = lambda: None
 
     @property
     def override_percent(self) -> float:
@@ -113,7 +115,7 @@ class MotionGate:
         """
         percent = (await self._robot.status()).override_percent
         if percent > self._cap_percent:
-            percent = await self._robot.set_override(self._cap_percent)
+            percent = await self._set_override(self._cap_percent)
         self._require_override(percent)
         self._read_percent = percent
         return percent
@@ -151,7 +153,7 @@ class MotionGate:
         return all([await condition.trouble() is None for condition in self._conditions])
 
     async def _lower_to(self, wanted: float) -> None:
-        percent = await self._robot.set_override(wanted)
+        percent = await self._set_override(wanted)
         if not percent <= wanted + _OVERRIDE_TOLERANCE_PERCENT:
             raise SafetyError(
                 f"the controller was asked for an override of {wanted:g} % and reads {percent:g} %: no motion; "
@@ -160,6 +162,10 @@ class MotionGate:
         # A controller that rounds up a little is not asked again and again.
         self._wanted_percent = self._read_percent = percent
         self.on_override(percent)
+
+    async def _set_override(self, percent: float) -> float:
+        self.permit()
+        return await self._robot.set_override(percent)
 
     def _require_override(self, percent: float) -> None:
         # Written so that an override that reads NaN is refused too.

@@ -266,6 +266,7 @@ class _Run:
         conditions = self._conditions(devices)
         gate = MotionGate(devices.robot, self._request.limits, self._request.override_cap_percent, conditions)
         gate.on_override = self._override_lowered
+        gate.permit = self._control.raise_ending
         request = self._request
         operator = Operator(
             self._clock, request.answers, request.answerer, simulated=simulated, hands=request.hands

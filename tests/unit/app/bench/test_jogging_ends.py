@@ -37,6 +37,23 @@ def test_an_open_door_stops_a_motion_and_ends_the_jog(cell: Cell, how: str) -> N
     assert fixture.events("error")[0]["exit_code"] == ExitCode.SAFETY
 
 
+@pytest.mark.parametrize("how", ["step", "hold"])
+def test_nothing_is_told_to_the_controller_after_a_stop(cell: Cell, how: str) -> None:
+    """A raised override is lowered before a motion; a stop that comes while it is read forbids that too."""
+
+    async def script(fixture: HandFixture, jog: Jogging) -> None:
+        fixture.arm.state = replace(fixture.arm.state, override_percent=100.0)
+        moving = jog.step(step(joint="j1", by=5.0), now_s) if how == "step" else jog.hold(hold())
+        await asyncio.sleep(0)
+        jog.end("Ben stopped it")
+        assert isinstance(moving, asyncio.Future)
+        with pytest.raises(RefusedError):
+            await moving
+
+    log = [text for _, text in jogged(cell, script, percent=5.0).arm.log]
+    assert set(log[log.index("stop") :]) == {"stop", "servo off"}
+
+
 def test_no_drives_while_the_door_is_open(cell: Cell) -> None:
     async def work() -> None:
         fixture = HandFixture(cell, TimedArm())
