@@ -105,6 +105,8 @@ class Reentry:
                 f"{_time_text(self.since_utc)}?"
             ),
             choices=("untouched", "moved"),
+            # After "untouched" the run drives on at once.
+            motion=True,
         )
         if await ask(prompt) == "untouched":
             return

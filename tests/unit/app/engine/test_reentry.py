@@ -107,7 +107,7 @@ async def test_an_aborted_run_goes_on_when_a_person_has_cleared_it(bench: FakeBe
     assert outcome.status == "complete"
     assert [prompt.id for prompt in desk.asked] == ["clear", "resume/reflectors"]
     assert CAUSE in desk.asked[0].text
-    assert desk.asked[0].motion
+    assert all(prompt.motion for prompt in desk.asked)
     assert bench.states() == ["CLEARING", "STOPPED", "STARTING", "EXECUTE", "COMPLETE"]
     reader = RunReader(path)
     stored = [event.data["state"] for event in reader.events() if event.kind == "state"]
