@@ -54,9 +54,22 @@ async def _visit(folder: Path, cell: Path) -> None:
         await _take(app, pilot, "terminal", "terminal")
         await _until(pilot, lambda: not picture.running)
         await _take(app, pilot, "runs", "runs")
+        await _jog(app, pilot)
         await _results(app, pilot, folder)
         await _wizard(app, pilot)
         await link.leave(end_engine=True)
+
+
+async def _jog(app: CatseyeApp, pilot: Pilot[Any]) -> None:
+    picture = app.session.link.picture
+    app.action_go("jog")
+    await pilot.pause(2.0)
+    await pilot.press("f8")
+    await _until(pilot, lambda: picture.jogging)
+    await pilot.pause(_STRIP_S)
+    await _take(app, pilot, "jog", "jog")
+    await pilot.press("escape")
+    await _until(pilot, lambda: not picture.jogging)
 
 
 async def _results(app: CatseyeApp, pilot: Pilot[Any], folder: Path) -> None:
