@@ -34,8 +34,8 @@ types: .venv/installed  ## mypy --strict
 contracts: .venv/installed  ## who may import whom
 	$(BIN)/lint-imports
 
-test: lint types contracts  ## everything that CI runs; two tests at a time, those of one file in their order
-	$(BIN)/python -m pytest -n 2 --dist loadfile
+test: lint types contracts  ## everything that CI runs; two tests at a time, those of one file in their order, long ones first
+	$(BIN)/python -m pytest -n 2 --dist loadfile --no-loadscope-reorder tests/system tests/unit
 
 peers: .venv/installed  ## public clients of the protocols, unmodified, against the emulators
 	@command -v mbpoll >/dev/null || { test "$$(id -u)" = 0 && apt-get install -y mbpoll; } \
