@@ -253,13 +253,13 @@ async def hold_j1(play: Play) -> None:
     await asks(play.link, HOLD)
 
 
-async def asks(link: ScriptedLink, request: dict[str, Any]) -> None:
-    """Wait until something is asked."""
+async def asks(link: ScriptedLink, request: dict[str, Any], case: object = "") -> None:
+    """Wait until something is asked; where it is not, tell in which case."""
     for _ in range(500):
         if request in link.asked:
             return
         await asyncio.sleep(0.01)
-    raise AssertionError(f"{request} is not asked; {link.asked}")
+    raise AssertionError(f"{request} is not asked; {link.asked} {case}")
 
 
 async def no_repeat(play: Play) -> None:
@@ -324,7 +324,7 @@ async def test_what_lets_the_arm_go() -> None:
             await hold_j1(play)
             assert STOP not in play.link.asked, end
             await end(play)
-            await asks(play.link, STOP)
+            await asks(play.link, STOP, end)
             fed = play.link.asked.count(HOLD)
             await play.pilot.pause()
             assert play.link.asked.count(HOLD) == fed, end
@@ -389,7 +389,7 @@ async def test_the_palette_has_the_actions_and_what_moves_asks_for_f8_there_and_
             play.link.tell("jog", **MINE)
             await shown(play.app, play.pilot)
             await play.pilot.press(key)
-            await asks(play.link, {"op": "jog", "on": False})
+            await asks(play.link, {"op": "jog", "on": False}, key)
 
     await jogging(call)
 

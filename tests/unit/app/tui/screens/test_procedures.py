@@ -126,7 +126,7 @@ async def test_a_rehearsal_with_totals_warnings_and_questions(size: tuple[int, i
 
 async def test_other_sizes_do_not_crash() -> None:
     app = app_of(ScriptedLink())
-    async with app.run_test(size=(100, 30)) as pilot:
+    async with app.run_test(size=(40, 12)) as pilot:
         await settled(app, pilot)
         for size in ((60, 20), (200, 60), (40, 12), (100, 30)):
             await pilot.resize_terminal(*size)

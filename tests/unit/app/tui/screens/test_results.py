@@ -187,6 +187,7 @@ async def test_conventional_model_has_no_map_and_says_so(bench: Path) -> None:
     async with app.run_test(size=(80, 24)) as pilot:
         text = await press(app, pilot, "down", "down", "enter", "2")
         assert "no map: θ20 = 4.00 mdeg, U = 1.00" in text
+        # Every key stands in the palette.
         screen = app.screen
         assert isinstance(screen, ResultsScreen)
         titles = [command.title for command in screen.commands()]
@@ -275,6 +276,7 @@ async def test_validation_on_a_measured_file(bench: Path, monkeypatch: pytest.Mo
     async with app.run_test(size=(80, 24)) as pilot:
         await press(app, pilot, "enter", "t")
         assert "there is no file nowhere.json" in await validate(pilot, "tracker.csv", "nowhere.json")
+        assert work_of(app).done == []
         await validate(pilot, "tracker.csv", "")
         assert work_of(app).done == [("validate", result, "--measured", "tracker.csv", "--json")]
         # A home folder is meant by its sign.
@@ -330,7 +332,7 @@ async def test_nothing_to_show_yet(tmp_path: Path, monkeypatch: pytest.MonkeyPat
 
 async def test_any_size(bench: Path) -> None:
     app = open_app(bench)
-    async with app.run_test(size=(60, 20)) as pilot:
+    async with app.run_test(size=(30, 8)) as pilot:
         await press(app, pilot, "enter", "d", "1", "down", "c")
         for size in ((30, 8), (60, 20), (100, 30), (200, 60)):
             await pilot.resize_terminal(*size)
