@@ -84,11 +84,8 @@ class ByHand:
         if self._jog is not None:
             self._jog.end(reason)
             return True
-        moving = [link for link in self._raw.values() if link.moves]
-        for link in moving:
-            # Its driver, which can stop it, has to have the link back.
-            link.end(reason)
-        return bool(moving)
+        stopped = [link.stop(reason) for link in self._raw.values()]
+        return any(stopped)
 
     def abort(self, reason: str) -> bool:
         """Stop an arm that is moved by hand and let nothing move until it is cleared; return whether there is one."""
@@ -155,7 +152,8 @@ class ByHand:
             return
         self._holder = None
         reason = f"{holder.text} does not hold control any more"
-        self.stop(reason)
+        if self._jog is not None:
+            self._jog.end(reason)
         for link in self._raw.values():
             link.end(reason)
 

@@ -30,14 +30,12 @@ class RawLink:
     Attributes:
         device: its name in the cell file.
         begun: has a result when bytes may be sent, or says why they may not.
-        moves: an arm may move by what is sent; supposed as long as the device is not known.
         aborted: why nothing may move before somebody has looked at the bench; empty while all is well.
     """
 
     def __init__(self, bench: HandBench, request: Raw, who: str) -> None:
         self.device = request.device
         self.begun: asyncio.Future[Message] = asyncio.get_running_loop().create_future()
-        self.moves = True
         self.aborted = ""
         self._bench = bench
         self._arm = request.arm
@@ -45,6 +43,8 @@ class RawLink:
         self._transport: Transport | None = None
         self._reason = ""
         self._given_back = False
+        # An arm may move by what is sent; supposed as long as the device is not known.
+        self._moves = True
         self._task = asyncio.create_task(self._serve())
         self._task.add_done_callback(self._answer_if_unheard)
 
@@ -80,6 +80,15 @@ class RawLink:
         self._given_back = True
         self.end(f"{self._who} gave it back")
 
+    def stop(self, reason: str) -> bool:
+        """End and have the arm stopped, also one that is left to itself just now; return whether there is one."""
+        if not self._moves or self._task.done():
+            return False
+        self._given_back = False
+        # Its driver, which can stop it, has to have the link back.
+        self.end(reason)
+        return True
+
     def end(self, reason: str) -> None:
         """End; again does no harm."""
         if not self._reason:
@@ -101,7 +110,7 @@ class RawLink:
             self.begun.set_exception(refusal_of(error))
             return
         self._bench.tell("raw", device=self.device, on=False, by=self._who, reason=self._reason)
-        if self.moves and not self._given_back:
+        if self._moves and not self._given_back:
             await self._stop_what_moves()
 
     def _answer_if_unheard(self, _task: "asyncio.Task[None]") -> None:
@@ -134,8 +143,8 @@ class RawLink:
                 f"arm names {self._arm!r} and the cell is {facts.cell!r}: nothing was opened; check which robot it is"
             )
         identity = self._bench.identities().get(device.name)
-        self.moves = may_move_an_arm(device.name, device.driver)
-        if self.moves and self._arm is None and (identity is None or not identity.simulated):
+        self._moves = may_move_an_arm(device.name, device.driver)
+        if self._moves and self._arm is None and (identity is None or not identity.simulated):
             raise UsageError(
                 f"what is sent to {device.name} may move the arm: type the cell's name to let it pass, "
                 f"--arm {facts.cell}"

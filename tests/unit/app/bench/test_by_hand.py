@@ -29,6 +29,7 @@ class Wire:
         self.is_open = False
         self.open_error: LinkError | None = None
         self.stuck = False
+        self.closing_s = 0.0
         self.sink: Any = None
         self._come: asyncio.Queue[bytes | LinkError] = asyncio.Queue()
 
@@ -38,6 +39,7 @@ class Wire:
         self.is_open = True
 
     async def close(self) -> None:
+        await asyncio.sleep(self.closing_s)
         self.is_open = False
 
     async def write(self, data: bytes) -> None:
@@ -357,6 +359,27 @@ def test_a_stop_reaches_a_robot_that_is_sent_raw_bytes(monkeypatch: pytest.Monke
         assert engine.fixture.parked_now == ["interferometer"]
 
     assert played(script, monkeypatch).arm.said("stop") == ["stop"]
+
+
+@pytest.mark.parametrize("word", ["stop", "abort", "release"])
+def test_a_stop_reaches_a_robot_whose_link_is_just_being_given_back(
+    monkeypatch: pytest.MonkeyPatch, word: str
+) -> None:
+    async def script(engine: Engine) -> None:
+        await engine.raw("robot")
+        engine.wire.closing_s = 0.5
+        given_back = engine.raw("robot", on=False)
+        await asyncio.sleep(0.1)
+        if word == "release":
+            engine.hub.release(engine.ada)
+        else:
+            assert getattr(engine.by_hand, word)("Ben stopped it")
+        await given_back
+        assert not engine.by_hand.stop("Ben stopped it")
+
+    # Control that is given up after the link is no stop: what was started goes on at the operator's word.
+    wanted = [] if word == "release" else ["stop"]
+    assert played(script, monkeypatch).arm.said("stop") == wanted
 
 
 def test_a_robot_that_cannot_be_stopped_after_that_is_warned_about(monkeypatch: pytest.MonkeyPatch) -> None:
