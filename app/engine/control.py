@@ -46,7 +46,6 @@ class RunControl:
         reports: how each halt ended.
         moving: a motion is under way.
         waits: how often the run was held or suspended so far; somebody may have moved the arm meanwhile.
-        waited_s: how long it was, all waits that are over together.
     """
 
     def __init__(
@@ -68,8 +67,14 @@ class RunControl:
         self._hold_reason = ""
         self.moving = False
         self.waits = 0
-        self.waited_s = 0.0
+        self._waited_s = 0.0
         self._waits_since_s: float | None = None
+
+    @property
+    def waited_s(self) -> float:
+        """How long the run was held or suspended so far, a wait that goes on included."""
+        since_s = self._waits_since_s
+        return self._waited_s + (0.0 if since_s is None else self._clock.monotonic_s() - since_s)
 
     def attach(self, robot: Robot) -> None:
         """From now on a stop reaches this robot."""
@@ -274,12 +279,10 @@ class RunControl:
         self._changed.set()
 
     def _count_waiting(self) -> None:
-        now_s = self._clock.monotonic_s()
         if self.state not in {State.HELD, State.SUSPENDED}:
-            self.waited_s += now_s - (now_s if self._waits_since_s is None else self._waits_since_s)
-            self._waits_since_s = None
+            self._waited_s, self._waits_since_s = self.waited_s, None
         elif self._waits_since_s is None:
-            self._waits_since_s = now_s
+            self._waits_since_s = self._clock.monotonic_s()
 
     def _do(self, effect: Effect, event: Event, reason: str) -> None:
         match effect:
