@@ -12,6 +12,9 @@ _DROPPABLE = frozenset({"point", "step-started", "step-done"})
 
 _NEWEST = frozenset({"progress", "clients"})
 
+_KEPT = frozenset({"clients"})
+"""Of these the newest is never dropped: nobody tells it again."""
+
 CAPACITY = 512
 """Messages that wait for a slow client."""
 
@@ -51,7 +54,7 @@ class Mailbox:
             MailboxFullError: it may not be dropped, and the mailbox is full of such.
         """
         kind = _replaced_kind(message)
-        droppable = kind is not None or message.get("event") in _DROPPABLE
+        droppable = (kind is not None and kind not in _KEPT) or message.get("event") in _DROPPABLE
         if kind is not None:
             for waiting in self._waiting:
                 if waiting.kind == kind:

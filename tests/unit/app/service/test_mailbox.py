@@ -57,6 +57,20 @@ async def test_what_may_not_be_dropped_takes_the_place_of_a_point() -> None:
     ]
 
 
+async def test_who_is_there_is_told_although_points_wait_for_a_slow_client() -> None:
+    mailbox = Mailbox(capacity=2)
+    mailbox.put(point(0))
+    mailbox.put(point(1))
+    mailbox.put({"event": "clients", "clients": ["Ada"]})
+    mailbox.put({"event": "warning"})
+    mailbox.put({"event": "clients", "clients": ["Ada", "Ben"]})
+    assert await taken(mailbox) == [
+        {"v": 1, "event": "dropped", "count": 2},
+        {"event": "clients", "clients": ["Ada", "Ben"]},
+        {"event": "warning"},
+    ]
+
+
 def test_a_mailbox_full_of_what_may_not_be_dropped_says_so() -> None:
     mailbox = Mailbox(capacity=2)
     for kind in ("prompt", "answer"):
