@@ -189,17 +189,19 @@ class CatseyeApp(App[int]):
         """Take control; from somebody else only after a question, and by force: whoever has it is told."""
         picture = self.session.link.picture
         if picture.control is None or picture.in_control:
-            self._take_control(True)
+            self._take_control(force=False)
             return
         holder = f"{picture.control.get('who')} ({picture.control.get('client')})"
         text = f"{holder} answers questions and lets the run go on until now, and is told that you do from now on."
-        self.push_screen(
-            ConfirmDialog(f"Take control from {holder}?", text, "take it", "leave it"), self._take_control
-        )
 
-    def _take_control(self, agreed: bool | None) -> None:
-        if agreed:
-            self.order("control", "Control was not taken", done="control taken", take=True, force=True)
+        def answered(agreed: bool | None) -> None:
+            if agreed:
+                self._take_control(force=True)
+
+        self.push_screen(ConfirmDialog(f"Take control from {holder}?", text, "take it", "leave it"), answered)
+
+    def _take_control(self, *, force: bool) -> None:
+        self.order("control", "Control was not taken", done="control taken", take=True, force=force)
 
     def action_release(self) -> None:
         """Give control back."""

@@ -22,13 +22,13 @@ async def test_control_is_taken_from_somebody_only_after_a_question(key: str, as
         assert [request["op"] for request in link.asked] == asked
 
 
-async def test_nobody_is_asked_where_nobody_has_it() -> None:
+async def test_nobody_is_asked_where_nobody_has_it_and_nothing_is_taken_by_force() -> None:
     link = ScriptedLink({**SNAPSHOT, "control": None})
     app = make_app(link, "bench")
     async with app.run_test(size=(80, 24)) as pilot:
         app.action_take_control()
         await shown(app, pilot)
-        assert link.asked == [{"op": "control", "take": True, "force": True}]
+        assert link.asked == [{"op": "control", "take": True, "force": False}]
 
 
 async def test_who_loses_control_is_told_by_whom() -> None:
