@@ -42,6 +42,11 @@ _LEAVE_S = 2.0
 """An engine that does not answer keeps nobody here."""
 
 
+def _may_move(op: str, fields: dict[str, Any]) -> bool:
+    """Return whether the arm may move after an order; what ends a jog, a raw link or a hold lets nothing move."""
+    return op in _MOVING and fields.get("on") is not False and fields.get("direction") != 0
+
+
 class Link(Protocol):
     """What screens ask the engine by.
 
@@ -120,7 +125,7 @@ class EngineLink:
         if self._client is None:
             raise ServiceError(f"no engine is connected: {self.picture.trouble or 'wait a moment'}")
         limit_s = SILENT_S if self.picture.silent_since_s is not None else None
-        if limit_s is not None and op in _MOVING and fields.get("on") is not False:
+        if limit_s is not None and _may_move(op, fields):
             raise ServiceError(
                 "the engine does not answer, and nothing was sent: it would be done whenever the engine wakes up, "
                 "and the arm would move unexpectedly; wait until it answers; F12 stops by every way"

@@ -44,6 +44,7 @@ def link(asked: Asked, tmp_path: Path) -> EngineLink:
         ("resume", {"run": "x"}),
         ("jog", {"on": True, "percent": 5.0}),
         ("jog-step", {"joint": "j1", "by": 1.0}),
+        ("jog-hold", {"joint": "j1", "direction": -1}),
         ("send", {"device": "robot", "hex": "0d"}),
     ],
 )
@@ -55,7 +56,15 @@ async def test_nothing_that_moves_the_arm_waits_there_for_it_to_wake_up(
     assert asked.ops == []
 
 
-@pytest.mark.parametrize(("op", "fields"), [("hold", {}), ("jog", {"on": False}), ("raw", {"on": False})])
+@pytest.mark.parametrize(
+    ("op", "fields"),
+    [
+        ("hold", {}),
+        ("jog", {"on": False}),
+        ("raw", {"on": False}),
+        ("jog-hold", {"joint": "j1", "direction": 0}),
+    ],
+)
 async def test_what_ends_motion_is_sent_all_the_same(
     link: EngineLink, asked: Asked, op: str, fields: dict[str, Any]
 ) -> None:
