@@ -3,36 +3,12 @@
 import asyncio
 import gc
 import inspect
-import os
-import threading
 from collections.abc import AsyncIterator, Generator, Iterator
 
 import pytest
 from pytest_asyncio import is_async_test
 
-_WAY_OUT_S = 1.0
-
-
-def _open_files() -> dict[str, str]:
-    """Return the sockets and regular files that this process holds open, by descriptor."""
-    links: dict[str, str] = {}
-    for descriptor in os.listdir("/proc/self/fd"):
-        try:
-            target = os.readlink(f"/proc/self/fd/{descriptor}")
-        except OSError:
-            continue
-        # matplotlib keeps each font open that it has used once, for as long as the process lives.
-        if target.startswith("/dev/") or "/mpl-data/fonts/" in target:
-            continue
-        if target.startswith(("socket:", "/")):
-            links[descriptor] = target
-    return links
-
-
-def _ends(thread: threading.Thread) -> bool:
-    """Return whether a thread has done its work: one that has told its result may still be on its way out."""
-    thread.join(_WAY_OUT_S)
-    return not thread.is_alive()
+from tests.left_behind import nothing_left
 
 
 @pytest.fixture(scope="session", autouse=True)
@@ -45,16 +21,8 @@ def imported_modules_stay() -> None:
 @pytest.fixture(autouse=True)
 def nothing_left_behind() -> Iterator[None]:
     """Fail a test that leaves a thread, a socket or an open file."""
-    threads_before = set(threading.enumerate())
-    files_before = _open_files()
-    yield
-    gc.collect()
-    threads = [thread.name for thread in set(threading.enumerate()) - threads_before if not _ends(thread)]
-    files = [target for fd, target in _open_files().items() if files_before.get(fd) != target]
-    assert not threads, f"threads left running: {threads}"
-    assert not files, f"files or sockets left open: {files}"
-    # What lives on by now does so for the session, modules and caches: the next round need not walk through it.
-    gc.freeze()
+    with nothing_left():
+        yield
 
 
 @pytest.fixture(autouse=True)

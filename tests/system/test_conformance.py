@@ -16,6 +16,7 @@ from app.testing.checks.catalogue import ALL, applicable
 from app.testing.checks.check import run_check
 from drivers.registry import driver_names
 from simulators.config import Option
+from tests.left_behind import nothing_left, warnings_fail
 from tests.system.quick import short_timeouts
 
 AT_A_TIME = 3
@@ -40,9 +41,9 @@ def groups() -> list[Any]:
 
 
 def examine(name: str, module: str) -> None:
-    """Run a module's checks of a driver."""
+    """Run a module's checks of a driver, in a process that no fixture looks at."""
     candidate = candidate_of(name)
-    with tempfile.TemporaryDirectory() as folder:
+    with tempfile.TemporaryDirectory() as folder, nothing_left(), warnings_fail():
         settings = short_timeouts(candidate, Path(folder))
         examined = replace(candidate, settings=settings, options=_OPTIONS.get(name, {}))
         for check in applicable(candidate):
