@@ -152,8 +152,9 @@ class Prompt:
         task: what hands have to do on the bench before the answer, as data: `{"do": "turn-screw", "screw": "stage",
             "turns": 0.86}` (clockwise is positive) or `{"do": "place-reflector", "reflector": "P2"}`; None for a mere
             question. "yes", or the first of the choices, says that it is done; an emulated bench has it done then.
-        motion: the arm moves after "yes", after every choice but the safe one, after what is typed: front ends take
-            such an answer by a key of its own.
+        motion: the arm moves after "yes", after every choice but those of `rests_after`, after what is typed: front
+            ends take such an answer by a key of its own.
+        rests_after: choices after which the arm does not move; None for the safe answer alone.
         target: where it goes then, J1, J2, deg, J3, mm, J4, deg; None where the procedure does not know yet.
     """
 
@@ -166,6 +167,7 @@ class Prompt:
     safe_answer: str | None = None
     task: Mapping[str, Json] | None = None
     motion: bool = False
+    rests_after: tuple[str, ...] | None = None
     target: Joints | None = None
 
 

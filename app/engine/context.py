@@ -303,10 +303,12 @@ class RunContext:
         )
 
     def _motion_after(self, prompt: Prompt) -> dict[str, Json]:
-        """Return where the arm goes after a "yes", at which override, and how fast its joints can be then."""
+        """Return when the arm moves and where to, at which override, and how fast its joints can be then."""
         percent = self._gate.override_percent
         speeds = self._speed_deg_s
+        rests_after = [prompt.safe_answer] if prompt.rests_after is None else list(prompt.rests_after)
         return {
+            "rests_after": [choice for choice in rests_after if choice in prompt.choices],
             "target": None if prompt.target is None else list(prompt.target),
             "override_percent": percent,
             "speed_deg_s": None if speeds is None else [speed * percent / 100.0 for speed in speeds],

@@ -105,8 +105,9 @@ class Reentry:
                 f"{_time_text(self.since_utc)}?"
             ),
             choices=("untouched", "moved"),
-            # After "untouched" the run drives on at once.
+            # After "untouched" the run drives on at once, after "moved" never.
             motion=True,
+            rests_after=("moved",),
         )
         if await ask(prompt) == "untouched":
             return

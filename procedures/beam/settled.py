@@ -74,9 +74,16 @@ def _prompt(measured: Measurement, timing: Timing, prompt_id: str, where: str) -
         f"Find what shakes arm, reflector or laser: at {where} the readings scatter by {spread_um:.1f} µm after "
         f"{_TRIES} tries, spread_limit_um is {limit_um:g}. Measure again, take it, or skip it?"
     )
-    # The run drives on after any of them.
-    choices = ("again", "take", "skip")
-    return Prompt(prompt_id, "choice", text, choices=choices, safe_answer="skip", motion=True)
+    return Prompt(
+        prompt_id,
+        "choice",
+        text,
+        choices=("again", "take", "skip"),
+        safe_answer="skip",
+        motion=True,
+        # The run drives on after any of them.
+        rests_after=(),
+    )
 
 
 async def _laser_ready(ctx: Context) -> bool:

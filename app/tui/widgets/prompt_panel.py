@@ -283,13 +283,14 @@ def _answers(prompt: Prompt, choices: list[str]) -> list[Button | Input | Label]
 
 
 def _moves(prompt: Prompt, choice: str) -> bool:
-    """Return whether the arm moves after a choice: after each but the safe one."""
-    return prompt.get("motion") is True and choice != prompt.get("safe_answer")
+    """Return whether the arm moves after a choice: after each but those that the engine names."""
+    return prompt.get("motion") is True and choice not in (prompt.get("rests_after") or ())
 
 
 def _motion_label(number: int, choice: str) -> str:
     keys = "F8" if number == 1 else f"{number} F8"
-    return f"{keys}  {choice}: the arm moves"
+    # Three of these have to stand side by side on 80 columns.
+    return f"{keys}  {choice}: arm moves"
 
 
 def _button(key: str, label: str, answer: str, safe: str) -> Button:

@@ -104,6 +104,19 @@ async def test_a_question_before_a_motion_tells_target_override_and_speed(parts:
     assert told["speed_deg_s"] == [84.0, 144.0, 600.0]
 
 
+@pytest.mark.parametrize(
+    ("rests_after", "told"), [(None, ["stop"]), ((), []), (("stop", "skip"), ["stop", "skip"])]
+)
+async def test_a_question_before_a_motion_tells_after_which_choices_the_arm_rests(
+    parts: Parts, rests_after: tuple[str, ...] | None, told: list[str]
+) -> None:
+    choices = ("retry", "skip", "stop")
+    await parts.ctx.ask(
+        Prompt("b", "choice", "?", choices, safe_answer="stop", motion=True, rests_after=rests_after)
+    )
+    assert parts.bench.published[0]["rests_after"] == told
+
+
 async def test_a_question_without_a_motion_tells_no_target(parts: Parts) -> None:
     await parts.ctx.ask(Prompt("sense", "choice", "Which?", choices=("a", "b"), safe_answer="b"))
     told = parts.bench.published[0]

@@ -281,7 +281,8 @@ async def test_choices_are_taken_by_their_numbers_and_by_f8_where_the_arm_moves_
         await settled(app, pilot, link)
         assert answers(link) == [("beam/1", "skip")]
         two = ["retry", "stop"]
-        ask(link, id="beam/2", kind="choice", text="Which?", choices=two, motion=True, safe_answer="stop")
+        still: dict[str, Any] = {"motion": True, "safe_answer": "stop", "rests_after": ["stop"]}
+        ask(link, id="beam/2", kind="choice", text="Which?", choices=two, **still)
         await settled(app, pilot, link)
         await pilot.press("1")
         assert "F8 confirms it" in await shown(app, pilot)
@@ -289,22 +290,39 @@ async def test_choices_are_taken_by_their_numbers_and_by_f8_where_the_arm_moves_
         await pilot.press("f8")
         await settled(app, pilot, link)
         assert answers(link)[1:] == [("beam/2", "retry")]
-        # Every choice but the safe one takes F8.
-        ask(link, id="beam/3", kind="choice", text="?", choices=choices, motion=True, safe_answer="stop")
+        # Every choice takes F8 but those after which the arm rests.
+        ask(link, id="beam/3", kind="choice", text="?", choices=choices, **still)
         text = await settled(app, pilot, link)
         assert [button.name for button in app.screen.query("#answers Button").results(Button)] == ["stop"]
-        assert "2 F8  skip: the arm moves" in text
+        assert "2 F8  skip: arm moves" in text
         await pilot.press("2")
         assert "the arm moves after skip: F8 confirms it" in await shown(app, pilot)
         assert answers(link)[2:] == []
         await pilot.press("f8")
         await settled(app, pilot, link)
         assert answers(link)[2:] == [("beam/3", "skip")]
-        ask(link, id="beam/4", kind="choice", text="?", choices=choices, motion=True, safe_answer="stop")
+        ask(link, id="beam/4", kind="choice", text="?", choices=choices, **still)
         await settled(app, pilot, link)
         await pilot.press("f8")
         await settled(app, pilot, link)
         assert answers(link)[3:] == [("beam/4", "retry")]
+        # Where the run drives on after the safe answer too, that takes F8 as well.
+        ask(
+            link,
+            id="beam/5",
+            kind="choice",
+            text="?",
+            choices=["again", "take", "skip"],
+            **still | {"safe_answer": "skip", "rests_after": []},
+        )
+        text = await settled(app, pilot, link)
+        assert "3 F8  skip: arm moves" in text
+        await pilot.press("3", "enter")
+        assert "the arm moves after skip: F8 confirms it" in await shown(app, pilot)
+        assert answers(link)[4:] == []
+        await pilot.press("f8")
+        await settled(app, pilot, link)
+        assert answers(link)[4:] == [("beam/5", "skip")]
         # The time to answer counts down.
         ask(link, id="a", kind="choice", text="Which?", choices=["x", "y"], timeout_s=60.0, safe_answer="y")
         assert "59 s left, then y" in await settled(app, pilot, link)
