@@ -158,7 +158,8 @@ class PromptPanel(Vertical):
         """The open question and the motion that follows on it; empty where none does."""
         if self._prompt is None or not self.agreement:
             return ""
-        return f"{self._prompt['text']}\n{_motion_text(self._prompt).plain}"
+        told = f"{self._prompt['text']}\n{_motion_text(self._prompt).plain}"
+        return told if self._kind() == "confirm" else f"{told}\nThe answer is: {self.agreement}"
 
     @property
     def agreement(self) -> str:

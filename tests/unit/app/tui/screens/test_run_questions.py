@@ -320,6 +320,9 @@ async def test_choices_are_taken_by_their_numbers_and_by_f8_where_the_arm_moves_
         await pilot.press("3", "enter")
         assert "the arm moves after skip: F8 confirms it" in await shown(app, pilot)
         assert answers(link)[4:] == []
+        assert isinstance(app.screen, RunScreen)
+        app.screen.action_ask_to_move()
+        assert "The answer is: skip" in await shown(app, pilot)
         await pilot.press("f8")
         await settled(app, pilot, link)
         assert answers(link)[4:] == [("beam/5", "skip")]
