@@ -46,6 +46,10 @@ def rewritten(text: str, wanted: Mapping[str, Any]) -> str:
     present = tomllib.loads(text)
     _change(blocks, (), present, wanted)
     for name in _arrays(present) | _arrays(wanted):
+        if not all(isinstance(values.get(name) or [], list) for values in (present, wanted)):
+            raise CommentsLostError(
+                f"{name} is a list of tables in one of both only: its comments cannot be kept"
+            )
         _change_array(blocks, name, present.get(name) or [], wanted.get(name) or [])
     new = "\n".join(line for block in blocks for line in block.lines).rstrip("\n") + "\n"
     try:

@@ -92,3 +92,7 @@ def test_forms_that_cannot_be_changed_are_told() -> None:
         rewritten("robot.limits.j1 = [1, 2]\n", {"robot": {"limits": {"j1": [1, 3]}}})
     with pytest.raises(CommentsLostError, match="comments"):
         rewritten('reflector = [{ name = "A" }]\n', {"reflector": [{"name": "B"}]})
+    with pytest.raises(CommentsLostError, match="comments"):
+        rewritten("reflector = 5\n", {"reflector": [{"name": "B"}]})
+    with pytest.raises(CommentsLostError, match="comments"):
+        rewritten('[[reflector]]\nname = "A"\n', {"reflector": "B"})
