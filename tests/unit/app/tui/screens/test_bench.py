@@ -59,6 +59,7 @@ async def test_before_anything_is_told_then_length_of_the_strip_and_the_bench_fr
         assert "BEAM OK" not in text
         await pilot.press("v")
         assert "BEAM OK" in await shown(app, pilot)
+        # Each action stands in the palette.
         assert isinstance(app.screen, BenchScreen)
         for command in app.screen.commands():
             command.callback()

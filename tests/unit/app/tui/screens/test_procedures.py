@@ -293,7 +293,7 @@ async def test_a_refused_start_is_told_with_its_remedy_and_not_said_to_be_planne
         assert "wait" not in text
 
 
-async def test_the_next_step_is_chosen_or_told() -> None:
+async def test_lost_devices_the_next_step_a_refused_plan_and_a_cell_that_is_gone_are_told() -> None:
     link = ScriptedLink()
     app = app_of(link)
     async with app.run_test(size=(120, 40), notifications=True) as pilot:

@@ -67,7 +67,7 @@ async def take_link(app: CatseyeApp, pilot: Pilot[Any], link: ScriptedLink, devi
     await shown(app, pilot)
 
 
-async def test_screen() -> None:
+async def test_every_size_lines_that_were_missed_or_forgotten_and_the_palette() -> None:
     app = make_app(told(), "terminal")
     async with app.run_test(size=(80, 24)) as pilot:
         text = await shown(app, pilot)
