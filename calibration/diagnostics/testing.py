@@ -46,7 +46,8 @@ def f_test(
     left = max(rest / rest_dof, _TINY)
     ratio = gain / rank / left
     scale = max(rest, _TINY) / rest_expected.mean
-    stated = gain / gain_expected.mean / scale
+    # Below zero, where the expectation is a difference of large effects, F has no distribution.
+    stated = max(gain / gain_expected.mean / scale, 0.0)
     size = max(gain - rank * left, 0.0)
     return FTest(
         ratio,
