@@ -53,9 +53,13 @@ class Watcher:
             self.told.append(event)
             self._news.set()
 
-    async def until(self, seen: Callable[[dict[str, Any]], bool], event: str = "bench") -> dict[str, Any]:
-        """Wait for the next event of which something is true."""
+    async def until(
+        self, seen: Callable[[dict[str, Any]], bool], event: str = "bench", ask: str = ""
+    ) -> dict[str, Any]:
+        """Wait for the next event of which something is true; what is asked for may come before its answer."""
         count = len(self.told)
+        if ask:
+            await self.client.request(ask)
         async with asyncio.timeout(_LIMIT_S):
             while True:
                 for message in self.told[count:]:
@@ -129,8 +133,7 @@ async def test_the_bench_is_seen_before_during_and_after_a_run(bench: Emulated) 
         during = await watcher.until(lambda seen: seen["run"] == run.name and all_ok(seen))
         assert during["simulated"] is True
         await watcher.next("step-done")
-        await watcher.client.request("hold")
-        await watcher.until(lambda seen: seen.get("state") == "HELD", "state")
+        await watcher.until(lambda seen: seen.get("state") == "HELD", "state", ask="hold")
         held = [await watcher.next("bench") for _ in range(10)]
         # While it is held, somebody looks: a second for joints, a quarter for the beam, and what that takes.
         assert max(seen["robot"]["age_s"] for seen in held[5:]) < 2.0
@@ -155,8 +158,7 @@ async def test_after_an_abort_the_bench_is_seen_again(bench: Emulated) -> None:
         await watcher.until(idle)
         run = await watcher.start()
         await watcher.until(lambda seen: seen["run"] == run.name and all_ok(seen))
-        await watcher.client.request("abort")
-        await watcher.next("run-ended")
+        await watcher.until(bool, "run-ended", ask="abort")
         assert (await watcher.until(idle))["robot"]["age_s"] < 1.0
 
 
