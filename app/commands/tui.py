@@ -3,6 +3,7 @@
 import os
 import sys
 import tomllib
+from contextlib import suppress
 from pathlib import Path
 
 from app.commands.output import say
@@ -14,6 +15,7 @@ from app.runs_folder import runs_folder
 def tui_command(cell: Path | None, runs: Path | None, speed: float) -> None:
     """Show the interface until the user quits."""
     _require_terminal()
+    _give_way()
     from app.tui.app import CatseyeApp
     from app.tui.keys import keys_file, read_keymap
     from app.tui.link import EngineLink
@@ -51,6 +53,15 @@ def tui_command(cell: Path | None, runs: Path | None, speed: float) -> None:
         )
         sys.exit(ExitCode.REJECTED)
     sys.exit(code or 0)
+
+
+def _give_way() -> None:
+    """Wait for a processor that is free, where the system knows such a thing: readings come before pictures.
+
+    The engine that is started from here does not take after its parent in this.
+    """
+    with suppress(AttributeError, OSError):
+        os.sched_setscheduler(0, os.SCHED_BATCH | os.SCHED_RESET_ON_FORK, os.sched_param(0))
 
 
 def _require_terminal() -> None:
