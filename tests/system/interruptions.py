@@ -40,7 +40,7 @@ class Moment:
     def drawn(cls, moments: random.Random, events: int) -> "Moment":
         """Draw a moment in a life of so many events; the first ones stand for the start of the process."""
         event = max(0, moments.randint(-events // 20, events))
-        return cls(event, moments.uniform(0.0, 0.8 if event == 0 else 0.03))
+        return cls(event, moments.uniform(0.0, 0.1 if event == 0 else 0.03))
 
 
 @dataclass
