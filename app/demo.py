@@ -33,6 +33,7 @@ from app.engine.signals import loop_signals
 from app.errors import CatseyeError, InterruptedRunError, TerminatedRunError, UsageError
 from app.exitcode import ExitCode
 from app.files.atomic import write_atomically
+from app.files.documents import read_truth
 from app.files.points_csv import points_csv
 from app.files.result_json import Result, write_result
 from app.procedure_list import load_procedure, parse_params
@@ -41,7 +42,7 @@ from app.store.reader import RunReader
 from calibration.identification import Identification
 from calibration.layout import ModelName
 from procedures.bench import Bench
-from simulators.truth import load_truth
+from simulators.truth import true_arm
 
 _PORTS = ("10001", "10002", "10502", "10099")
 _JOBS: tuple[tuple[str, tuple[str, ...]], ...] = (
@@ -187,7 +188,7 @@ def evaluate(folder: Path, runs: dict[str, Path]) -> DemoResult:
     results = {model: _result(one, bench, measured) for model, one in identified.items()}
     for model, result in results.items():
         write_result(result, folder / f"result-{model}.json")
-    document: dict[str, Any] = json.loads((folder / "truth.json").read_text(encoding="utf-8"))
+    document: dict[str, Any] = read_truth(folder / "truth.json")
     nominal = (bench.arm.link1_mm, bench.arm.link2_mm)
     path = path_measurement(RunReader(runs["validation-path"]), bench.take_up_deg)
     return DemoResult(
@@ -209,11 +210,13 @@ def prepare_folder(folder: Path, seed: int, truth: Path | None) -> None:
     """Look at the truth file, then make the demo's folder.
 
     Raises:
-        EmulatorError: the truth file cannot be used; nothing is written.
+        ConfigError: the truth file cannot be read; nothing is written.
+        EmulatorError: it does not fit; nothing is written.
         UsageError: the folder cannot be made.
     """
-    if truth is not None:
-        load_truth(truth, emulation_config(Cell.model_validate(tomllib.loads(TEMPLATE)), 1.0, seed, truth))
+    config = emulation_config(Cell.model_validate(tomllib.loads(TEMPLATE)), 1.0, seed, truth)
+    if config.truth is not None:
+        true_arm(config.truth, config)
     try:
         folder.mkdir(parents=True, exist_ok=True)
     except OSError as error:

@@ -12,9 +12,10 @@ from typing import Any, BinaryIO
 
 from app.cell.model import Alignment, Cell, Interferometer
 from app.errors import ConfigError, LinkFailedError
+from app.files.documents import read_document
 from drivers.counter.profile import load_profile
 from drivers.errors import ProfileError
-from simulators.config import EmulatedDevice, EmulationConfig, Option, ReflectorPlace, Screws
+from simulators.config import EmulatedDevice, EmulationConfig, Option, ReflectorPlace, Screws, TruthText
 from simulators.protocols import PROTOCOLS
 
 _READY_TIMEOUT_S = 20.0
@@ -32,7 +33,7 @@ def emulation_config(cell: Cell, speed: float, seed: int, truth: Path | None) ->
         truth: result JSON with the true arm; None draws one.
 
     Raises:
-        ConfigError: an endpoint cannot be emulated.
+        ConfigError: an endpoint cannot be emulated, or the file with the true arm cannot be read.
     """
     limits = cell.robot.limits_deg
     return EmulationConfig(
@@ -52,7 +53,7 @@ def emulation_config(cell: Cell, speed: float, seed: int, truth: Path | None) ->
         control="tcp://127.0.0.1:0" if cell.tracker is None else cell.tracker.endpoint,
         speed=speed,
         seed=seed,
-        truth=truth,
+        truth=None if truth is None else TruthText(read_document(truth), str(truth)),
     )
 
 

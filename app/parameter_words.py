@@ -2,9 +2,11 @@
 
 import json
 import math
-import tomllib
 from pathlib import Path
 from typing import Any
+
+from app.errors import ConfigError
+from app.files.documents import parse_toml
 
 _KINDS = {"integer": "a whole number", "number": "a number", "boolean": "true or false", "string": "a name"}
 
@@ -134,8 +136,8 @@ def _names(facts: dict[str, Any]) -> bool:
 
 def _is_list(facts: dict[str, Any], text: str) -> bool:
     try:
-        value = tomllib.loads(f"value = {text}")["value"]
-    except tomllib.TOMLDecodeError:
+        value = parse_toml(f"value = {text}", "")["value"]
+    except ConfigError:
         return False
     return isinstance(value, list) and _list_fits(facts, value)
 

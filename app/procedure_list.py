@@ -1,7 +1,6 @@
 """Procedures by name: built-in and third-party ones register through entry points."""
 
 import difflib
-import tomllib
 from importlib import metadata
 from pathlib import Path
 from typing import Any, Protocol, cast
@@ -9,7 +8,8 @@ from typing import Any, Protocol, cast
 from pydantic import BaseModel, ValidationError
 from pydantic_core import ErrorDetails
 
-from app.errors import UsageError
+from app.errors import ConfigError, UsageError
+from app.files.documents import parse_toml
 from app.parameter_words import range_text
 from procedures.bench import Bench
 from procedures.context import Context
@@ -104,8 +104,8 @@ def _given_value(params_type: type[BaseModel], key: str, text: str) -> Any:
 
 def _toml_value(text: str) -> Any:
     try:
-        return tomllib.loads(f"value = {text}")["value"]
-    except tomllib.TOMLDecodeError:
+        return parse_toml(f"value = {text}", "--param")["value"]
+    except ConfigError:
         return text
 
 

@@ -1,7 +1,6 @@
 """A procedure on a cell: planned, then run or rehearsed."""
 
 import getpass
-import tomllib
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
@@ -23,6 +22,7 @@ from app.engine.host import RunOutcome, RunRequest, run_procedure
 from app.engine.operator import Answerer
 from app.engine.signals import SignalInstaller, loop_signals
 from app.errors import ConfigError
+from app.files.documents import read_toml
 from app.instruments import device_builder
 from app.plan_digest import plan_digest
 from app.procedure_list import Runnable
@@ -121,7 +121,7 @@ async def carry_out(
         air_limits=air_limits(cell),
         meta=run_meta(planned, speed) if planned.resume is None else _meta_of_resumption(planned, speed),
         arm=arm,
-        answers=_answers(answers),
+        answers=read_answers(answers),
         clock_speed=speed,
         speed_deg_s=planned.bench.arm.speed_deg_s,
         aim_simulated=planned.aim_simulated,
@@ -199,18 +199,19 @@ def _hands(cell: Cell) -> Hands | None:
     return Hands(tracker.endpoint) if tracker is not None and tracker.driver == "bench-tracker" else None
 
 
-def _answers(path: Path | None) -> dict[str, str]:
+def read_answers(path: Path | None) -> dict[str, str]:
+    """Return the answers of a file by the id of their prompt.
+
+    Raises:
+        ConfigError: the file cannot be used; the text says what a line looks like.
+    """
     if path is None:
         return {}
     try:
-        table = tomllib.loads(path.read_text(encoding="utf-8"))
-    except OSError as error:
+        table = read_toml(path)
+    except ConfigError as error:
         raise ConfigError(
-            f"{path}: the answers cannot be read: {error.strerror}; check the path behind --answers"
-        ) from error
-    except (UnicodeDecodeError, tomllib.TOMLDecodeError) as error:
-        raise ConfigError(
-            f'{path}: the answers cannot be read: {error}; a line of such a file is: "beam/P1/0042" = "retry"'
+            f'the answers cannot be read: {error}; a line of such a file is: "beam/P1/0042" = "retry"'
         ) from error
     return {key: _answer_text(value) for key, value in table.items()}
 

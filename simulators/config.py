@@ -2,7 +2,6 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
-from pathlib import Path
 from typing import Any
 
 Joints = tuple[float, float, float, float]
@@ -177,6 +176,19 @@ CLASSIC_DEVICES = (
 
 
 @dataclass(frozen=True)
+class TruthText:
+    """Document of a true arm, as somebody read it.
+
+    Attributes:
+        raw: JSON in the result format.
+        source: file that it comes from, for texts.
+    """
+
+    raw: bytes
+    source: str
+
+
+@dataclass(frozen=True)
 class EmulationConfig:
     """One emulated bench with its servers.
 
@@ -205,7 +217,7 @@ class EmulationConfig:
         control: endpoint of the control port, `tcp://host:port`.
         speed: bench seconds in one real second.
         seed: seed of everything random.
-        truth: file with the true arm; None draws one.
+        truth: document of the true arm; None draws one.
         budget: what makes measurements scatter.
         dynamics: how fast the arm moves.
         air: state of the air.
@@ -236,7 +248,7 @@ class EmulationConfig:
     control: str = _ANY_FREE
     speed: float = 1.0
     seed: int = 0
-    truth: Path | None = None
+    truth: TruthText | None = None
     budget: ErrorBudget = field(default_factory=ErrorBudget)
     dynamics: ArmDynamics = field(default_factory=ArmDynamics)
     air: AirState = field(default_factory=AirState)

@@ -14,7 +14,7 @@ from simulators.ports.port import Port
 from simulators.protocols import session_maker
 from simulators.timekeeper import TimeKeeper
 from simulators.tracker import Tracker
-from simulators.truth import TrueArm, draw_truth, load_truth, truth_document
+from simulators.truth import TrueArm, draw_truth, true_arm, truth_document
 from simulators.world import World
 
 __all__ = [
@@ -56,7 +56,7 @@ class EmulatedBench:
     def __init__(self, config: EmulationConfig) -> None:
         _check(config)
         self._truth: TrueArm = (
-            draw_truth(config.seed, config) if config.truth is None else load_truth(config.truth, config)
+            draw_truth(config.seed, config) if config.truth is None else true_arm(config.truth, config)
         )
         self.bench = Bench(self._truth, config, lambda text: self.journal.add("robot", "motion", text))
         self.journal = Journal(lambda: self.bench.time_s)

@@ -14,7 +14,7 @@ from pydantic import BaseModel, ConfigDict, ValidationError
 
 from calibration.error_map import BidirectionalMap
 from calibration.types import Floats
-from simulators.config import EmulationConfig, Range
+from simulators.config import EmulationConfig, Range, TruthText
 from simulators.errors import TruthFileError
 
 FORMAT = "catseye-result/1"
@@ -115,17 +115,17 @@ class _Document(_Part):
     theta40_deg: float | None = None
 
 
-def load_truth(path: Path, config: EmulationConfig) -> TrueArm:
-    """Read a true arm; what the file leaves out is drawn from the configuration's seed.
+def true_arm(text: TruthText, config: EmulationConfig) -> TrueArm:
+    """Read a true arm; what the document leaves out is drawn from the configuration's seed.
 
     Args:
-        path: file in the result format; the extra key `theta40_deg` (a number, deg) is optional.
+        text: document in the result format; the extra key `theta40_deg` (a number, deg) is optional.
         config: where reflectors and the beam's direction come from if the file does not have them.
 
     Raises:
-        TruthFileError: the file cannot be read or does not fit; the text names file and key.
+        TruthFileError: the document does not fit; the text names file and key.
     """
-    document = _read(path)
+    document, path = _read(text), text.source
     drawn = draw_truth(config.seed, config)
     found = {r.name: (r.x_mm.value, r.y_mm.value) for r in document.reflectors}
     theta40_deg = document.theta40_deg
@@ -139,24 +139,22 @@ def load_truth(path: Path, config: EmulationConfig) -> TrueArm:
     )
 
 
-def _read(path: Path) -> _Document:
+def _read(text: TruthText) -> _Document:
     try:
-        return _Document.model_validate_json(path.read_bytes())
-    except OSError as error:
-        raise TruthFileError(f"{path}: cannot be read: {error.strerror}") from error
+        return _Document.model_validate_json(text.raw)
     except ValidationError as error:
         first = error.errors()[0]
         key = ".".join(str(part) for part in first["loc"]) or "(document)"
-        raise TruthFileError(f"{path}: {key}: {first['msg']}") from error
+        raise TruthFileError(f"{text.source}: {key}: {first['msg']}") from error
 
 
-def _positive(length_mm: float, path: Path, key: str) -> float:
+def _positive(length_mm: float, path: str, key: str) -> float:
     if length_mm <= 0.0:
         raise TruthFileError(f"{path}: {key}.value: a link must be longer than 0 mm, found {length_mm:g}")
     return length_mm
 
 
-def _map(table: _Map | None, document: _Document, path: Path, key: str) -> BidirectionalMap:
+def _map(table: _Map | None, document: _Document, path: str, key: str) -> BidirectionalMap:
     if table is None:
         return _constant_map(document, path, key)
     to_rad = np.pi / 180e3
@@ -170,7 +168,7 @@ def _map(table: _Map | None, document: _Document, path: Path, key: str) -> Bidir
         raise TruthFileError(f"{path}: {key}: {error}") from error
 
 
-def _constant_map(document: _Document, path: Path, key: str) -> BidirectionalMap:
+def _constant_map(document: _Document, path: str, key: str) -> BidirectionalMap:
     if document.theta20_mdeg is None:
         raise TruthFileError(
             f"{path}: {key}: missing; give both maps, or theta20_mdeg for a conventional model"
@@ -181,7 +179,7 @@ def _constant_map(document: _Document, path: Path, key: str) -> BidirectionalMap
 
 
 def truth_document(truth: TrueArm) -> dict[str, object]:
-    """Return the arm in the result format (uncertainties 0), ready for `json.dump` and for `load_truth`."""
+    """Return the arm in the result format (uncertainties 0), ready for `json.dump` and for `true_arm`."""
     return {
         "format": FORMAT,
         "model": "error-map",

@@ -1,7 +1,6 @@
 """What a report shows, gathered from stored runs and results."""
 
 import hashlib
-import json
 import platform
 from collections.abc import Iterable, Mapping, Sequence
 from datetime import UTC, datetime
@@ -33,6 +32,7 @@ from app.cell.model import Cell
 from app.demo import DemoResult
 from app.errors import UsageError
 from app.files.atomic import write_atomically
+from app.files.documents import LARGEST_RESULT_BYTES, read_document, read_truth
 from app.files.result_json import Result, read_result
 from app.report.content import (
     DeviceRecord,
@@ -73,7 +73,7 @@ def demo_report(result: DemoResult, path: Path) -> None:
 
 def demo_truth(result: DemoResult) -> TruthTables:
     """Return the true arm of a demo in the gauge of its error map."""
-    document = json.loads((result.folder / "truth.json").read_text(encoding="utf-8"))
+    document = read_truth(result.folder / "truth.json")
     return truth_tables(result.identified["error-map"], document)
 
 
@@ -102,7 +102,9 @@ def result_report(source: Path, path: Path) -> None:
         simulated=bool(result.provenance.simulated),
         results=[result],
         versions=_versions(),
-        digests={source.name: hashlib.sha256(source.read_bytes()).hexdigest()},
+        digests={
+            source.name: hashlib.sha256(read_document(source, largest_bytes=LARGEST_RESULT_BYTES)).hexdigest()
+        },
     )
     write_atomically(path, render_html(content))
 

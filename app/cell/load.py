@@ -3,7 +3,6 @@
 import difflib
 import hashlib
 import re
-import tomllib
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, get_args
@@ -13,8 +12,15 @@ from pydantic_core import ErrorDetails
 
 from app.cell.model import Cell
 from app.errors import ConfigError
+from app.files.documents import document_text, parse_toml, read_document
 
 Place = tuple[int | str, ...]
+
+_MOST_FAULTS = 50
+"""That are told one by one."""
+
+_SHOWN_LENGTH = 200
+"""Of a wrong value."""
 
 
 @dataclass(frozen=True)
@@ -38,32 +44,20 @@ def load_cell(path: Path) -> LoadedCell:
     """Read and check a cell file.
 
     Raises:
-        ConfigError: the file is missing, is no TOML, or a key or value is wrong; every fault is listed.
+        ConfigError: the file is missing, is no TOML, or a key or value is wrong; the faults are listed.
     """
-    raw = _read(path)
-    try:
-        # Editors of another system put a byte order mark first.
-        text = raw.decode("utf-8-sig")
-        data = tomllib.loads(text)
-    except UnicodeDecodeError as error:
-        raise ConfigError(f"{path}: not in UTF-8 ({error}): save it as UTF-8 text") from error
-    except tomllib.TOMLDecodeError as error:
-        raise ConfigError(f"{path}: not a TOML file: {error}") from error
+    raw = read_document(path, f"there is no such file; write one with: catseye init {path}")
+    text = document_text(raw, path)
+    data = parse_toml(text, path)
     try:
         cell = Cell.model_validate(data)
     except ValidationError as error:
-        faults = "\n".join(f"  {_sentence(path, text, fault)}" for fault in error.errors())
+        found = error.errors()
+        faults = "\n".join(f"  {_sentence(path, text, fault)}" for fault in found[:_MOST_FAULTS])
+        if len(found) > _MOST_FAULTS:
+            faults += f"\n  and {len(found) - _MOST_FAULTS} further faults"
         raise ConfigError(f"the cell file cannot be used:\n{faults}") from error
     return LoadedCell(cell, path, hashlib.sha256(raw).hexdigest(), _origins(cell, data, ""))
-
-
-def _read(path: Path) -> bytes:
-    try:
-        return path.read_bytes()
-    except FileNotFoundError as error:
-        raise ConfigError(f"{path}: there is no such file; write one with: catseye init {path}") from error
-    except OSError as error:
-        raise ConfigError(f"{path}: cannot be read: {error.strerror}") from error
 
 
 def _sentence(path: Path, text: str, fault: ErrorDetails) -> str:
@@ -81,7 +75,12 @@ def fault_text(fault: ErrorDetails) -> str:
         case "value_error":
             return fault["msg"].removeprefix("Value error, ")
         case _:
-            return f"{fault['msg']}, not {fault['input']!r}"
+            return f"{fault['msg']}, not {_shown(fault['input'])}"
+
+
+def _shown(value: object) -> str:
+    text = repr(value)
+    return text if len(text) <= _SHOWN_LENGTH else f"{text[:_SHOWN_LENGTH]}…"
 
 
 def _dotted(place: Place) -> str:

@@ -4,6 +4,7 @@ import re
 from pathlib import Path
 
 from app.errors import ConfigError
+from app.files.documents import read_text
 
 _HEADER = re.compile(r"\s*\[")
 _REFLECTOR = re.compile(r"\s*\[\[\s*reflector\s*\]\]")
@@ -19,7 +20,7 @@ def with_reflector_tables(path: Path, reflectors: list[tuple[str, float, float, 
     Raises:
         ConfigError: its reflectors do not stand in tables [[reflector]].
     """
-    lines = path.read_text(encoding="utf-8").splitlines()
+    lines = read_text(path).splitlines()
     starts = [i for i, line in enumerate(lines) if _REFLECTOR.match(line)]
     if not starts:
         raise ConfigError(f"{path}: write its reflectors as tables [[reflector]]; only these can be replaced")

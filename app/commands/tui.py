@@ -2,13 +2,13 @@
 
 import os
 import sys
-import tomllib
 from contextlib import suppress
 from pathlib import Path
 
 from app.commands.output import say
 from app.errors import ConfigError, UsageError
 from app.exitcode import ExitCode
+from app.files.documents import read_toml
 from app.runs_folder import runs_folder
 
 
@@ -87,7 +87,6 @@ def _only_cell(folder: Path) -> Path | None:
 
 def _is_cell(path: Path) -> bool:
     try:
-        table = tomllib.loads(path.read_text(encoding="utf-8-sig"))
-    except (OSError, ValueError):
+        return str(read_toml(path).get("format", "")).startswith("catseye-cell/")
+    except ConfigError:
         return False
-    return str(table.get("format", "")).startswith("catseye-cell/")

@@ -11,12 +11,14 @@ from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_valida
 
 from app.errors import UsageError
 from app.files.atomic import write_atomically
+from app.files.documents import LARGEST_RESULT_BYTES
 from app.files.scan_part import ScanPart
 from app.files.uncertainty_part import UncertaintyPart
 from calibration.extension import Part, Source, Target, Term
 from calibration.fit_statistics import FitStatistics, RobustLoss
 from calibration.identification import Identification
 from calibration.layout import GAUGE
+from drivers.user_file import read_regular
 
 Finite = Annotated[float, Field(allow_inf_nan=False)]
 Uncertainty = Annotated[float, Field(ge=0.0, allow_inf_nan=False)]
@@ -246,7 +248,7 @@ def read_result(path: Path) -> Result:
         UsageError: the file is missing or no result; names what is wrong.
     """
     try:
-        result = Result.model_validate_json(path.read_text(encoding="utf-8-sig"))
+        result = Result.model_validate_json(read_regular(path, LARGEST_RESULT_BYTES).decode("utf-8-sig"))
     except FileNotFoundError as error:
         raise UsageError(f"{path}: there is no such file") from error
     except OSError as error:

@@ -1,11 +1,12 @@
 """The way from an unknown bench to a validated error map, and how far a cell has come on it."""
 
-import json
 from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Literal
 
+from app.errors import ConfigError
+from app.files.documents import LARGEST_RESULT_BYTES, parse_json, read_document
 from app.guidance.cell_runs import CellRun, CellRuns
 from app.guidance.need import Need
 from app.guidance.needs import ALIGNMENT, LEVEL, MEASUREMENT, SEARCH, WARM_UP, is_warm
@@ -150,8 +151,8 @@ def _by(run: CellRun | None) -> str:
 
 def _runs_of(path: Path) -> list[str]:
     try:
-        data = json.loads(path.read_text(encoding="utf-8"))
-    except (OSError, ValueError):
+        data = parse_json(read_document(path, largest_bytes=LARGEST_RESULT_BYTES), path)
+    except ConfigError:
         return []
     if not isinstance(data, dict) or not str(data.get("format", "")).startswith("catseye-result/"):
         return []

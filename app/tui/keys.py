@@ -5,11 +5,11 @@ lists the names.
 """
 
 import os
-import tomllib
 from pathlib import Path
 from typing import Final
 
 from app.errors import ConfigError
+from app.files.documents import read_toml
 
 STOP_KEYS = "f12"
 """Never taken away: a user's file may add keys to STOP, not remove this one."""
@@ -33,12 +33,12 @@ def read_keymap(path: Path) -> dict[str, str]:
     Raises:
         ConfigError: the file cannot be used; the text says what a line looks like.
     """
-    try:
-        table = tomllib.loads(path.read_text(encoding="utf-8"))
-    except FileNotFoundError:
+    if not path.exists():
         return {}
-    except (OSError, UnicodeDecodeError, tomllib.TOMLDecodeError) as error:
-        raise ConfigError(f'{path}: {error}; a line of it is: "go.jog" = "f5,j"') from error
+    try:
+        table = read_toml(path)
+    except ConfigError as error:
+        raise ConfigError(f'{error}; a line of it is: "go.jog" = "f5,j"') from error
     for name, keys in table.items():
         if not isinstance(keys, str) or not keys:
             raise ConfigError(f'{path}: {name} = {keys!r} is no key; write for instance "{name}" = "f5,j"')

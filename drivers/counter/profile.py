@@ -2,7 +2,6 @@
 
 import difflib
 import re
-import tomllib
 from importlib import resources
 from pathlib import Path
 from typing import Annotated, Any, Literal, Self
@@ -10,6 +9,7 @@ from typing import Annotated, Any, Literal, Self
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field, ValidationError, model_validator
 
 from drivers.errors import ProfileError
+from drivers.user_file import read_regular, toml_table
 
 _BUILT_IN = "drivers.counter.profiles"
 
@@ -274,7 +274,7 @@ def load_profile(name_or_path: str) -> CounterProfile:
         return parse_profile(text, f"built-in profile {name_or_path}")
     path = Path(name_or_path)
     try:
-        text = path.read_text("utf-8")
+        text = read_regular(path).decode("utf-8")
     except (OSError, UnicodeDecodeError) as exc:
         raise ProfileError(
             f"counter profile {name_or_path!r} cannot be read ({exc}): give a TOML file or one of the built-in "
@@ -294,12 +294,12 @@ def parse_profile(text: str, source: str) -> CounterProfile:
         ProfileError: not TOML or wrong.
     """
     try:
-        return CounterProfile.model_validate(tomllib.loads(text))
-    except tomllib.TOMLDecodeError as exc:
-        raise ProfileError(f"{source}: not TOML: {exc}") from None
+        return CounterProfile.model_validate(toml_table(text))
     except ValidationError as exc:
         faults = "; ".join(_fault(error["loc"], error["type"], error["msg"]) for error in exc.errors())
         raise ProfileError(f"{source}: {faults}") from None
+    except ValueError as exc:
+        raise ProfileError(f"{source}: {exc}") from None
 
 
 def _fault(loc: tuple[int | str, ...], kind: str, message: str) -> str:

@@ -11,7 +11,7 @@ from pathlib import Path
 
 from app.cell.load import load_cell
 from app.emulation import emulation_config
-from simulators.config import ErrorBudget
+from simulators.config import ErrorBudget, TruthText
 from simulators.launch import EmulatedBench
 
 
@@ -23,7 +23,7 @@ async def serve(cell: Path) -> None:
         budget=ErrorBudget.none(),
         beam_offset_mm=0.0,
         beam_pitch_mrad=0.0,
-        truth=cell.with_name("truth.json"),
+        truth=TruthText(cell.with_name("truth.json").read_bytes(), "truth.json"),
         dynamics=replace(config.dynamics, j4_backlash_mdeg=0.0),
     )
     async with EmulatedBench(quiet) as bench:

@@ -9,7 +9,7 @@ from typing import Any
 
 import pytest
 
-from simulators.config import EmulatedDevice
+from simulators.config import EmulatedDevice, TruthText
 from simulators.launch import EmulatedBench
 from tests.system.test_ways_of_following import TRUTH
 from tests.unit.simulators.benches import QUIET
@@ -42,9 +42,8 @@ async def test_set_points_of_melfapy_lead_the_arm() -> None:
     assert after[5] == pytest.approx(before[5], abs=1e-4)
 
 
-async def test_the_makers_api_reads_displacements(tmp_path: Path) -> None:
-    truth = tmp_path / "truth.json"
-    truth.write_text(json.dumps(TRUTH), encoding="utf-8")
+async def test_the_makers_api_reads_displacements() -> None:
+    truth = TruthText(json.dumps(TRUTH).encode(), "truth.json")
     # The API knows one port.
     device = EmulatedDevice("interferometer", "attocube-ids", "tcp://127.0.0.1:9090", {"dialect": "sen"})
     async with EmulatedBench(replace(QUIET, devices=(device,), truth=truth)):

@@ -19,7 +19,7 @@ from calibration.types import Floats
 from drivers.clock import SystemClock
 from drivers.melfa.robot import MelfaR3
 from procedures.motion.approach import Command, with_take_up
-from simulators.config import EmulationConfig, ErrorBudget
+from simulators.config import EmulationConfig, ErrorBudget, TruthText
 from simulators.launch import EmulatedBench
 from tests.system.command import SPEED, catseye, emulated
 from tests.system.test_validation_path import truth
@@ -129,7 +129,8 @@ def rows(folder: Path) -> list[Row]:
 
 
 def bench_with(folder: Path, budget: ErrorBudget) -> EmulationConfig:
-    return replace(QUIET, speed=float(SPEED), truth=folder / "truth.json", seed=3, budget=budget)
+    text = TruthText((folder / "truth.json").read_bytes(), "truth.json")
+    return replace(QUIET, speed=float(SPEED), truth=text, seed=3, budget=budget)
 
 
 async def test_an_arm_that_repeats_exactly_stands_there_within_a_step(folder: Path, rows: list[Row]) -> None:

@@ -14,6 +14,7 @@ from app.cell.template import TEMPLATE
 from app.cell.wizard.pages import OPTIONAL, PAGES, Page
 from app.cell.wizard.question import Question, number_of, text_of
 from app.errors import ConfigError
+from app.files.documents import parse_toml
 from app.instruments import device_builder, further_device
 from drivers.clock import SystemClock
 
@@ -78,9 +79,9 @@ class Draft:
             ConfigError: it is no TOML, or no table can be read from it.
         """
         try:
-            data = tomllib.loads(text)
-        except tomllib.TOMLDecodeError as error:
-            raise ConfigError(f"not a TOML file: {error}; mend it with an editor first") from error
+            data = parse_toml(text, "this file")
+        except ConfigError as error:
+            raise ConfigError(f"{error}; mend it with an editor first") from error
         if not str(data.get("format", "")).startswith("catseye-cell/"):
             raise ConfigError('not a cell file: its first key has to be format = "catseye-cell/1"')
         return cls(text, data)

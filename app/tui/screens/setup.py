@@ -11,6 +11,7 @@ from textual.binding import Binding, BindingType
 from textual.containers import Vertical
 from textual.widgets import OptionList
 
+from app.files.documents import read_text
 from app.tui.cell_change import use_cell
 from app.tui.dialogs.confirm_dialog import ConfirmDialog
 from app.tui.dialogs.form_dialog import Answers, Field, FormDialog
@@ -371,7 +372,7 @@ _SEED: Final = 2
 def _draft_of(source: Path | None) -> "Draft":
     from app.cell.wizard.draft import Draft
 
-    return Draft.new() if source is None else Draft.of_text(source.read_text(encoding="utf-8-sig"))
+    return Draft.new() if source is None else Draft.of_text(read_text(source))
 
 
 def _new_file() -> Path:

@@ -3,10 +3,12 @@
 import socket
 import tomllib
 from pathlib import Path
-from typing import Any, Final
+from typing import Final
 
 from app.cell.rewriting import rewritten
 from app.cell.template import TEMPLATE
+from app.errors import ConfigError
+from app.files.documents import read_toml
 from app.tui.session import EMULATED_BENCH
 
 _PLACES: Final = (
@@ -26,20 +28,19 @@ def emulated_cell() -> str:
     return rewritten(TEMPLATE, data)
 
 
-def is_emulated(text: str) -> bool:
+def is_emulated(path: Path) -> bool:
     """Tell whether a cell file was written for emulators of this program: its name says so."""
     try:
-        data: dict[str, Any] = tomllib.loads(text)
-    except tomllib.TOMLDecodeError:
+        return read_toml(path).get("name") == EMULATED_BENCH
+    except ConfigError:
         return False
-    return data.get("name") == EMULATED_BENCH
 
 
 def free_file(folder: Path) -> Path:
     """Return the cell file of an emulated bench of before, or a name that is not taken."""
     for number in range(1, 100):
         path = folder / (f"{EMULATED_BENCH}.toml" if number == 1 else f"{EMULATED_BENCH}-{number}.toml")
-        if not path.exists() or is_emulated(path.read_text(encoding="utf-8", errors="replace")):
+        if not path.exists() or is_emulated(path):
             return path
     return folder / f"{EMULATED_BENCH}-new.toml"
 

@@ -111,7 +111,7 @@ def test_an_unknown_name_lists_the_built_in_profiles() -> None:
         ('command = "R"', 'command = "R\\r\\n"', "key query.command: .*pattern"),
         ("beam_lost = 0", "beam_lost = 40", "key status.bits.beam_lost: .*less than or equal to 31"),
         ("beam_lost = 0", "overspeed = 1", "key status.bits.beam_lost: Field required"),
-        ('title = "bench counter"', 'title = "bench', "not TOML"),
+        ('title = "bench counter"', 'title = "bench', "not a TOML file"),
         ("catseye-counter/1", "catseye-counter/2", "key format: .*'catseye-counter/1'"),
     ],
 )

@@ -8,8 +8,9 @@ import numpy as np
 import pytest
 
 from calibration.error_map import BidirectionalMap
+from simulators.config import EmulationConfig, TruthText
 from simulators.errors import TruthFileError
-from simulators.truth import TrueArm, draw_truth, load_truth, truth_document, write_truth
+from simulators.truth import TrueArm, draw_truth, true_arm, truth_document, write_truth
 from tests.unit.simulators.benches import QUIET
 
 MINIMAL = {
@@ -56,6 +57,10 @@ def test_drawn_maps_cover_the_limits_and_are_some_ten_millidegrees_large(name: s
         assert 20.0 < np.ptp(1e3 * np.rad2deg(table.positive_rad)) < 65.0
 
 
+def read(path: Path, config: EmulationConfig) -> TrueArm:
+    return true_arm(TruthText(path.read_bytes(), str(path)), config)
+
+
 def test_the_seed_decides() -> None:
     assert truth_document(draw_truth(7, QUIET)) == truth_document(draw_truth(7, QUIET))
     assert truth_document(draw_truth(7, QUIET)) != truth_document(draw_truth(8, QUIET))
@@ -65,27 +70,27 @@ def test_a_written_arm_is_read_back(tmp_path: Path) -> None:
     drawn = draw_truth(7, QUIET)
     path = tmp_path / "truth.json"
     write_truth(drawn, path)
-    read = load_truth(path, replace(QUIET, seed=99))
-    assert (read.link1_mm, read.link2_mm) == (drawn.link1_mm, drawn.link2_mm)
-    assert equal(read.theta1_map, drawn.theta1_map)
-    assert equal(read.theta2_map, drawn.theta2_map)
-    assert read.reflectors == drawn.reflectors
-    assert read.theta40_rad == pytest.approx(drawn.theta40_rad)
+    found = read(path, replace(QUIET, seed=99))
+    assert (found.link1_mm, found.link2_mm) == (drawn.link1_mm, drawn.link2_mm)
+    assert equal(found.theta1_map, drawn.theta1_map)
+    assert equal(found.theta2_map, drawn.theta2_map)
+    assert found.reflectors == drawn.reflectors
+    assert found.theta40_rad == pytest.approx(drawn.theta40_rad)
 
 
 def test_what_the_file_leaves_out_is_drawn(tmp_path: Path) -> None:
-    read = load_truth(written(tmp_path, MINIMAL), QUIET)
+    found = read(written(tmp_path, MINIMAL), QUIET)
     drawn = draw_truth(QUIET.seed, QUIET)
-    assert (read.link1_mm, read.link2_mm) == (324.964, 225.0)
-    assert read.reflectors == drawn.reflectors
-    assert read.theta40_rad == drawn.theta40_rad
-    assert 1e3 * np.rad2deg(read.theta2_map.negative_rad) == pytest.approx([6.0])
+    assert (found.link1_mm, found.link2_mm) == (324.964, 225.0)
+    assert found.reflectors == drawn.reflectors
+    assert found.theta40_rad == drawn.theta40_rad
+    assert 1e3 * np.rad2deg(found.theta2_map.negative_rad) == pytest.approx([6.0])
 
 
 def test_a_conventional_result_becomes_constant_maps(tmp_path: Path) -> None:
     document = {key: MINIMAL[key] for key in ("format", "link1_mm", "link2_mm")}
-    read: TrueArm = load_truth(written(tmp_path, {**document, "theta20_mdeg": {"value": -5.55}}), QUIET)
-    for table, mdeg in ((read.theta1_map, 0.0), (read.theta2_map, -5.55)):
+    found: TrueArm = read(written(tmp_path, {**document, "theta20_mdeg": {"value": -5.55}}), QUIET)
+    for table, mdeg in ((found.theta1_map, 0.0), (found.theta2_map, -5.55)):
         assert 1e3 * np.rad2deg(table.positive_rad) == pytest.approx([mdeg])
         assert 1e3 * np.rad2deg(table.negative_rad) == pytest.approx([mdeg])
 
@@ -113,7 +118,7 @@ def test_a_wrong_file_is_refused_with_its_name_and_key(
 ) -> None:
     path = written(tmp_path, {**MINIMAL, **change})
     with pytest.raises(TruthFileError) as caught:
-        load_truth(path, QUIET)
+        read(path, QUIET)
     assert str(caught.value).startswith(f"{path}: {key}: ")
 
 
@@ -122,9 +127,4 @@ def test_what_is_no_document_is_refused(tmp_path: Path, content: bytes) -> None:
     path = tmp_path / "truth.json"
     path.write_bytes(content)
     with pytest.raises(TruthFileError, match=str(path)):
-        load_truth(path, QUIET)
-
-
-def test_a_missing_file_is_refused(tmp_path: Path) -> None:
-    with pytest.raises(TruthFileError, match="cannot be read: No such file"):
-        load_truth(tmp_path / "none.json", QUIET)
+        read(path, QUIET)

@@ -25,7 +25,7 @@ def test_a_file_of_somebody_else_is_never_taken(tmp_path: Path) -> None:
     first = tmp_path / f"{EMULATED_BENCH}.toml"
     assert free_file(tmp_path) == first
     first.write_text(emulated_cell(), encoding="utf-8")
-    assert is_emulated(first.read_text(encoding="utf-8"))
+    assert is_emulated(first)
     assert free_file(tmp_path) == first
     first.write_text('name = "lab-1"\n', encoding="utf-8")
     assert free_file(tmp_path) == tmp_path / f"{EMULATED_BENCH}-2.toml"
