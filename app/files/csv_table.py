@@ -2,14 +2,23 @@
 
 import csv
 import math
+import re
 from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
 from dataclasses import dataclass
+from itertools import count
 from pathlib import Path
-from typing import TypeVar
+from typing import Final, TypeVar
 
 from app.errors import UsageError
 
 T = TypeVar("T")
+
+LONGEST_LINE: Final = 64 * 1024
+"""Characters; a table of instruments has lines of a few hundred."""
+
+_SURROGATE: Final = re.compile("[\udc80-\udcff]")
+"""In place of bytes that are no UTF-8."""
 
 
 @dataclass(frozen=True)
@@ -137,12 +146,10 @@ def cells_of(path: Path, number: int, line: str) -> list[str]:
     """Return the cells of a line, without blanks around them.
 
     Raises:
-        UsageError: a cell is too long.
+        UsageError: it is no line that a table may have.
     """
-    try:
-        return [cell.strip() for cell in next(csv.reader([line]))]
-    except csv.Error as error:
-        raise UsageError(f"{path}:{number}: a value is too long for a table: {error}") from error
+    cells = next(csv.reader([require_line(path, number, line)]))
+    return [cell.strip() for cell in cells]
 
 
 def header_of(path: Path, number: int, line: str) -> list[str]:
@@ -160,17 +167,55 @@ def header_of(path: Path, number: int, line: str) -> list[str]:
     return cells_of(path, number, line)
 
 
-def _lines(path: Path) -> Iterator[tuple[int, str]]:
+def require_line(path: Path, number: int, line: str) -> str:
+    """Return a line that a table may have.
+
+    Args:
+        path: the file.
+        number: of the line.
+        line: decoded with surrogates in place of what is no UTF-8.
+
+    Raises:
+        UsageError: it is too long, holds NUL bytes or is no UTF-8 text.
+    """
+    if len(line) > LONGEST_LINE:
+        raise UsageError(
+            f"{path}:{number}: the line is too long for a table: it has more than {LONGEST_LINE} characters"
+        )
+    if not line.isascii() and _SURROGATE.search(line):
+        raise UsageError(f"{path}:{number}: is not UTF-8 text; export it as UTF-8 CSV")
+    if "\0" in line:
+        raise UsageError(f"{path}:{number}: the line holds NUL bytes: this is no CSV; export it as UTF-8 CSV")
+    return line
+
+
+@contextmanager
+def named_faults(path: Path) -> Iterator[None]:
+    """Turn what keeps a file from being opened or read into a complaint that names it.
+
+    Raises:
+        UsageError: the file is missing, cannot be read, or its name is none.
+    """
     try:
-        text = path.read_text(encoding="utf-8-sig")
+        yield
     except FileNotFoundError as error:
         raise UsageError(f"{path}: there is no such file") from error
     except OSError as error:
         raise UsageError(f"{path}: cannot be read: {error.strerror}") from error
-    except UnicodeDecodeError as error:
-        raise UsageError(f"{path}: is not UTF-8 text; export it as UTF-8 CSV") from error
     except ValueError as error:
         raise UsageError(f"{str(path)!r}: is no name of a file: {error}") from error
-    for number, line in enumerate(text.splitlines(), 1):
-        if not is_talk(line):
-            yield number, line
+
+
+def _lines(path: Path) -> Iterator[tuple[int, str]]:
+    """Read line by line, so that a pipe serves as well as a file."""
+    with named_faults(path):
+        stream = path.open(encoding="utf-8-sig", errors="surrogateescape")
+    with stream:
+        for number in count(1):
+            with named_faults(path):
+                line = stream.readline(LONGEST_LINE + 1)
+            if not line:
+                return
+            require_line(path, number, line)
+            if not is_talk(line):
+                yield number, line.rstrip("\n")

@@ -9,7 +9,7 @@ from typing import Any, BinaryIO
 import numpy as np
 
 from app.errors import ConfigError, UsageError
-from app.files.csv_table import csv_row, header_of, is_talk
+from app.files.csv_table import LONGEST_LINE, csv_row, header_of, is_talk, named_faults, require_line
 from app.files.point_columns import PointColumns, columns_of
 from app.files.points_csv import COLUMNS, LARGEST_SEGMENT, point_row, require_columns
 from calibration.types import Floats, Ints
@@ -59,27 +59,32 @@ def _csv_blocks(path: Path, known: Sequence[str]) -> Iterator[tuple[float, Point
 
 def _chunks(path: Path) -> Iterator[tuple[int, str, float]]:
     """Return whole lines: the number of the first, the text, and the share of the file that is read."""
-    try:
-        with path.open("rb") as stream:
-            yield from _whole_lines(stream, max(path.stat().st_size, 1))
-    except FileNotFoundError as error:
-        raise UsageError(f"{path}: there is no such file") from error
-    except OSError as error:
-        raise UsageError(f"{path}: cannot be read: {error.strerror}") from error
-    except UnicodeDecodeError as error:
-        raise UsageError(f"{path}: is not UTF-8 text; export it as UTF-8 CSV") from error
+    with named_faults(path), path.open("rb") as stream:
+        yield from _whole_lines(path, stream, max(path.stat().st_size, 1))
 
 
-def _whole_lines(stream: BinaryIO, size: int) -> Iterator[tuple[int, str, float]]:
-    line, rest, encoding = 1, b"", "utf-8-sig"
+def _whole_lines(path: Path, stream: BinaryIO, size: int) -> Iterator[tuple[int, str, float]]:
+    line, rest, read, encoding = 1, b"", 0, "utf-8-sig"
     while chunk := stream.read(_CHUNK_BYTES):
+        read += len(chunk)
         whole, newline, rest = (rest + chunk).rpartition(b"\n")
         if newline:
-            text = (whole + newline).decode(encoding)
-            yield line, text, stream.tell() / size
+            text = _checked_text(path, line, whole + newline, encoding)
+            # A pipe tells no size.
+            yield line, text, min(read / size, 1.0)
             line, encoding = line + text.count("\n"), "utf-8"
+        if len(rest) > 4 * LONGEST_LINE:
+            require_line(path, line, rest.decode(encoding, "surrogateescape"))
     if rest:
-        yield line, rest.decode(encoding), 1.0
+        yield line, _checked_text(path, line, rest, encoding), 1.0
+
+
+def _checked_text(path: Path, first_line: int, raw: bytes, encoding: str) -> str:
+    text = raw.decode(encoding, "surrogateescape")
+    if not text.isascii() or "\0" in text:
+        for number, line in enumerate(text.split("\n"), first_line):
+            require_line(path, number, line)
+    return text
 
 
 def _clean_columns(text: str, header: list[str], known: Sequence[str]) -> PointColumns | None:

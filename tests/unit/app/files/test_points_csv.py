@@ -103,7 +103,7 @@ def test_a_fault_is_told_with_file_and_line(tmp_path: Path, text: str, expected:
 
 
 def test_other_encodings_and_missing_files_are_told(tmp_path: Path) -> None:
-    with pytest.raises(UsageError, match=r"points\.csv: is not UTF-8 text"):
+    with pytest.raises(UsageError, match=r"points\.csv:2: is not UTF-8 text"):
         read_points_csv(written(tmp_path, f"{HEADER}\n# µ\n".encode("latin-1")), NAMES)
     with pytest.raises(UsageError, match=r"none\.csv: there is no such file"):
         read_points_csv(tmp_path / "none.csv", NAMES)
