@@ -8,6 +8,7 @@ import numpy as np
 
 from app.analysis.compensating import STEP_DEG, CompensatedPath
 from app.files.atomic import write_atomically
+from app.files.csv_text import csv_text
 from app.files.path_csv import DIRECTIONS, JOINTS, PLACE
 
 FORMAT = "catseye-compensation/1"
@@ -98,14 +99,14 @@ def compensated_columns(path: CompensatedPath) -> dict[str, list[float | None]]:
 def write_compensated_csv(path: CompensatedPath, origin: Origin, output: Path) -> None:
     """Write a row for each row of the path; cells of rows without a correction are empty."""
     columns = compensated_columns(path)
-    lines = [f"# {text}" for text in origin.sentences()] + [",".join(columns)]
-    for row in zip(*columns.values(), strict=True):
-        cells = [
-            "" if value is None else f"{value:.{decimals}f}"
+    rows = (
+        [
+            None if value is None else f"{value:.{decimals}f}"
             for value, (_, decimals) in zip(row, COLUMNS.values(), strict=True)
         ]
-        lines.append(",".join(cells))
-    write_atomically(output, "\n".join(lines) + "\n")
+        for row in zip(*columns.values(), strict=True)
+    )
+    write_atomically(output, csv_text(list(columns), rows, origin.sentences()))
 
 
 def write_compensated_json(path: CompensatedPath, origin: Origin, take_up_deg: float, output: Path) -> None:

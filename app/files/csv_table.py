@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import Final, TypeVar
 
 from app.errors import UsageError
+from app.files.csv_text import unmarked
 
 T = TypeVar("T")
 
@@ -149,7 +150,7 @@ def cells_of(path: Path, number: int, line: str) -> list[str]:
         UsageError: it is no line that a table may have.
     """
     cells = next(csv.reader([require_line(path, number, line)]))
-    return [cell.strip() for cell in cells]
+    return [unmarked(cell.strip()) for cell in cells]
 
 
 def header_of(path: Path, number: int, line: str) -> list[str]:

@@ -1,7 +1,5 @@
 """Points CSV: one distance a row, in measuring order (version 1)."""
 
-import csv
-import io
 from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import partial
@@ -11,6 +9,7 @@ import numpy as np
 
 from app.errors import UsageError
 from app.files.csv_table import CsvRow, csv_rows, misnamed
+from app.files.csv_text import csv_text
 from calibration.points import Commands, Points
 
 COLUMNS = (
@@ -61,11 +60,7 @@ def points_csv(rows: Iterable[PointRow]) -> str:
     table = list(rows)
     with_sigma = any(row.sigma_mm is not None for row in table)
     names = COLUMNS + (OPTIONAL if with_sigma else ())
-    out = io.StringIO()
-    writer = csv.writer(out, lineterminator="\n")
-    writer.writerow(names)
-    writer.writerows([getattr(row, name) for name in names] for row in table)
-    return out.getvalue()
+    return csv_text(names, ([getattr(row, name) for name in names] for row in table))
 
 
 def read_points_csv(path: Path, reflectors: Iterable[str]) -> list[PointRow]:

@@ -5,6 +5,7 @@ from pathlib import Path
 import numpy as np
 
 from app.files.atomic import write_atomically
+from app.files.csv_text import csv_text
 from app.files.path_csv import CommandPath
 from calibration.prediction import Prediction
 from calibration.types import Floats
@@ -24,11 +25,8 @@ def write_predicted_csv(path: CommandPath, prediction: Prediction, output: Path)
         output: file to write, whole or not at all.
     """
     numbers = np.hstack([prediction.position_mm, 1e3 * prediction.error_mm, 1e3 * prediction.u_mm])
-    lines = [",".join([*path.rows[0].cells, *ADDED])]
-    lines += [
-        ",".join([*row.cells.values(), *_cells(own)]) for row, own in zip(path.rows, numbers, strict=True)
-    ]
-    write_atomically(output, "\n".join(lines) + "\n")
+    rows = ([*row.cells.values(), *_cells(own)] for row, own in zip(path.rows, numbers, strict=True))
+    write_atomically(output, csv_text([*path.rows[0].cells, *ADDED], rows))
 
 
 def _cells(numbers: Floats) -> list[str]:

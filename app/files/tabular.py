@@ -1,12 +1,12 @@
 """Rows of one table as CSV or Parquet; columns that a row lacks stay empty."""
 
-import csv
 import importlib
 import io
 import json
 from collections.abc import Mapping, Sequence
 
 from app.errors import ConfigError
+from app.files.csv_text import csv_text
 
 Row = Mapping[str, object]
 Cell = str | int | float | bool | None
@@ -19,11 +19,8 @@ def columns(rows: Sequence[Row]) -> list[str]:
 
 def table_csv(rows: Sequence[Row]) -> str:
     """Return rows as CSV with a header line; numbers keep their full precision, lists become JSON."""
-    names, out = columns(rows), io.StringIO()
-    writer = csv.writer(out, lineterminator="\n")
-    writer.writerow(names)
-    writer.writerows([_cell(row.get(name)) for name in names] for row in rows)
-    return out.getvalue()
+    names = columns(rows)
+    return csv_text(names, ([_cell(row.get(name)) for name in names] for row in rows))
 
 
 def table_parquet(rows: Sequence[Row]) -> bytes:

@@ -1,0 +1,81 @@
+"""Text in an exported table is never a formula of a spreadsheet, and comes back as it was."""
+
+import csv
+import io
+from pathlib import Path
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from app.files.csv_table import cells_of
+from app.files.csv_text import csv_text, marked, unmarked
+from app.files.points_csv import PointRow, points_csv, read_points_csv
+from app.files.tabular import table_csv
+
+FORMULAS = (
+    "=1+1",
+    "+1+1",
+    "-2+3",
+    "@SUM(A1)",
+    "\t=1",
+    "\r=1",
+    "  =1+1",
+    "=cmd|' /C calc'!A0",
+    "-",
+    "'=1",
+    "''+x",
+)
+BEGINNINGS = ("=", "+", "-", "@", "\t", "\r", "\n")
+
+
+def cells(text: str) -> list[list[str]]:
+    """Return cells as any reader of CSV has them."""
+    return list(csv.reader(io.StringIO(text)))
+
+
+@pytest.mark.parametrize("name", FORMULAS)
+def test_no_writer_lets_a_text_begin_like_a_formula(name: str) -> None:
+    row = PointRow(name, 0, -40.0, 20.0, 1, -1, -0.25, None)
+    for written in (points_csv([row]), table_csv([{"reflector": name, name: -1.5}])):
+        texts = [
+            cell for line in cells(written) for cell in line if cell.strip(" '") and not _is_number(cell)
+        ]
+        assert name not in texts
+        assert not any(cell.lstrip(" ").startswith(BEGINNINGS) for cell in texts)
+
+
+def _is_number(cell: str) -> bool:
+    try:
+        float(cell)
+    except ValueError:
+        return False
+    return True
+
+
+@pytest.mark.parametrize("name", ["=1+1", "-P1", "@P", "'=P", "''-P", "'P", "P1"])
+def test_a_points_file_gives_the_name_back(tmp_path: Path, name: str) -> None:
+    path = tmp_path / "points.csv"
+    row = PointRow(name, 0, -40.0, 20.0, 1, -1, -0.25, None)
+    path.write_text(points_csv([row]), encoding="utf-8")
+    assert read_points_csv(path, [name]) == [row]
+
+
+def test_numbers_stay_numbers() -> None:
+    rows = [[-1.5, -2, "-3.25e-06", "+4", "-.5", None, True]]
+    assert csv_text("abcdefg", rows) == "a,b,c,d,e,f,g\n-1.5,-2,-3.25e-06,+4,-.5,,True\n"
+
+
+def test_a_comment_is_one_line() -> None:
+    assert csv_text(["a"], [], ["made from x\n=1+1"]) == "# made from x =1+1\na\n"
+
+
+@given(st.text(st.sampled_from("'=+-@\t\r aé1"), max_size=8))
+def test_each_text_comes_back(text: str) -> None:
+    assert unmarked(marked(text)) == text
+
+
+@given(st.text(st.sampled_from("'=+-@ aé1,\""), max_size=8).map(str.strip))
+def test_each_text_comes_back_through_a_line(text: str) -> None:
+    line = csv_text(["x", text], []).removesuffix("\n")
+    assert cells_of(Path("t.csv"), 1, line) == ["x", text]
