@@ -16,6 +16,8 @@ _LONGEST_PATH_BYTES = 100
 
 _PROBE_S = 1.0
 
+_REMEDY = "set XDG_RUNTIME_DIR to a folder that only you may enter, for engine and clients alike"
+
 
 def socket_folder() -> Path:
     """Return the folder of this user's sockets, made when missing.
@@ -26,13 +28,20 @@ def socket_folder() -> Path:
     folder = _folders()[0]
     try:
         folder.mkdir(mode=0o700, exist_ok=True)
-        found = folder.lstat()
+        found, above = folder.lstat(), folder.parent.stat()
     except OSError as error:
         raise ServiceError(f"{folder}: no folder for sockets can be made: {error}") from error
     if not stat.S_ISDIR(found.st_mode) or found.st_uid != os.getuid():
-        raise ServiceError(f"{folder} is not a folder of this user: find out who made it, then remove it")
+        raise ServiceError(
+            f"{folder} is not a folder of this user, so its sockets cannot be trusted: {_REMEDY}, or have the owner or "
+            "root remove it"
+        )
     if stat.S_IMODE(found.st_mode) & 0o077:
         raise ServiceError(f"{folder} is open to others: chmod 700 {folder}, after a look at what is in it")
+    if above.st_uid not in {0, os.getuid()} or (above.st_mode & 0o022 and not above.st_mode & stat.S_ISVTX):
+        raise ServiceError(
+            f"others may exchange {folder}, since {folder.parent} is theirs or open to them: {_REMEDY}"
+        )
     return folder
 
 

@@ -28,6 +28,7 @@ from app.service.errors import RefusedError
 from app.service.hub import Hub
 from app.service.messages import Message, Resume, Start
 from app.service.server import Server
+from app.service.sparse_log import SparseLog
 from drivers.clock import SystemClock
 
 _log = logging.getLogger(__name__)
@@ -49,6 +50,7 @@ class EngineProcess:
 
     def __init__(self, cell: Path, root: Path) -> None:
         self._clock = SystemClock()
+        self._errors = SparseLog(_log, self._clock)
         self.hub = Hub(self._clock, waits=True)
         self._bench = EngineBench(self.hub, self._clock, cell, root)
         self.by_hand = ByHand(self.hub, self._bench.for_hands(), self._require_idle, self._abort)
@@ -238,7 +240,7 @@ class EngineProcess:
         return outcome
 
     def _failed(self, error: Exception, opened: "asyncio.Future[Message]") -> None:
-        _log.error("a run could not be made", exc_info=error)
+        self._errors.error("a run could not be made", error)
         if opened.done():
             self.hub.say("error", text=str(error), exit_code=int(exit_code_of(error)))
         else:

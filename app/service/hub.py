@@ -6,7 +6,7 @@ import os
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, field
-from typing import Literal
+from typing import Final, Literal
 
 from app.bench.telemetry import Topic
 from app.engine.announcer import Publish
@@ -22,6 +22,9 @@ from drivers.clock import Clock
 from procedures.context import Json
 
 _log = logging.getLogger(__name__)
+
+MOST_CLIENTS: Final = 32
+"""That have said hello, at a time."""
 
 Policy = Literal["continue", "hold", "stop"]
 """What becomes of a run whose client with control is lost; `[engine] on_client_lost`."""
@@ -164,7 +167,15 @@ class Hub:
         return member is not None and member is self._holder
 
     def join(self, client: str, who: str, mailbox: Mailbox, disconnect: Callable[[str], None]) -> Member:
-        """Add a client; it is told everything from now on."""
+        """Add a client; it is told everything from now on.
+
+        Raises:
+            RefusedError: there are as many as are served.
+        """
+        if len(self._members) >= MOST_CLIENTS:
+            raise RefusedError(
+                f"{MOST_CLIENTS} clients are connected, and no more are served: end one of them and repeat"
+            )
         self._count += 1
         member = Member(f"{client}-{self._count}", who, mailbox, disconnect)
         self._members[member.name] = member

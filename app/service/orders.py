@@ -204,10 +204,10 @@ class Orders:
         return {"percent": percent, "until_the_next_motion": now}
 
     def _shut_down(self, member: Member | None, who: str) -> None:
-        engine = self._engine_or_refuse()
-        if not self._hub.holds(member) and self._hub.controlled:
-            self._hub.require_control(member)
-        engine.shut_down(who)
+        if member is None:
+            raise RefusedError("a client says hello first")
+        self._hub.require_control(member)
+        self._engine_or_refuse().shut_down(who)
 
     def _running(self) -> RunHandle:
         run = self._hub.run

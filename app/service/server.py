@@ -6,6 +6,7 @@ import socket
 from collections.abc import AsyncIterator
 from contextlib import AsyncExitStack, asynccontextmanager
 from pathlib import Path
+from typing import Final
 
 from app.bench.telemetry import Telemetry
 from app.engine.handle import RunHandle
@@ -16,9 +17,16 @@ from app.service.hub import Hub
 from app.service.messages import MAX_LINE_BYTES
 from app.service.orders import Engine, Orders
 from app.service.session import Patience, Session
+from app.service.sparse_log import SparseLog
 from drivers.clock import Clock
 
 _log = logging.getLogger(__name__)
+
+MOST_STRANGERS: Final = 32
+"""Connections without hello at a time; one more takes the place of the oldest."""
+
+_ACCEPT_AGAIN_S: Final = 1.0
+"""After the system had no room for another connection."""
 
 
 class Server:
@@ -44,6 +52,7 @@ class Server:
         self._clock = clock
         self._orders = Orders(hub, engine, telemetry)
         self._patience = patience or Patience()
+        self._errors = SparseLog(_log, clock)
         self._sessions: dict[asyncio.Task[None], Session] = {}
 
     @asynccontextmanager
@@ -60,11 +69,12 @@ class Server:
     @asynccontextmanager
     async def on(self, listener: socket.socket) -> AsyncIterator[None]:
         """Serve clients of a listening socket."""
-        server = await asyncio.start_unix_server(self.accept, sock=listener, limit=MAX_LINE_BYTES)
+        accepting = asyncio.create_task(self._accept_from(listener))
         try:
             yield
         finally:
-            server.close()
+            await cancel(accepting)
+            listener.close()
 
     @asynccontextmanager
     async def of_run(self, handle: RunHandle) -> AsyncIterator[None]:
@@ -79,6 +89,10 @@ class Server:
 
     def accept(self, reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
         """Serve a client from now on."""
+        strangers = [session for session in self._sessions.values() if session.is_stranger]
+        if len(strangers) >= MOST_STRANGERS:
+            # Whoever comes now may want to stop the arm, which takes no hello.
+            strangers[0].dismiss(f"{MOST_STRANGERS} newer connections wait without hello")
         session = Session(self._hub, self._orders, (reader, writer), self._clock, self._patience)
         task = asyncio.create_task(session.serve())
         self._sessions[task] = session
@@ -91,7 +105,18 @@ class Server:
         await asyncio.gather(*(session.flush() for session in self._sessions.values()))
         await cancel(*self._sessions)
 
+    async def _accept_from(self, listener: socket.socket) -> None:
+        """Accept one client after another; between two of them those who are there are heard."""
+        loop = asyncio.get_running_loop()
+        while True:
+            try:
+                connection, _ = await loop.sock_accept(listener)
+                self.accept(*await asyncio.open_unix_connection(sock=connection, limit=MAX_LINE_BYTES))
+            except OSError as error:
+                self._errors.error("a client could not be accepted", error)
+                await self._clock.sleep(_ACCEPT_AGAIN_S)
+
     def _gone(self, task: "asyncio.Task[None]") -> None:
         self._sessions.pop(task, None)
         if not task.cancelled() and (error := task.exception()) is not None:
-            _log.error("a client's session failed", exc_info=error)
+            self._errors.error("a client's session failed", error)

@@ -3,6 +3,7 @@
 import asyncio
 from contextlib import suppress
 from dataclasses import dataclass
+from typing import Final
 
 from app.engine.waiting import cancel
 from app.exitcode import ExitCode
@@ -13,6 +14,9 @@ from app.service.messages import MAX_LINE_BYTES, VERSION, AnyRequest, Hello, Mes
 from app.service.orders import Orders
 from drivers.clock import Clock
 
+_READING_TURNS: Final = 10
+"""Of the event loop."""
+
 
 @dataclass(frozen=True)
 class Patience:
@@ -20,10 +24,12 @@ class Patience:
 
     Attributes:
         silence_s: without a word from a client that holds control, until it counts as lost.
+        hello_s: for a client that has connected to say hello.
         flush_s: for the last messages to reach a client when the engine ends.
     """
 
     silence_s: float = 10.0
+    hello_s: float = 2.0
     flush_s: float = 1.0
 
 
@@ -56,12 +62,15 @@ class Session:
         self._heard_s = clock.monotonic_s()
         self._ended: asyncio.Future[str] = asyncio.get_running_loop().create_future()
         self._sending = False
+        self._unwelcome = False
         # What waits for a slow client waits here, where it is counted, and not in the transport.
         self._writer.transport.set_write_buffer_limits(high=0)
 
     async def serve(self) -> None:
         """Talk until the client goes, or is lost."""
-        tasks = [asyncio.create_task(part()) for part in (self._listen, self._send, self._watch)]
+        tasks = [
+            asyncio.create_task(part()) for part in (self._listen, self._send, self._watch, self._expect)
+        ]
         for task in tasks:
             task.add_done_callback(self._part_ended)
         reason: str | None = None
@@ -95,12 +104,24 @@ class Session:
         if not self._ended.done():
             self._ended.set_result(reason)
 
-    def _part_ended(self, task: "asyncio.Task[str]") -> None:
+    @property
+    def is_stranger(self) -> bool:
+        """The client has not said hello."""
+        return self._member is None and not self._ended.done()
+
+    def dismiss(self, why: str) -> None:
+        """Let a client go that has not said hello."""
+        # It is short, and nothing else waits: the system takes it at once.
+        self._writer.write(encode({"v": VERSION, "re": None, "ok": False, "error": f"disconnected: {why}"}))
+        self.end(why)
+
+    def _part_ended(self, task: "asyncio.Task[str | None]") -> None:
         if task.cancelled():
             return
         error = task.exception()
         if error is None:
-            self.end(task.result())
+            if (reason := task.result()) is not None:
+                self.end(reason)
         elif isinstance(error, OSError):
             self.end("the connection broke")
         elif not self._ended.done():
@@ -121,6 +142,9 @@ class Session:
             if self._member is not None:
                 self._member.heard_s = self._heard_s
             self._hear(line)
+            if self._unwelcome:
+                await self.flush()
+                return "no more clients are served"
             # Lines that came together do not keep their answers, or other clients, waiting.
             await asyncio.sleep(0)
 
@@ -142,7 +166,11 @@ class Session:
 
     def _answer(self, request: AnyRequest) -> "Message | asyncio.Future[Message]":
         if isinstance(request, Hello) and self._member is None:
-            self._member = self._hub.join(request.client, request.who, self._mailbox, self.end)
+            try:
+                self._member = self._hub.join(request.client, request.who, self._mailbox, self.end)
+            except RefusedError:
+                self._unwelcome = True
+                raise
             return {"snapshot": self._hub.snapshot(self._member)}
         return self._orders.take(self._member, request)
 
@@ -169,6 +197,15 @@ class Session:
             self._sending = False
             # Messages that wait together do not keep a reading of the run waiting.
             await asyncio.sleep(0)
+
+    async def _expect(self) -> None:
+        """Let a client go that does not say hello in time."""
+        await self._clock.sleep(self._patience.hello_s)
+        # What came while this process stood still is read first.
+        for _ in range(_READING_TURNS):
+            await asyncio.sleep(0)
+        if self.is_stranger:
+            self.dismiss(f"no hello within {self._patience.hello_s:g} s")
 
     async def _watch(self) -> str:
         """Wait until a client that holds control has been silent for too long."""

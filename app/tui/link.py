@@ -160,6 +160,7 @@ class EngineLink:
 
     async def _say_goodbye(self, *, end_engine: bool) -> None:
         if end_engine and not self.picture.running and len(self.picture.clients) <= 1:
+            await self.request("control", take=True)
             await self.request("shutdown")
         elif self.picture.in_control:
             await self.request("release")

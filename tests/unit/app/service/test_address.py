@@ -81,6 +81,22 @@ def test_a_foreign_folder_is_refused(runtime: Path, monkeypatch: pytest.MonkeyPa
     assert runtime / "catseye" / "x" not in all_sockets()
 
 
+def test_a_foreign_folder_is_refused_with_a_remedy(runtime: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    (runtime / "catseye").mkdir(mode=0o700)
+    owner = os.getuid()
+    monkeypatch.setattr(os, "getuid", lambda: owner + 1)
+    with pytest.raises(ServiceError, match="set XDG_RUNTIME_DIR to a folder that only you may enter"):
+        socket_folder()
+
+
+def test_a_folder_that_others_may_exchange_is_refused(runtime: Path) -> None:
+    runtime.chmod(0o777)
+    with pytest.raises(ServiceError, match="others may exchange"):
+        socket_folder()
+    runtime.chmod(0o1777)
+    assert socket_folder() == runtime / "catseye"
+
+
 def test_a_folder_with_a_long_path_is_left_for_the_common_one(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -160,6 +160,7 @@ async def test_a_lost_client_means_what_the_cell_of_the_run_says(bench: FakeBenc
         assert (await event_of(ben, "client-lost"))["policy"] == "stop"
         assert (await event_of(ben, "run-ended"))["status"] == "stopped"
         await event_of(ben, "idle")
+        await ben.take_control()
         await ben.request("shutdown")
 
 
@@ -185,6 +186,7 @@ async def test_a_client_that_is_lost_while_its_run_is_planned_is_lost_to_the_run
         assert (await event_of(ben, "client-lost"))["policy"] == "stop"
         assert (await event_of(ben, "run-ended"))["status"] == "stopped"
         await event_of(ben, "idle")
+        await ben.take_control()
         await ben.request("shutdown")
     assert "move" not in bench.robot.calls
 
