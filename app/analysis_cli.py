@@ -20,6 +20,10 @@ Dask = Annotated[
     str | None,
     typer.Option(metavar="ADDRESS", help="dask scheduler whose machines share the work [catseye[cluster]]"),
 ]
+InsecureCluster = Annotated[
+    bool,
+    typer.Option("--insecure-cluster", help="allow a scheduler beyond this machine without TLS"),
+]
 
 Criterion = Annotated[
     Literal["A", "D", "E", "path"],
@@ -82,6 +86,7 @@ def identify(
     ] = None,
     workers: Workers = 1,
     dask: Dask = None,
+    insecure_cluster: InsecureCluster = False,
     runs: Runs = None,
     as_json: AsJson = False,
 ) -> None:
@@ -95,7 +100,7 @@ def identify(
     require_output(output, points, cell)
 
     options = IdentifyOptions(
-        model, uncertainty, draws, seed, loss, reject, tuple(extend or ()), workers, dask
+        model, uncertainty, draws, seed, loss, reject, tuple(extend or ()), workers, dask, insecure_cluster
     )
     identify_command(output, run or [], points, cell, options, runs, as_json)
 
@@ -237,6 +242,7 @@ def design(
     seed: Annotated[int, typer.Option(min=0, help="of the exchange's starts")] = 1,
     workers: Workers = 1,
     dask: Dask = None,
+    insecure_cluster: InsecureCluster = False,
     as_json: AsJson = False,
 ) -> None:
     """Tell where to put the reflectors and which commands to use.
@@ -265,6 +271,7 @@ def design(
         random_only,
         commands,
         minutes,
+        insecure_cluster,
     )
     design_command(cell, options, output, write_cell, as_json, write_commands)
 

@@ -3,9 +3,20 @@
 Every text says what happened, where (device and endpoint) and what to do.
 """
 
+from typing import Final
+
+from drivers.device_text import harmless
+
+_LONGEST: Final = 2000
+"""Characters of a text."""
+
 
 class DeviceError(Exception):
-    """Root of the errors of the drivers room."""
+    """Root of the errors of the drivers room; what an instrument said in its own words is harmless in their texts."""
+
+    def __str__(self) -> str:
+        """Return what happened, where and what to do, on one line."""
+        return harmless(super().__str__(), _LONGEST)
 
 
 class LinkError(DeviceError):

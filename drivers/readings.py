@@ -2,12 +2,14 @@
 
 from dataclasses import dataclass
 
+from drivers.device_text import DeviceText
+
 Joints = tuple[float, float, float, float]
 """J1 deg, J2 deg, J3 mm, J4 deg."""
 
 
 @dataclass(frozen=True)
-class Identity:
+class Identity(DeviceText):
     """Who answers behind an endpoint.
 
     Attributes:
@@ -24,7 +26,7 @@ class Identity:
 
 
 @dataclass(frozen=True)
-class RobotStatus:
+class RobotStatus(DeviceText):
     """State of a robot controller.
 
     Attributes:
@@ -49,7 +51,7 @@ class RobotStatus:
 
 
 @dataclass(frozen=True)
-class CounterReading:
+class CounterReading(DeviceText):
     """One reading of a length counter.
 
     Attributes:
@@ -68,7 +70,7 @@ class CounterReading:
 
 
 @dataclass(frozen=True)
-class CounterStatus:
+class CounterStatus(DeviceText):
     """State of a length counter.
 
     Attributes:

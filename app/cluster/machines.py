@@ -111,6 +111,11 @@ def machines(address: str) -> Iterator[Machines]:
             f"no dask scheduler answers at {address} within {_CONNECT_S:g} s ({error}): start one with "
             "`dask scheduler` and give the address that it prints, as tcp://HOST:8786"
         ) from error
+    except TypeError as error:
+        raise ConfigError(
+            f"the dask scheduler at {address} cannot be asked ({error}): for TLS set "
+            "DASK_DISTRIBUTED__COMM__TLS__CA_FILE, __CLIENT__CERT and __CLIENT__KEY behind the same beginning"
+        ) from error
     with client:
         _require_like_here(client, address)
         yield Machines(client)

@@ -6,6 +6,8 @@ from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from typing import Protocol, TypeVar
 
+from app.cluster.trust import require_trusted
+
 A = TypeVar("A")
 B = TypeVar("B")
 
@@ -54,21 +56,23 @@ class InThisProcess:
 
 
 @contextmanager
-def sharing(workers: int, dask: str | None) -> Iterator[Share]:
+def sharing(workers: int, dask: str | None, *, insecure: bool = False) -> Iterator[Share]:
     """Provide who carries out work; at the end, also after Ctrl-C, no process is left behind.
 
     Args:
         workers: 1 for this process alone, 0 for one process a core, otherwise so many processes.
         dask: address of a dask.distributed scheduler whose workers do it instead; None for this machine.
+        insecure: the scheduler may be outside of this machine, and the connection without TLS.
 
     Raises:
-        ConfigError: the scheduler cannot be used: the package is missing, nobody answers, there are no workers, or
-            they have other versions.
+        ConfigError: the scheduler cannot be used: it is not to be trusted, the package is missing, nobody answers,
+            there are no workers, or they have other versions.
     """
     if workers < 0:
         raise ValueError(f"{workers} workers; 0 takes one a core")
     # Both are imported only when they are asked for: most commands share nothing.
     if dask is not None:
+        require_trusted(dask, insecure=insecure)
         from app.cluster.machines import machines
 
         with machines(dask) as share:

@@ -43,6 +43,7 @@ class DesignOptions:
         random_only: the criterion leaves out what does not average out.
         commands: how many commands to choose; None for all.
         minutes: bench time for which commands are chosen; None for any.
+        insecure_cluster: the scheduler may be outside of this machine, and the connection without TLS.
     """
 
     reflectors: int = 3
@@ -60,6 +61,7 @@ class DesignOptions:
     random_only: bool = False
     commands: int | None = None
     minutes: float | None = None
+    insecure_cluster: bool = False
 
 
 def design_command(
@@ -97,7 +99,7 @@ def design_command(
     def done(part: float, of: float, text: str) -> None:
         bars.setdefault(text, ProgressBar(text)).update(part, of, f"{part:g} of {of:g}")
 
-    with sharing(options.workers, options.dask) as share:
+    with sharing(options.workers, options.dask, insecure=options.insecure_cluster) as share:
         found = design(problem, wanted, share, done)
     for bar in bars.values():
         bar.close()

@@ -45,6 +45,7 @@ class IdentifyOptions:
         extend: terms beyond the model, as the command line names them.
         workers: processes that share the draws; 0 takes one a core.
         dask: address of a scheduler whose machines share them.
+        insecure_cluster: the scheduler may be outside of this machine, and the connection without TLS.
     """
 
     model: ModelName
@@ -56,6 +57,7 @@ class IdentifyOptions:
     extend: tuple[str, ...] = ()
     workers: int = 1
     dask: str | None = None
+    insecure_cluster: bool = False
 
 
 def identify_command(
@@ -123,7 +125,7 @@ def _propagated(
     if options.uncertainty == "jacobian":
         return by_jacobian(identified, found)
     bar = ProgressBar("Monte Carlo")
-    with sharing(options.workers, options.dask) as share:
+    with sharing(options.workers, options.dask, insecure=options.insecure_cluster) as share:
         try:
             return by_monte_carlo(
                 identified,

@@ -33,8 +33,8 @@ def socket_folder() -> Path:
         raise ServiceError(f"{folder}: no folder for sockets can be made: {error}") from error
     if not stat.S_ISDIR(found.st_mode) or found.st_uid != os.getuid():
         raise ServiceError(
-            f"{folder} is not a folder of this user, so its sockets cannot be trusted: {_REMEDY}, or have the owner or "
-            "root remove it"
+            f"{folder} is not a folder of this user, so its sockets cannot be trusted: {_REMEDY}, "
+            "or have the owner or root remove it"
         )
     if stat.S_IMODE(found.st_mode) & 0o077:
         raise ServiceError(f"{folder} is open to others: chmod 700 {folder}, after a look at what is in it")

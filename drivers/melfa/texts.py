@@ -7,6 +7,7 @@ import math
 import re
 from dataclasses import dataclass
 
+from drivers.device_text import DeviceText
 from drivers.errors import ProtocolError
 
 _NUMBER = re.compile(r"[+-]?(?:\d+\.?\d*|\.\d+)(?:E[+-]?\d{1,3})?", re.IGNORECASE)
@@ -39,7 +40,7 @@ Value = float | tuple[float, ...] | PositionValue | str
 
 
 @dataclass(frozen=True)
-class ProgramEntry:
+class ProgramEntry(DeviceText):
     """One program in the controller's directory.
 
     Attributes:
@@ -58,7 +59,7 @@ class ProgramEntry:
 
 
 @dataclass(frozen=True)
-class LogEntry:
+class LogEntry(DeviceText):
     """One line of the error log.
 
     Attributes:

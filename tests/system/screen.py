@@ -54,6 +54,9 @@ class Screen:
         arguments: of `catseye`.
         cwd: where it runs.
         size: columns and lines.
+
+    Attributes:
+        received: all bytes that the program wrote to its terminal so far.
     """
 
     def __init__(self, *arguments: str | Path, cwd: Path, size: tuple[int, int] = (80, 24)) -> None:
@@ -63,6 +66,7 @@ class Screen:
         self._screen = pyte.Screen(columns, lines)
         self._stream = pyte.ByteStream(self._screen)
         self._open = True
+        self.received = b""
         self.process = subprocess.Popen(
             [sys.executable, "-m", "app", *map(str, arguments)],
             cwd=cwd,
@@ -117,6 +121,7 @@ class Screen:
                 data = os.read(self.descriptor, 65536)
             except OSError:
                 return False
+            self.received += data
             self._stream.feed(data)
             wait_s = 0.0
         return self.process.poll() is None

@@ -47,5 +47,5 @@ async def test_an_engine_that_does_not_end_keeps_its_cell_here_too(
         await pilot.press("y")
         for _ in range(3):
             await shown(app, pilot)
-        assert [request["op"] for request in link.asked] == ["shutdown"]
+        assert [request["op"] for request in link.asked] == ["control", "shutdown"]
         assert app.session.cell == (cell if used == "own" else Path("/bench/cell.toml"))
