@@ -97,8 +97,10 @@ def _given_value(params_type: type[BaseModel], key: str, text: str) -> Any:
     if field is None or not isinstance(value, str) or field.json_schema_extra != {"file": "joint rows"}:
         return value
     # Most commands read no such file, and start without what reads it.
+    from app.files.csv_table import require_file
     from app.files.joint_rows import read_joint_rows
 
+    require_file(Path(value))
     return read_joint_rows(Path(value))
 
 

@@ -38,13 +38,13 @@ def read_regular(path: Path, largest_bytes: int = LARGEST_BYTES) -> bytes:
     """
     try:
         # A device is not even opened: that alone may do something to it.
-        _require_regular(path, path.stat())
+        require_regular(path)
         descriptor = os.open(path, os.O_RDONLY | os.O_NONBLOCK | os.O_CLOEXEC | os.O_NOCTTY)
     except ValueError as error:
         raise OSError(errno.EINVAL, f"is no name of a file ({error})", repr(str(path))) from error
     with os.fdopen(descriptor, "rb", buffering=0) as file:
         facts = os.fstat(descriptor)
-        _require_regular(path, facts)
+        _require_kind(path, facts)
         _require_size(path, facts.st_size, largest_bytes)
         raw = bytearray()
         # A file may grow meanwhile, and those of the kernel tell no size.
@@ -54,7 +54,16 @@ def read_regular(path: Path, largest_bytes: int = LARGEST_BYTES) -> bytes:
     return bytes(raw)
 
 
-def _require_regular(path: Path, facts: os.stat_result) -> None:
+def require_regular(path: Path) -> None:
+    """Refuse what is no regular file, without opening it.
+
+    Raises:
+        OSError: it is missing or something else; `strerror` says what.
+    """
+    _require_kind(path, path.stat())
+
+
+def _require_kind(path: Path, facts: os.stat_result) -> None:
     if not stat.S_ISREG(facts.st_mode):
         kind = next((kind for is_kind, kind in _KINDS if is_kind(facts.st_mode)), "no file")
         text = f"is {kind}, not a regular file: write what it holds into a file and name that"

@@ -12,6 +12,7 @@ from typing import Final, TypeVar
 
 from app.errors import UsageError
 from app.files.csv_text import unmarked
+from drivers.user_file import require_regular
 
 T = TypeVar("T")
 
@@ -205,6 +206,16 @@ def named_faults(path: Path) -> Iterator[None]:
         raise UsageError(f"{path}: cannot be read: {error.strerror}") from error
     except ValueError as error:
         raise UsageError(f"{str(path)!r}: is no name of a file: {error}") from error
+
+
+def require_file(path: Path) -> None:
+    """Refuse a table that is no file: whoever waits for a pipe here could not be stopped.
+
+    Raises:
+        UsageError: the file is missing or something else.
+    """
+    with named_faults(path):
+        require_regular(path)
 
 
 def _lines(path: Path) -> Iterator[tuple[int, str]]:

@@ -4,7 +4,7 @@ from functools import partial
 from pathlib import Path
 
 from app.errors import UsageError
-from app.files.csv_table import CsvRow, csv_rows, misnamed
+from app.files.csv_table import CsvRow, csv_rows, misnamed, require_file
 from procedures.context import MeasuredPoint
 
 JOINTS = ("theta1_deg", "theta2_deg")
@@ -37,12 +37,13 @@ def read_typed_csv(file: str) -> list[MeasuredPoint]:
     """Read the same from a file as somebody typed it.
 
     Raises:
-        UsageError: likewise, or ~ stands for no folder.
+        UsageError: likewise, or it is no regular file, or ~ stands for no folder.
     """
     try:
         path = Path(file.strip()).expanduser().absolute()
     except RuntimeError as error:
         raise UsageError(f"{file}: {error}; type the whole path") from error
+    require_file(path)
     return read_measured_csv(path)
 
 

@@ -12,10 +12,11 @@ from app.analysis.scan_identifying import is_scan
 from app.errors import UsageError
 from app.files.csv_table import LONGEST_LINE
 from app.files.joint_rows import read_joint_rows
-from app.files.measured_csv import read_measured_csv
+from app.files.measured_csv import read_measured_csv, read_typed_csv
 from app.files.path_csv import read_path_csv
 from app.files.points_blocks import points_blocks
 from app.files.points_csv import COLUMNS, read_points_csv
+from app.procedure_list import load_procedure, parse_params
 
 POINTS = ",".join(COLUMNS)
 ROW = "P1,0,-40.0,20.0,1,-1,0.25"
@@ -100,6 +101,15 @@ def test_what_no_table_holds_is_named_with_its_line(
     path.write_bytes(b"\n".join([b"# by hand", header.encode(), row.encode(), bad, row.encode(), b""]))
     with pytest.raises(UsageError, match=rf"table\.csv:4: .*{said}"):
         read(path)
+
+
+def test_a_pipe_that_is_typed_at_a_run_is_refused(tmp_path: Path) -> None:
+    pipe = tmp_path / "pipe.csv"
+    os.mkfifo(pipe)
+    with pytest.raises(UsageError, match="is a pipe"):
+        read_typed_csv(str(pipe))
+    with pytest.raises(UsageError, match="is a pipe"):
+        parse_params(load_procedure("validation-path").params_type, [f"joints={pipe}"])
 
 
 @EACH_TABLE

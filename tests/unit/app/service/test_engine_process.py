@@ -12,6 +12,7 @@ from typing import Any
 
 import pytest
 
+from app.cell.load import load_cell
 from app.engine.host import run_procedure
 from app.engine.waiting import cancel
 from app.errors import UsageError
@@ -124,6 +125,23 @@ async def test_a_run_that_cannot_be_planned_is_refused_with_its_code(bench: Fake
         with pytest.raises(RefusedError, match="no procedure 'unknown'") as refused:
             await client.request("start", procedure="unknown")
         assert refused.value.code == ExitCode.USAGE
+        await client.request("shutdown")
+
+
+@pytest.mark.parametrize("kind", ["is a device", "is a pipe"])
+async def test_a_cell_that_never_ends_is_refused(
+    bench: FakeBench, monkeypatch: pytest.MonkeyPatch, kind: str
+) -> None:
+    monkeypatch.setattr(engine_process, "load_cell", load_cell)
+    path = Path("/dev/zero")
+    if kind == "is a pipe":
+        path = bench.root.parent / "pipe.toml"
+        os.mkfifo(path)
+    async with serving(bench.root), engine_client(bench.root) as client:
+        with pytest.raises(RefusedError, match=kind) as refused:
+            await client.request("start", procedure="script", cell=str(path))
+        assert refused.value.code == ExitCode.USAGE
+        assert (await client.request("ping"))["ok"] is True
         await client.request("shutdown")
 
 
