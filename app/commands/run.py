@@ -1,7 +1,6 @@
 """run: a procedure, headless."""
 
 import asyncio
-import gc
 import sys
 from pathlib import Path
 from typing import NoReturn
@@ -11,6 +10,7 @@ from app.commands.engine import detach
 from app.commands.hosting import serve_and_run
 from app.commands.output import emit, say
 from app.commands.rehearsal import tell_rehearsal
+from app.engine.heap import settled_heap
 from app.procedure_list import load_procedure, parse_params
 from app.running import PlannedRun, plan_run, rehearse
 from app.runs_folder import runs_folder
@@ -77,10 +77,8 @@ def conduct(
     if dry_run:
         tell_rehearsal(planned, asyncio.run(rehearse(planned)), as_json=as_json)
         return
-    # What is there now stays until the end; a collector that walks through it again delays readings by 40 ms.
-    gc.collect()
-    gc.freeze()
-    outcome = asyncio.run(serve_and_run(planned, root, answers, arm, speed, as_json=as_json))
+    with settled_heap():
+        outcome = asyncio.run(serve_and_run(planned, root, answers, arm, speed, as_json=as_json))
     if not as_json:
         emit(str(outcome.path))
     sys.exit(int(outcome.exit_code))

@@ -1,7 +1,6 @@
 """An engine in a process of its own: idle until a client starts a procedure, and again after it."""
 
 import asyncio
-import gc
 import json
 import logging
 import signal
@@ -13,6 +12,7 @@ from pathlib import Path
 from app.bench.by_hand import ByHand
 from app.cell.load import load_cell
 from app.engine.handle import RunHandle
+from app.engine.heap import settled_heap
 from app.engine.host import RunOutcome
 from app.engine.signals import loop_signals
 from app.engine.states import Event, State, transition
@@ -262,22 +262,20 @@ class EngineProcess:
         opened: Callable[[Path], None],
         publish: Callable[[Message], None],
     ) -> RunOutcome:
-        # What is there now stays until the end; a collector that walks through it again delays readings.
-        gc.collect()
-        gc.freeze()
         self.hub.policy = planned.loaded.cell.engine.on_client_lost
-        return await carry_out(
-            planned,
-            self._root,
-            publish,
-            speed=planned.clock_speed if isinstance(request, Resume) else request.speed,
-            arm=request.arm,
-            answers=Path(request.answers) if request.answers else None,
-            install_signals=self._to_run,
-            answerer=self.hub.desk,
-            on_open=partial(self._serve_run, opened),
-            observe=partial(self._bench.observe, planned),
-        )
+        with settled_heap():
+            return await carry_out(
+                planned,
+                self._root,
+                publish,
+                speed=planned.clock_speed if isinstance(request, Resume) else request.speed,
+                arm=request.arm,
+                answers=Path(request.answers) if request.answers else None,
+                install_signals=self._to_run,
+                answerer=self.hub.desk,
+                on_open=partial(self._serve_run, opened),
+                observe=partial(self._bench.observe, planned),
+            )
 
     @asynccontextmanager
     async def _serve_run(self, opened: Callable[[Path], None], handle: RunHandle) -> AsyncIterator[None]:

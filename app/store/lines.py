@@ -1,9 +1,11 @@
 """Append-only files of JSON lines: the wire transcript and the application's log."""
 
 import logging
+import os
+import stat
 from collections.abc import Callable, Mapping
+from io import FileIO
 from pathlib import Path
-from typing import BinaryIO
 
 from app.store.rows import to_json
 from drivers.clock import Clock
@@ -32,9 +34,9 @@ class JsonLines:
         on_failure: Callable[[OSError], None],
         max_bytes: int = DEFAULT_MAX_BYTES,
     ) -> None:
-        # Unbuffered: a line that was written survives the death of the process.
-        self._file: BinaryIO = path.open("ab", buffering=0)
+        self._file = _opened(path)
         self._path = path
+        self._half = _ends_in_half_a_line(self._file)
         self._clock = clock
         self._on_failure = on_failure
         self._free = max_bytes - self._file.tell()
@@ -56,9 +58,14 @@ class JsonLines:
             self._full = True
             self._cut(line)
             return
+        if self._half:
+            # Whoever reads line by line would take the rest of an older line and this one for one.
+            line = b"\n" + line
         self._free -= len(line)
         try:
-            if self._file.write(line) != len(line):
+            taken = self._file.write(line) or 0
+            self._half = not line[:taken].endswith(b"\n") if taken else self._half
+            if taken != len(line):
                 raise OSError(f"{self._path} took only a part of a line; the disk is full")
         except OSError as error:
             self._on_failure(error)
@@ -70,6 +77,24 @@ class JsonLines:
     def close(self) -> None:
         """Close the file; may be called any number of times."""
         self._file.close()
+
+
+def _opened(path: Path) -> FileIO:
+    """Open a file for appending, unbuffered: a line that was written survives the death of the process.
+
+    Raises:
+        OSError: it cannot be opened, or is a link, a pipe or a device.
+    """
+    descriptor = os.open(path, os.O_RDWR | os.O_APPEND | os.O_CREAT | os.O_NOFOLLOW | os.O_NONBLOCK, 0o666)
+    if not stat.S_ISREG(os.fstat(descriptor).st_mode):
+        os.close(descriptor)
+        raise OSError(f"{path} is no regular file; remove it")
+    return FileIO(descriptor, "ab")
+
+
+def _ends_in_half_a_line(file: FileIO) -> bool:
+    size_bytes = os.fstat(file.fileno()).st_size
+    return size_bytes > 0 and os.pread(file.fileno(), 1, size_bytes - 1) != b"\n"
 
 
 _PRINTABLE = bytes(byte if 32 <= byte < 127 else ord(".") for byte in range(256))

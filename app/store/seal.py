@@ -4,6 +4,8 @@ import hashlib
 import json
 import os
 import stat
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
 from pydantic import BaseModel, ValidationError
@@ -16,8 +18,12 @@ DATABASE = "run.sqlite"
 WIRE_LOG = "wire.log"
 APP_LOG = "app.log"
 
+_DRAFT = f"{MANIFEST}.tmp"
+
 # SQLite's shared memory file is an index of the log beside it: it carries no data and changes when read.
-_IGNORED = {MANIFEST, f"{MANIFEST}.tmp", f"{DATABASE}-shm"}
+_IGNORED = {MANIFEST, _DRAFT, f"{DATABASE}-shm"}
+
+_WRITING = stat.S_IWUSR | stat.S_IWGRP | stat.S_IWOTH
 
 
 class SealedFile(BaseModel):
@@ -49,21 +55,28 @@ class Manifest(BaseModel):
 
 
 def digest(directory: Path) -> dict[str, SealedFile]:
-    """Return the digests of a run's files."""
-    files = sorted(path for path in directory.iterdir() if path.is_file() and path.name not in _IGNORED)
-    return {path.name: _digest_file(path) for path in files}
+    """Return the digests of a run's files; links, pipes, devices and folders are none."""
+    return {path.name: _digest_file(path) for path in _own_files(directory) if path.name not in _IGNORED}
 
 
 def seal(directory: Path, created_utc: str) -> None:
-    """Write the manifest so that it is either complete or absent, and take the write permission away."""
-    for path in directory.iterdir():
-        _sync(path)
-        path.chmod(0o444)
+    """Write the manifest so that it is either complete or absent, and take the write permission away.
+
+    Whatever else lies in the directory keeps its permissions: what a link leads to is not the run's.
+    """
+    for path in _own_files(directory):
+        with _held(path) as descriptor:
+            os.fsync(descriptor)
+            _read_only(descriptor)
     manifest = Manifest(run=directory.name, created_utc=created_utc, files=digest(directory))
-    draft = directory / f"{MANIFEST}.tmp"
-    draft.write_text(json.dumps(manifest.model_dump(), indent=1) + "\n", encoding="utf-8")
-    _sync(draft)
-    draft.chmod(0o444)
+    draft = directory / _DRAFT
+    draft.unlink(missing_ok=True)
+    # Exclusively: a link that somebody puts there meanwhile is refused, not followed.
+    with draft.open("x", encoding="utf-8") as file:
+        file.write(json.dumps(manifest.model_dump(), indent=1) + "\n")
+        file.flush()
+        os.fsync(file.fileno())
+        _read_only(file.fileno())
     crash_point("before-manifest")
     draft.rename(directory / MANIFEST)
     _sync(directory)
@@ -72,9 +85,10 @@ def seal(directory: Path, created_utc: str) -> None:
 def unseal(directory: Path) -> None:
     """Remove the manifest and give the write permission back, to go on with a run."""
     (directory / MANIFEST).unlink(missing_ok=True)
-    (directory / f"{MANIFEST}.tmp").unlink(missing_ok=True)
-    for path in directory.iterdir():
-        path.chmod(path.stat().st_mode | stat.S_IWUSR)
+    (directory / _DRAFT).unlink(missing_ok=True)
+    for path in _own_files(directory):
+        with _held(path) as descriptor:
+            os.fchmod(descriptor, os.fstat(descriptor).st_mode | stat.S_IWUSR)
     _sync(directory)
 
 
@@ -85,21 +99,49 @@ def read_manifest(directory: Path) -> Manifest | None:
         StorageError: the manifest is damaged.
     """
     path = directory / MANIFEST
-    if not path.exists():
-        return None
     try:
-        return Manifest.model_validate_json(path.read_bytes())
+        with _held(path) as descriptor, open(descriptor, "rb", closefd=False) as file:
+            return Manifest.model_validate_json(file.read())
+    except FileNotFoundError:
+        return None
     except ValidationError as error:
         raise StorageError(f"{path} is damaged: {error.errors()[0]['msg']}") from error
+    except OSError as error:
+        raise StorageError(f"{path} cannot be read: {error}") from error
+
+
+def _own_files(directory: Path) -> list[Path]:
+    return sorted(path for path in directory.iterdir() if stat.S_ISREG(path.lstat().st_mode))
+
+
+@contextmanager
+def _held(path: Path) -> Iterator[int]:
+    """Yield the descriptor of a regular file, opened for reading.
+
+    Raises:
+        OSError: it cannot be opened, or is a link, a pipe or a device.
+    """
+    descriptor = os.open(path, os.O_RDONLY | os.O_NOFOLLOW | os.O_NONBLOCK)
+    try:
+        if not stat.S_ISREG(os.fstat(descriptor).st_mode):
+            raise OSError(f"{path} is no regular file; remove it")
+        yield descriptor
+    finally:
+        os.close(descriptor)
+
+
+def _read_only(descriptor: int) -> None:
+    os.fchmod(descriptor, os.fstat(descriptor).st_mode & ~_WRITING)
 
 
 def _digest_file(path: Path) -> SealedFile:
-    with path.open("rb") as file:
-        return SealedFile(sha256=hashlib.file_digest(file, "sha256").hexdigest(), bytes=path.stat().st_size)
+    with _held(path) as descriptor, open(descriptor, "rb", closefd=False) as file:
+        found = hashlib.file_digest(file, "sha256").hexdigest()
+        return SealedFile(sha256=found, bytes=os.fstat(descriptor).st_size)
 
 
-def _sync(path: Path) -> None:
-    descriptor = os.open(path, os.O_RDONLY)
+def _sync(directory: Path) -> None:
+    descriptor = os.open(directory, os.O_RDONLY)
     try:
         os.fsync(descriptor)
     finally:

@@ -10,6 +10,7 @@ import pytest
 
 from app.service.address import find_socket
 from tests.system.command import emulated
+from tests.system.memory import resident_mb
 from tests.system.screen import Screen, on_screen
 from tests.system.socket_client import Lines
 
@@ -72,7 +73,7 @@ def _grown_mb(screen: Screen, processes: dict[str, int]) -> dict[str, float]:
         time.sleep(0.5)
         for name, pid in processes.items():
             if share >= WARM_SHARE:
-                seen[name].append((share, _resident_mb(pid)))
+                seen[name].append((share, resident_mb(pid)))
     return {name: _rise(np.array(values)) for name, values in seen.items()}
 
 
@@ -80,11 +81,3 @@ def _rise(values: "np.ndarray[tuple[int, int], np.dtype[np.float64]]") -> float:
     """Return the rise of a straight line through all samples, from the first to the last."""
     slope = np.polyfit(values[:, 0], values[:, 1], 1)[0]
     return float(slope * (values[-1, 0] - values[0, 0]))
-
-
-def _resident_mb(pid: int) -> float:
-    """Return the memory of a process that is in RAM."""
-    for line in Path(f"/proc/{pid}/status").read_text().splitlines():
-        if line.startswith("VmRSS:"):
-            return float(line.split()[1]) / 1024.0
-    raise AssertionError(f"process {pid} is gone")
