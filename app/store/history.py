@@ -34,7 +34,8 @@ class RunLine:
         procedure: what was run.
         started_utc: when it began.
         status: how it ended; damaged when it cannot be read.
-        duration_s: from its first record to its last, interruptions included; None when it has none.
+        duration_s: from its first record to its last, interruptions included; None when it has none, or the clock was
+            set back by more than that.
         rows: measured points; of a run without them the rows of its path or search.
         simulated: every device is an emulator; None when the devices are not known.
         cell: name of the cell; empty when it is not known.
@@ -185,7 +186,8 @@ def _read(connection: sqlite3.Connection, path: Path, id_: str, procedure: str, 
 def _between_s(first_utc: str | None, last_utc: str | None) -> float | None:
     if first_utc is None or last_utc is None:
         return None
-    return (datetime.fromisoformat(last_utc) - datetime.fromisoformat(first_utc)).total_seconds()
+    duration_s = (datetime.fromisoformat(last_utc) - datetime.fromisoformat(first_utc)).total_seconds()
+    return duration_s if duration_s >= 0.0 else None
 
 
 def _status(connection: sqlite3.Connection, path: Path) -> Status:

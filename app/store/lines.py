@@ -2,7 +2,6 @@
 
 import logging
 import os
-import stat
 from collections.abc import Callable, Mapping
 from io import FileIO
 from pathlib import Path
@@ -80,16 +79,8 @@ class JsonLines:
 
 
 def _opened(path: Path) -> FileIO:
-    """Open a file for appending, unbuffered: a line that was written survives the death of the process.
-
-    Raises:
-        OSError: it cannot be opened, or is a link, a pipe or a device.
-    """
-    descriptor = os.open(path, os.O_RDWR | os.O_APPEND | os.O_CREAT | os.O_NOFOLLOW | os.O_NONBLOCK, 0o666)
-    if not stat.S_ISREG(os.fstat(descriptor).st_mode):
-        os.close(descriptor)
-        raise OSError(f"{path} is no regular file; remove it")
-    return FileIO(descriptor, "ab")
+    """Open a file for appending, unbuffered: a line that was written survives the death of the process."""
+    return FileIO(os.open(path, os.O_RDWR | os.O_APPEND | os.O_CREAT | os.O_CLOEXEC, 0o666), "ab")
 
 
 def _ends_in_half_a_line(file: FileIO) -> bool:

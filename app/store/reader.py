@@ -3,15 +3,18 @@
 import json
 import sqlite3
 from collections.abc import Iterator
-from contextlib import closing
+from contextlib import closing, contextmanager
 from dataclasses import dataclass
+from enum import Enum, auto
 from pathlib import Path
-from typing import Literal
+from typing import Any, Literal
 
 from app.errors import StorageError
 from app.store.lock import is_being_written
-from app.store.schema import open_reader
+from app.store.rows import row_crc32
+from app.store.schema import RAW_TABLES, open_reader
 from app.store.seal import DATABASE
+from app.store.soundness import changes, damage
 from procedures.context import Json, Table
 
 Status = Literal["complete", "stopped", "aborted", "failed", "running", "died"]
@@ -45,6 +48,7 @@ class StoredStep:
         done_utc: ISO 8601 UTC time.
         row_count: rows of data stored with it.
         result: what the step returned.
+        place: among everything that was stored, from 1; None in a file of an older program.
     """
 
     step_id: str
@@ -54,6 +58,7 @@ class StoredStep:
     done_utc: str
     row_count: int
     result: dict[str, Json]
+    place: int | None = None
 
 
 @dataclass(frozen=True)
@@ -65,35 +70,84 @@ class StoredEvent:
         time_utc: ISO 8601 UTC time.
         kind: what.
         data: details.
+        place: among everything that was stored, from 1; None in a file of an older program.
     """
 
     seq: int
     time_utc: str
     kind: str
     data: dict[str, Json]
+    place: int | None = None
+
+
+class Accept(Enum):
+    """Which runs a reader takes."""
+
+    SOUND = auto()
+    """Those whose files are what was written."""
+
+    CHANGED = auto()
+    """Sealed ones too whose files were changed; what they are used for says so."""
+
+    UNCHECKED = auto()
+    """All, unseen: for lists of runs, and for what checks them itself."""
 
 
 class RunReader:
     """A run, read-only.
 
-    It connects anew for each question: an open connection would keep the writer from closing the run.
+    It connects anew for each question: an open connection would keep the writer from closing the run. A sealed run is
+    compared with its manifest first, which takes about a second for each GB and is done once in a process; keep it
+    off an event loop.
 
     Args:
         path: the run's directory.
+        accept: which runs are taken.
+
+    Attributes:
+        path: the run's directory.
+        unverified: what speaks against this run, and against those that were opened beside it.
 
     Raises:
-        StorageError: it is no run, it is damaged, or a newer program wrote it.
+        StorageError: it is no run, it is damaged or was changed, or a newer program wrote it.
     """
 
-    def __init__(self, path: Path) -> None:
+    def __init__(self, path: Path, accept: Accept = Accept.SOUND) -> None:
         self.path = path
+        self.unverified: list[str] = []
+        self._accept = accept
         self._database = path / DATABASE
+        # A name, not a folder's way of writing it: "." has none.
+        self._name = path.resolve().name
         open_reader(self._database).close()
+        found = () if accept is Accept.UNCHECKED else changes(path)
+        if found and accept is Accept.SOUND:
+            raise StorageError(
+                f"{self._name} is not what was sealed at its end: {'; '.join(found)}; catseye verify checks it. "
+                "identify, report, export and show take it with --unverified, and what comes out says so"
+            )
+        self.unverified += [f"{self._name}: {text}" for text in found]
+        self._checked = accept is not Accept.UNCHECKED and not found
+        if self._checked and (texts := damage(path)):
+            raise self._damaged("; ".join(texts))
+
+    def beside(self, path: Path) -> "RunReader":
+        """Open another run that this one is used together with, on the same terms.
+
+        Raises:
+            StorageError: as for the first one.
+        """
+        other = RunReader(path, self._accept)
+        self.unverified += [text for text in other.unverified if text not in self.unverified]
+        other.unverified = self.unverified
+        return other
 
     @property
     def meta(self) -> dict[str, Json]:
         """What the run says about itself."""
-        return {row["key"]: json.loads(row["value"]) for row in self._query("SELECT key, value FROM meta")}
+        rows = self._rows("meta")
+        with self._decoding():
+            return {row["key"]: json.loads(row["value"]) for row in rows}
 
     @property
     def status(self) -> Status:
@@ -102,7 +156,8 @@ class RunReader:
             "SELECT kind, data FROM events WHERE kind IN ('run-opened', 'run-reopened', 'run-ended') "
             "ORDER BY seq DESC LIMIT 1"
         )
-        ended = ending(last[0]) if last else None
+        with self._decoding():
+            ended = ending(last[0]) if last else None
         return ended or ("running" if is_being_written(self.path) else "died")
 
     @property
@@ -111,33 +166,36 @@ class RunReader:
         if self.status not in _ENDINGS:
             return None
         last = self._query("SELECT data FROM events WHERE kind = 'run-ended' ORDER BY seq DESC LIMIT 1")
-        return int(json.loads(last[0]["data"])["exit_code"])
+        with self._decoding():
+            return int(_fields(last[0]["data"])["exit_code"])
 
     def steps(self) -> list[StoredStep]:
         """Return the done steps in the order of their completion."""
-        rows = self._query("SELECT * FROM steps ORDER BY rowid")
-        return [StoredStep(**{**dict(row), "result": json.loads(row["result"])}) for row in rows]
+        rows = self._rows("steps")
+        with self._decoding():
+            return [StoredStep(**{**row, "result": _fields(row["result"])}) for row in rows]
 
     def events(self) -> list[StoredEvent]:
         """Return what happened, in order."""
-        rows = self._query("SELECT * FROM events ORDER BY seq")
-        return [StoredEvent(**{**dict(row), "data": json.loads(row["data"])}) for row in rows]
+        rows = self._rows("events")
+        with self._decoding():
+            return [StoredEvent(**{**row, "data": _fields(row["data"])}) for row in rows]
 
     def prompts(self) -> list[dict[str, Json]]:
-        """Return questions and answers, in order."""
-        return [dict(row) for row in self._query("SELECT * FROM prompts ORDER BY seq")]
+        """Return questions and answers in the order of the answers, with their places among all that was stored."""
+        return self._rows("prompts")
 
     def points(self) -> list[dict[str, Json]]:
         """Return the measured distances in measuring order."""
-        return list(self._data("points"))
+        return self._data("points")
 
     def search(self) -> list[dict[str, Json]]:
         """Return the rows of searches in order."""
-        return list(self._data("search"))
+        return self._data("search")
 
     def path_rows(self) -> list[dict[str, Json]]:
         """Return the rows of validation paths in order."""
-        return list(self._data("path"))
+        return self._data("path")
 
     def records(self, kind: str | None = None) -> list[dict[str, Json]]:
         """Return what else was observed, in order: all of it, or one kind."""
@@ -145,28 +203,105 @@ class RunReader:
 
     def count(self, table: Table | Literal["steps", "events"]) -> int:
         """Return how many rows a table has."""
-        return int(self._query(f"SELECT count(*) FROM {table}")[0][0]) if self._has(table) else 0
+        if not self._query(f"SELECT 1 FROM sqlite_master WHERE type = 'table' AND name = '{table}'"):
+            # The file of an older program lacks the later ones.
+            return 0
+        return int(self._query(f"SELECT count(*) FROM {table}")[0][0])
 
-    def integrity(self) -> list[str]:
-        """Return what SQLite finds wrong with the file; empty when it is sound."""
-        found = [str(row[0]) for row in self._query("PRAGMA integrity_check")]
-        return [] if found == ["ok"] else found
+    def misfits(self) -> list[str]:
+        """Return which rows are not what the journal says; empty for a sound record.
 
-    def _has(self, table: str) -> bool:
-        """Return whether the file has a table: one of an older program lacks the later ones."""
-        return bool(self._query(f"SELECT 1 FROM sqlite_master WHERE type = 'table' AND name = '{table}'"))
+        Raises:
+            StorageError: it cannot be read.
+        """
+        return [text for table in RAW_TABLES for text in self._misfits(table, *self._found(table))]
 
-    def _data(self, table: Table) -> Iterator[dict[str, Json]]:
-        if not self._has(table):
-            return
-        for row in self._query(f"SELECT * FROM {table} ORDER BY rowid"):
-            values = dict(row)
-            extra: dict[str, Json] = json.loads(values.pop("extra"))
-            yield {**values, **extra}
+    def _data(self, table: Table) -> list[dict[str, Json]]:
+        rows = self._rows(table)
+        with self._decoding():
+            return [_whole(row) for row in rows]
+
+    def _rows(self, table: str) -> list[dict[str, Any]]:
+        """Return all rows of a table with their places in the journal.
+
+        Raises:
+            StorageError: one is missing, or is not what was written; not said of a run that is known to be changed.
+        """
+        rows, entries = self._found(table)
+        if self._checked and (texts := self._misfits(table, rows, entries)):
+            raise self._damaged(texts[0])
+        # What was stored before an upgrade has no entry and is older than all that has one.
+        return [{**row, "place": entries.get(number, (None, 0))[0]} for number, row in rows.items()]
+
+    def _found(self, table: str) -> tuple[dict[int, dict[str, Any]], dict[int, tuple[int, int]]]:
+        """Return rows by number, and place and check sum of those in the journal; an older file may lack both."""
+        with self._connected() as connection:
+            # One snapshot: a writer adds a row and its entry together.
+            connection.execute("BEGIN")
+            tables = {
+                row[0] for row in connection.execute("SELECT name FROM sqlite_master WHERE type = 'table'")
+            }
+            if table not in tables:
+                return {}, {}
+            entries = {}
+            if "journal" in tables:
+                found = connection.execute("SELECT row, place, crc32 FROM journal WHERE of = ?", (table,))
+                entries = {row: (place, crc32) for row, place, crc32 in found}
+            rows = connection.execute(f'SELECT rowid AS "#", * FROM {table} ORDER BY rowid').fetchall()
+        numbered = [dict(row) for row in rows]
+        return {row.pop("#"): row for row in numbered}, entries
+
+    def _misfits(
+        self, table: str, rows: dict[int, dict[str, Any]], entries: dict[int, tuple[int, int]]
+    ) -> list[str]:
+        texts = []
+        for number, (_, crc32) in entries.items():
+            with self._decoding():
+                if number not in rows:
+                    texts.append(f"row {number} of {table} is missing")
+                elif row_crc32(table, rows[number]) != crc32:
+                    texts.append(f"row {number} of {table} is not what was written")
+        return texts
 
     def _query(self, sql: str) -> list[sqlite3.Row]:
+        with self._connected() as connection:
+            return connection.execute(sql).fetchall()
+
+    @contextmanager
+    def _connected(self) -> Iterator[sqlite3.Connection]:
         with closing(open_reader(self._database)) as connection:
             try:
-                return connection.execute(sql).fetchall()
+                yield connection
             except sqlite3.Error as error:
                 raise StorageError(f"{self._database} cannot be read: {error}") from error
+
+    @contextmanager
+    def _decoding(self) -> Iterator[None]:
+        """Tell values that no writer has stored from faults of the program."""
+        try:
+            yield
+        except (TypeError, ValueError, LookupError, RecursionError) as error:
+            raise self._damaged(f"a stored value cannot be read: {error}") from error
+
+    def _damaged(self, text: str) -> StorageError:
+        return StorageError(
+            f"{self._database} is damaged: {text}; catseye verify tells more, a copy of the run may be sound"
+        )
+
+
+def _fields(text: str) -> dict[str, Any]:
+    """Return the object that a JSON text holds.
+
+    Raises:
+        ValueError: it holds something else.
+    """
+    found = json.loads(text)
+    if not isinstance(found, dict):
+        raise ValueError(f"{text[:40]!r} is no JSON object")
+    return found
+
+
+def _whole(row: dict[str, Any]) -> dict[str, Json]:
+    """Return a row of data with the columns that only its kind has."""
+    del row["place"]
+    return {**row, **_fields(row.pop("extra"))}

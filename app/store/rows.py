@@ -3,6 +3,7 @@
 import json
 import math
 import sqlite3
+import zlib
 from collections.abc import Mapping, Sequence
 from typing import Final
 
@@ -89,14 +90,22 @@ def encode(table: Table, row: Row) -> tuple[Value, ...]:
     return (*values, to_json(extra))
 
 
-def insert(db: sqlite3.Connection, table: str, values: Sequence[object]) -> None:
+_COLUMNS: Final[Mapping[str, tuple[str, ...]]] = {
+    "meta": ("key", "value"),
+    "steps": ("step_id", "attempt", "title", "started_utc", "done_utc", "row_count", "result"),
+    "events": ("seq", "time_utc", "kind", "data"),
+    "prompts": ("seq", "id", "kind", "text", "asked_utc", "answered_utc", "answer", "who"),
+}
+_NUMBERED: Final = frozenset({"events", "prompts"})
+"""Tables whose rows SQLite numbers, in `seq`."""
+
+
+def insert(db: sqlite3.Connection, table: str, values: Sequence[Value]) -> None:
     """Insert one row, its values in the order of the table's columns."""
-    db.execute(f"INSERT INTO {table} VALUES ({', '.join('?' * len(values))})", values)
+    _insert(db, table, _COLUMNS[table], values)
 
 
-def insert_data(
-    db: sqlite3.Connection, table: Table, key: Sequence[object], values: Sequence[object]
-) -> None:
+def insert_data(db: sqlite3.Connection, table: Table, key: Sequence[Value], values: Sequence[Value]) -> None:
     """Insert one row of data.
 
     Args:
@@ -107,8 +116,30 @@ def insert_data(
     """
     # Named, since columns that came with an upgrade stand behind the older ones.
     names = ("step_id", "attempt", "seq", *REQUIRED[table], *OPTIONAL[table], "extra")
+    _insert(db, table, names, (*key, *values))
+
+
+def row_crc32(table: str, row: Mapping[str, Value]) -> int:
+    """Return the check sum of a row as the journal keeps it.
+
+    Args:
+        table: where it stands.
+        row: its values by column; what is None does not count, since an upgrade adds columns to older rows.
+
+    Raises:
+        TypeError: a value is none that is ever stored.
+        ValueError: a number is not finite.
+    """
+    numbered = {"seq"} if table in _NUMBERED else set()
+    told = {name: row[name] for name in sorted(row.keys() - numbered) if row[name] is not None}
+    return zlib.crc32(to_json(told).encode())
+
+
+def _insert(db: sqlite3.Connection, table: str, names: Sequence[str], values: Sequence[Value]) -> None:
     places = ", ".join("?" * len(names))
-    db.execute(f"INSERT INTO {table} ({', '.join(names)}) VALUES ({places})", (*key, *values))
+    stored = db.execute(f"INSERT INTO {table} ({', '.join(names)}) VALUES ({places})", values)
+    entry = (table, stored.lastrowid, row_crc32(table, dict(zip(names, values, strict=True))))
+    db.execute("INSERT INTO journal (of, row, crc32) VALUES (?, ?, ?)", entry)
 
 
 def _checked(table: str, name: str, kind: type, value: Json) -> Value:

@@ -60,14 +60,14 @@ _FIRST_TABLES = ("meta", "steps", "points", "search", "path", "events", "prompts
 def _guards(*tables: str) -> str:
     """Return triggers that keep tables append-only."""
     return "".join(
-        f"CREATE TRIGGER {table}_no_{verb.lower()} BEFORE {verb} ON {table} "
+        f"CREATE TRIGGER IF NOT EXISTS {table}_no_{verb.lower()} BEFORE {verb} ON {table} "
         f"BEGIN SELECT RAISE(ABORT, '{table} is append-only'); END;\n"
         for table in tables
         for verb in ("UPDATE", "DELETE")
     )
 
 
-RAW_TABLES = (*_FIRST_TABLES, "records")
+RAW_TABLES = (*_FIRST_TABLES, "records", "journal")
 """All tables: the whole record is append-only."""
 
 _COMPENSATION = """
@@ -87,10 +87,19 @@ CREATE TABLE records (
 ) STRICT;
 """
 
+_JOURNAL = """
+CREATE TABLE IF NOT EXISTS journal (
+    place INTEGER PRIMARY KEY, of TEXT NOT NULL, row INTEGER NOT NULL, crc32 INTEGER NOT NULL,
+    UNIQUE (of, row)
+) STRICT;
+"""
+"""Every row in the order of its being stored, with a check sum: clocks jump, and bits flip."""
+
 UPGRADES: tuple[str, ...] = (
     _FIRST + _guards(*_FIRST_TABLES),
     _COMPENSATION,
     _RECORDS + _guards("records"),
+    _JOURNAL + _guards("journal"),
 )
 """UPGRADES[n] takes a file of version n to version n + 1; an empty file has version 0."""
 

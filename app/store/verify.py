@@ -5,8 +5,9 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from app.errors import StorageError
-from app.store.reader import RunReader, Status
-from app.store.seal import DATABASE, digest, read_manifest
+from app.store.reader import Accept, RunReader, Status
+from app.store.seal import DATABASE, read_manifest
+from app.store.soundness import differences, integrity
 from procedures.context import Json
 
 
@@ -36,13 +37,16 @@ def verify(path: Path) -> Verification:
     Raises:
         StorageError: the run cannot be read at all.
     """
-    reader = RunReader(path)
+    reader = RunReader(path, Accept.UNCHECKED)
     status = reader.status
     problems, notes = _check_manifest(path, status)
-    problems += [f"{DATABASE}: {text}" for text in reader.integrity()]
-    problems += _check_events(reader)
-    problems += _check_rows(reader)
-    return Verification(status, tuple(problems), tuple(notes + _losses(reader)))
+    problems += [f"{DATABASE}: {text}" for text in integrity(path / DATABASE)]
+    for check in (_check_events, _check_rows, RunReader.misfits):
+        try:
+            problems += check(reader)
+        except StorageError as error:
+            problems.append(str(error))
+    return Verification(status, tuple(problems), tuple(notes + ([] if problems else _losses(reader))))
 
 
 def _check_manifest(path: Path, status: Status) -> tuple[list[str], list[str]]:
@@ -54,11 +58,7 @@ def _check_manifest(path: Path, status: Status) -> tuple[list[str], list[str]]:
         if status in {"running", "died"}:
             return [], [f"not sealed: the run is {status}"]
         return [], ["not sealed: the process ended between the closing record and the manifest"]
-    found = digest(path)
-    problems = [f"{name} is missing" for name in manifest.files if name not in found]
-    problems += [f"{name} was added after the end" for name in found if name not in manifest.files]
-    changed = [name for name, file in manifest.files.items() if name in found and found[name] != file]
-    return problems + [f"{name} was changed after the end" for name in changed], []
+    return list(differences(path, manifest)), []
 
 
 def _check_events(reader: RunReader) -> list[str]:

@@ -1,6 +1,7 @@
 """The one connection that writes, in the one thread that owns it."""
 
 import asyncio
+import os
 import sqlite3
 from collections.abc import Callable
 from concurrent.futures import Future, ThreadPoolExecutor
@@ -29,6 +30,7 @@ class Writer:
         self._on_failure = on_failure
         self._thread = ThreadPoolExecutor(1, thread_name_prefix="run-store")
         self._connection: sqlite3.Connection | None = None
+        self._files: dict[Path, tuple[int, int]] = {}
         self._closed = False
         self.failure: StorageError | None = None
 
@@ -90,6 +92,19 @@ class Writer:
 
     def _open(self) -> None:
         self._connection = open_writer(self._path)
+        self._files = {path: _identity(path) for path in (self._path, Path(f"{self._path}-wal"))}
+
+    def _require_same_files(self) -> None:
+        """Check that what was written is what others find below these names.
+
+        A file that was removed or replaced takes everything that is written into it along, without any error.
+
+        Raises:
+            OSError: it is another one, or gone.
+        """
+        for path, identity in self._files.items():
+            if _identity(path) != identity:
+                raise OSError(f"{path.name} was replaced by another file while the run was going on")
 
     def _opened(self) -> sqlite3.Connection:
         if self._connection is None:
@@ -104,7 +119,9 @@ class Writer:
             # The context manager commits; it rolls back when the job or the commit raises.
             with connection:
                 connection.execute("BEGIN IMMEDIATE")
-                return job(connection)
+                result = job(connection)
+            self._require_same_files()
+            return result
         except (sqlite3.Error, OSError) as error:
             raise self.fail(f"cannot write {self._path}: {error}; nothing more is stored", error) from error
 
@@ -119,3 +136,8 @@ class Writer:
         finally:
             self._connection.close()
             self._connection = None
+
+
+def _identity(path: Path) -> tuple[int, int]:
+    found = os.lstat(path)
+    return found.st_dev, found.st_ino

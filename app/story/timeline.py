@@ -26,14 +26,26 @@ class Moment:
     text: str
 
 
+_Order = tuple[int, str, int]
+"""Place, then time, then rank among what shares both."""
+
+
 @dataclass(frozen=True)
 class _Entry:
-    """Something stored: a finished line, or a step that may share one with its neighbours."""
+    """Something stored: a finished line, or a step that may share one with its neighbours.
+
+    Attributes:
+        time_utc: ISO 8601 UTC time.
+        text: the line; empty for a step.
+        order: what comes before what; no clock counts where the record itself knows.
+        step: the step.
+        passing: only the last one of its kind counts.
+    """
 
     time_utc: str
     text: str
+    order: _Order
     step: StoredStep | None = None
-    rank: int = 0
     passing: bool = False
 
     @property
@@ -47,9 +59,11 @@ def timeline(reader: RunReader) -> list[Moment]:
     points = _rows_of(reader.points())
     records = _rows_of(reader.records())
     entries = [*_event_entries(reader), *_prompt_entries(reader)]
-    entries += [_Entry(step.done_utc, "", step) for step in reader.steps()]
+    steps = reader.steps()
+    orders = _orders([(step.place, step.done_utc) for step in steps])
+    entries += [_Entry(step.done_utc, "", order, step) for step, order in zip(steps, orders, strict=True)]
     # Of what has one time, events stay before answers and steps; a death comes last.
-    entries.sort(key=lambda entry: (entry.time_utc, entry.rank))
+    entries.sort(key=lambda entry: entry.order)
     moments: list[Moment] = []
     for group, found in groupby(_calmed(entries), key=lambda entry: entry.group):
         together = list(found)
@@ -59,6 +73,24 @@ def timeline(reader: RunReader) -> list[Moment]:
         else:
             moments += [Moment(entry.time_utc, entry.text) for entry in together]
     return moments
+
+
+def _orders(stored: Sequence[tuple[int | None, str]]) -> list[_Order]:
+    """Return the order of rows of one table, from their places and times.
+
+    Rows of an older program have no place: among those of other tables they are put by the latest time so far, which
+    a clock that was set back does not disorder within the table.
+    """
+    found: list[_Order] = []
+    latest = ""
+    for place, time_utc in stored:
+        latest = max(latest, time_utc)
+        found.append(_order(place, latest))
+    return found
+
+
+def _order(place: int | None, time_utc: str, rank: int = 0) -> _Order:
+    return (0, time_utc, rank) if place is None else (place, "", rank)
 
 
 def _calmed(entries: Iterable[_Entry]) -> list[_Entry]:
@@ -85,13 +117,16 @@ def _rows_of(rows: Iterable[dict[str, Any]]) -> dict[str, list[dict[str, Any]]]:
 def _event_entries(reader: RunReader) -> list[_Entry]:
     entries: list[_Entry] = []
     meta, devices = reader.meta, None
-    last = last_signs(reader)
-    for event in _without_echoes(reader.events()):
+    last, events = last_signs(reader), reader.events()
+    stored = [(event.place, event.time_utc) for event in events]
+    orders = {event.seq: order for event, order in zip(events, _orders(stored), strict=True)}
+    for event in _without_echoes(events):
+        order = orders[event.seq]
         match event.kind:
             case "run-opened":
                 texts = [_opened(meta)]
             case "run-reopened":
-                entries += _death(event, last)
+                entries += _death(event, last.get(event.seq, event.time_utc))
                 texts = [_reopened(event, last.get(event.seq, event.time_utc))]
             case "devices":
                 texts = _devices(event.data.get("devices"), devices)
@@ -99,7 +134,7 @@ def _event_entries(reader: RunReader) -> list[_Entry]:
             case _:
                 texts = [event_text(event)]
         passing = event.kind in _PASSING
-        entries += [_Entry(event.time_utc, text, passing=passing) for text in texts if text]
+        entries += [_Entry(event.time_utc, text, order, passing=passing) for text in texts if text]
     return entries
 
 
@@ -124,21 +159,36 @@ def _without_echoes(events: Iterable[StoredEvent]) -> Iterator[StoredEvent]:
 
 def last_signs(reader: RunReader) -> dict[int, str]:
     """Return, for each time that a run went on, when it had stored something for the last time before."""
-    times = [(event.time_utc, event.seq) for event in reader.events()]
-    times += [(step.done_utc, 0) for step in reader.steps()]
-    times += [(str(prompt["answered_utc"] or prompt["asked_utc"]), 0) for prompt in reader.prompts()]
-    reopened = {event.seq: event.time_utc for event in reader.events() if event.kind == "run-reopened"}
+    events = reader.events()
+    signs = [(event.place, event.time_utc, event.seq) for event in events]
+    signs += [(step.place, step.done_utc, 0) for step in reader.steps()]
+    signs += [
+        (prompt["place"], str(prompt["answered_utc"] or prompt["asked_utc"]), 0)
+        for prompt in reader.prompts()
+    ]
     return {
-        seq: max((time for time, number in times if time <= at and number < seq), default=at)
-        for seq, at in reopened.items()
+        event.seq: max(_before(event, signs), default=(0, event.time_utc))[1]
+        for event in events
+        if event.kind == "run-reopened"
     }
 
 
-def _death(event: StoredEvent, last: dict[int, str]) -> list[_Entry]:
+def _before(event: StoredEvent, signs: Iterable[tuple[int | None, str, int]]) -> Iterator[tuple[int, str]]:
+    """Yield place and time of what was stored before an event."""
+    for place, time_utc, seq in signs:
+        if event.place is None:
+            if place is None and time_utc <= event.time_utc and seq < event.seq:
+                yield 0, time_utc
+        elif place is None or place < event.place:
+            yield place or 0, time_utc
+
+
+def _death(event: StoredEvent, time_utc: str) -> list[_Entry]:
     if event.data.get("before") != "died":
         return []
-    time_utc = last.get(event.seq, event.time_utc)
-    return [_Entry(time_utc, "DIED: nothing was stored after this, the run was not closed", rank=1)]
+    # Right before the going on where places are known, else last of what has its time.
+    order = (0, time_utc, 1) if event.place is None else (event.place, "", -1)
+    return [_Entry(time_utc, "DIED: nothing was stored after this, the run was not closed", order)]
 
 
 def _opened(meta: dict[str, Any]) -> str:
@@ -179,29 +229,30 @@ def _devices(present: Any, before: Any) -> list[str]:
 
 def _prompt_entries(reader: RunReader) -> list[_Entry]:
     entries = []
-    told = {(prompt["id"], prompt["asked_utc"]) for prompt in reader.prompts()}
+    asked_at = {
+        (event.data.get("id"), event.data.get("asked_utc")): event
+        for event in reader.events()
+        if event.kind == "asked"
+    }
     for prompt in reader.prompts():
-        asked, answered = str(prompt["asked_utc"]), prompt["answered_utc"]
-        entries.append(_Entry(asked, f"QUESTION {prompt['id']}: {prompt['text']}"))
-        if answered is None:
-            entries.append(_Entry(asked, f"QUESTION {prompt['id']} stayed without an answer"))
-        else:
-            after = gap_text(between_s(asked, str(answered)))
-            entries.append(
-                _Entry(
-                    str(answered),
-                    f"ANSWER {prompt['id']}: “{prompt['answer']}”, {prompt['who']}, after {after}",
-                )
-            )
-    for event in reader.events():
-        if event.kind == "asked" and (event.data.get("id"), event.data.get("asked_utc")) not in told:
-            entries.append(
-                _Entry(
-                    event.time_utc,
-                    f"QUESTION {event.data.get('id')}: {event.data.get('text')} (never answered)",
-                )
-            )
+        event = asked_at.pop((prompt["id"], prompt["asked_utc"]), None)
+        entries += _answer_entries(prompt, prompt["place"] if event is None else event.place)
+    for event in asked_at.values():
+        text = f"QUESTION {event.data.get('id')}: {event.data.get('text')} (never answered)"
+        entries.append(_Entry(event.time_utc, text, _order(event.place, event.time_utc)))
     return entries
+
+
+def _answer_entries(prompt: dict[str, Any], asked_place: int | None) -> list[_Entry]:
+    """Return a question and what became of it, each where it was stored."""
+    name, asked, answered = prompt["id"], str(prompt["asked_utc"]), prompt["answered_utc"]
+    question = _Entry(asked, f"QUESTION {name}: {prompt['text']}", _order(asked_place, asked))
+    if answered is None:
+        order = _order(prompt["place"], asked, 1)
+        return [question, _Entry(asked, f"QUESTION {name} stayed without an answer", order)]
+    after = gap_text(between_s(asked, str(answered)))
+    told = f"ANSWER {name}: “{prompt['answer']}”, {prompt['who']}, after {after}"
+    return [question, _Entry(str(answered), told, _order(prompt["place"], str(answered), 1))]
 
 
 def _steps_told(

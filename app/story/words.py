@@ -16,6 +16,8 @@ _SHORT = 90
 
 def gap_text(seconds: float) -> str:
     """Return a duration as people read it, short ones to a tenth of a second."""
+    if seconds < 0.0:
+        return "an unknown time (the clock was set back)"
     return f"{seconds:.1f} s" if seconds < _SHORT_S else duration_text(seconds)
 
 

@@ -1,0 +1,91 @@
+"""Whether a run's files are what was written; asked before anybody uses what they say."""
+
+import os
+import sqlite3
+from collections.abc import Callable
+from contextlib import closing
+from pathlib import Path
+
+from app.errors import StorageError
+from app.store.lock import is_being_written
+from app.store.schema import open_reader
+from app.store.seal import DATABASE, Manifest, digest, read_manifest
+
+_Stamp = tuple[tuple[str, int, int, int, int], ...]
+
+_known: dict[Path, tuple[_Stamp, tuple[str, ...]]] = {}
+"""What was found for the files as they were then; a run of tens of MB is hashed once in a process."""
+
+_MOST_KNOWN = 1000
+
+
+def differences(directory: Path, manifest: Manifest) -> tuple[str, ...]:
+    """Return how a run's files differ from what was sealed; empty when they do not."""
+    found = digest(directory)
+    problems = [f"{name} is missing" for name in manifest.files if name not in found]
+    problems += [f"{name} was added after the end" for name in found if name not in manifest.files]
+    changed = [name for name, file in manifest.files.items() if name in found and found[name] != file]
+    return (*problems, *(f"{name} was changed after the end" for name in changed))
+
+
+def changes(directory: Path) -> tuple[str, ...]:
+    """Return what speaks against a sealed run; empty for a sound one, and for one that is not sealed."""
+    return _remembered(directory, _changes)
+
+
+def damage(directory: Path) -> tuple[str, ...]:
+    """Return what SQLite finds wrong with the database of a run that is not sealed and that nobody writes."""
+    if is_being_written(directory) or read_manifest(directory) is not None:
+        return ()
+    return _remembered(directory / DATABASE, integrity)
+
+
+def integrity(database: Path) -> tuple[str, ...]:
+    """Return what SQLite finds wrong with a file; empty when it is sound.
+
+    Raises:
+        StorageError: it cannot be opened.
+    """
+    with closing(open_reader(database)) as connection:
+        try:
+            found = tuple(str(row[0]) for row in connection.execute("PRAGMA integrity_check"))
+        except sqlite3.Error as error:
+            return (str(error),)
+    return () if found == ("ok",) else found
+
+
+def _changes(directory: Path) -> tuple[str, ...]:
+    try:
+        manifest = read_manifest(directory)
+        if manifest is None:
+            return ()
+        found = differences(directory, manifest)
+        # A run that somebody goes on with just now is no longer sealed.
+        return _changes(directory) if found and read_manifest(directory) != manifest else found
+    except StorageError as error:
+        return (str(error),)
+    except OSError as error:
+        return (f"{directory.name} cannot be read: {error}",)
+
+
+def _remembered(path: Path, look: Callable[[Path], tuple[str, ...]]) -> tuple[str, ...]:
+    stamp = _stamp(path if path.is_dir() else path.parent)
+    known = _known.get(path)
+    if known is not None and known[0] == stamp:
+        return known[1]
+    if len(_known) >= _MOST_KNOWN:
+        _known.clear()
+    found = look(path)
+    _known[path] = stamp, found
+    return found
+
+
+def _stamp(directory: Path) -> _Stamp:
+    """Return what changes when a file does; the time of change cannot be set back."""
+    with os.scandir(directory) as entries:
+        facts = [(entry.name, entry.stat(follow_symlinks=False)) for entry in entries]
+    # What a reader of SQLite leaves beside the file says nothing.
+    facts = [
+        (n, f) for n, f in facts if not n.endswith("-shm") and not (n.endswith("-wal") and f.st_size == 0)
+    ]
+    return tuple(sorted((n, f.st_size, f.st_mtime_ns, f.st_ctime_ns, f.st_ino) for n, f in facts))
