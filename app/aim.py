@@ -1,12 +1,13 @@
 """The aim that a measurement is planned with: what a search found, or the cell file's rough places."""
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 from app.errors import UsageError
 from app.store.catalog import list_runs, resolve_run
-from app.store.reader import RunReader
+from app.store.reader import Accept, RunReader
 from procedures.bench import Bench
 
 SEARCH = "reflector-search"
@@ -28,7 +29,9 @@ class Aim:
     simulated: bool | None = None
 
 
-def find_aim(bench: Bench, root: Path, wanted: str = "auto") -> Aim:
+def find_aim(
+    bench: Bench, root: Path, wanted: str = "auto", opened: Callable[[Path], RunReader] = RunReader
+) -> Aim:
     """Aim a bench.
 
     Args:
@@ -36,10 +39,12 @@ def find_aim(bench: Bench, root: Path, wanted: str = "auto") -> Aim:
         root: folder of all runs.
         wanted: "auto" takes the newest complete search of this cell with these rough places, "none" the cell
             file's rough places, anything else names a search run.
+        opened: opens a run, on the terms of what is to be aimed.
 
     Raises:
         UsageError: the named run is no complete search, or one of other reflectors; the newest search is older than
             an alignment that moved the beam.
+        StorageError: the run that would be taken is damaged or was changed.
     """
     if wanted == "none":
         return Aim(bench, "cell file")
@@ -48,29 +53,28 @@ def find_aim(bench: Bench, root: Path, wanted: str = "auto") -> Aim:
         if found is None:
             return Aim(bench, "cell file")
         _require_beam_unmoved(root, bench, found)
-        return _aimed(bench, found)
+        return _aimed(bench, opened(found))
     path = resolve_run(root, wanted)
-    reader = RunReader(path)
-    if _solution(reader) is None:
+    reader = opened(path)
+    if search_result(reader) is None:
         raise UsageError(f"{path.name} is no complete reflector search; search first: catseye run {SEARCH}")
     if not _same_places(bench, reader):
         raise UsageError(
             f"{path.name} searched reflectors at other rough places than the cell file's: search again, or plan with "
             "--search none"
         )
-    return _aimed(bench, path)
-
-
-def search_result(path: Path) -> dict[str, Any] | None:
-    """Return what a search run found: reflectors with uncertainties and θ40; None when it found nothing."""
-    return _solution(RunReader(path))
+    return _aimed(bench, reader)
 
 
 def _newest(root: Path, bench: Bench) -> Path | None:
     for run in reversed(list_runs(root)):
         if run.procedure == SEARCH and run.status == "complete":
-            reader = RunReader(run.path)
-            if reader.meta.get("cell") == bench.name and _solution(reader) and _same_places(bench, reader):
+            reader = RunReader(run.path, Accept.UNCHECKED)
+            if (
+                reader.meta.get("cell") == bench.name
+                and search_result(reader)
+                and _same_places(bench, reader)
+            ):
                 return run.path
     return None
 
@@ -107,16 +111,16 @@ def _same_places(bench: Bench, reader: RunReader) -> bool:
     return searched == {reflector.name: (reflector.x_mm, reflector.y_mm) for reflector in bench.reflectors}
 
 
-def _aimed(bench: Bench, path: Path) -> Aim:
-    reader = RunReader(path)
-    solution = _solution(reader)
+def _aimed(bench: Bench, reader: RunReader) -> Aim:
+    solution = search_result(reader)
     if solution is None:
-        raise UsageError(f"{path.name} holds no result of a search")
+        raise UsageError(f"{reader.path.name} holds no result of a search")
     places = {place["name"]: (place["x_mm"], place["y_mm"]) for place in solution["reflectors"]}
     simulated = bool(reader.meta.get("simulated"))
-    return Aim(bench.aimed(places, solution["theta40_deg"]), path.name, simulated)
+    return Aim(bench.aimed(places, solution["theta40_deg"]), reader.path.name, simulated)
 
 
-def _solution(reader: RunReader) -> dict[str, Any] | None:
+def search_result(reader: RunReader) -> dict[str, Any] | None:
+    """Return what a search run found: reflectors with uncertainties and θ40; None when it found nothing."""
     results = [step.result for step in reader.steps() if step.step_id == "solve"]
     return dict(results[-1]) if results else None

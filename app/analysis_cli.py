@@ -5,7 +5,7 @@ from typing import Annotated, Literal
 
 import typer
 
-from app.cli_options import AsJson, Runs
+from app.cli_options import AsJson, Runs, Unverified
 
 Output = Annotated[Path, typer.Option("-o", "--output", help="file to write")]
 ResultFile = Annotated[Path, typer.Argument(metavar="RESULT", help="result JSON of catseye identify")]
@@ -88,6 +88,7 @@ def identify(
     dask: Dask = None,
     insecure_cluster: InsecureCluster = False,
     runs: Runs = None,
+    unverified: Unverified = False,
     as_json: AsJson = False,
 ) -> None:
     """Identify the arm from distances.
@@ -100,7 +101,17 @@ def identify(
     require_output(output, points, cell)
 
     options = IdentifyOptions(
-        model, uncertainty, draws, seed, loss, reject, tuple(extend or ()), workers, dask, insecure_cluster
+        model,
+        uncertainty,
+        draws,
+        seed,
+        loss,
+        reject,
+        tuple(extend or ()),
+        workers,
+        dask,
+        insecure_cluster,
+        unverified,
     )
     identify_command(output, run or [], points, cell, options, runs, as_json)
 
@@ -280,6 +291,7 @@ def report(
     source: Annotated[str, typer.Argument(metavar="RUN|RESULT", help="run, or result JSON")],
     output: Annotated[Path, typer.Option("-o", "--output", help="HTML file to write")],
     runs: Runs = None,
+    unverified: Unverified = False,
 ) -> None:
     """Write one self-contained HTML page about a run or a result.
 
@@ -290,7 +302,7 @@ def report(
 
     require_output(output, Path(source))
 
-    report_command(source, output, runs)
+    report_command(source, output, runs, unverified)
 
 
 def export(
@@ -301,6 +313,7 @@ def export(
         typer.Option("--format", help="what to write; FILE's ending says it too"),
     ] = None,
     runs: Runs = None,
+    unverified: Unverified = False,
 ) -> None:
     """Write what a run has measured or what a result holds for other programs.
 
@@ -314,4 +327,4 @@ def export(
 
     require_output(output)
 
-    export_command(source, output, format_, runs)
+    export_command(source, output, format_, runs, unverified)

@@ -13,7 +13,7 @@ import typer
 from typer.core import TyperGroup
 
 from app.analysis_cli import add_analysis
-from app.cli_options import AsJson, CellFile, Runs, Seed, Speed, Truth
+from app.cli_options import AsJson, CellFile, Runs, Seed, Speed, Truth, Unverified
 
 
 class _Commands(TyperGroup):
@@ -366,12 +366,13 @@ def list_runs_(runs: Runs = None, as_json: AsJson = False) -> None:
 def show(
     run: Annotated[str, typer.Argument(metavar="RUN", help="path, name, beginning of a name, or id")],
     runs: Runs = None,
+    unverified: Unverified = False,
     as_json: AsJson = False,
 ) -> None:
     """Tell a run's story: what, with which devices, what happened, how it ended."""
     from app.commands.runs import show_command
 
-    show_command(run, runs, as_json)
+    show_command(run, runs, as_json, unverified)
 
 
 @cli.command()

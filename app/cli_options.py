@@ -10,6 +10,12 @@ AsJson = Annotated[bool, typer.Option("--json", help="machine-readable output on
 Runs = Annotated[
     Path | None, typer.Option("--runs", help="folder of all runs [$CATSEYE_RUNS, else ./catseye-runs]")
 ]
+Unverified = Annotated[
+    bool,
+    typer.Option(
+        "--unverified", help="take a sealed run that was changed after its end; what comes out says so"
+    ),
+]
 Speed = Annotated[
     float, typer.Option(min=0.001, max=1e6, help="bench seconds in one real second; emulators only")
 ]

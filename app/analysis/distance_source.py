@@ -11,7 +11,8 @@ from app.errors import UsageError
 from app.files.points_csv import PointRow, read_points_csv, to_points
 from app.runs_folder import runs_folder
 from app.store.catalog import resolve_run
-from app.store.reader import RunReader
+from app.store.reader import RunReader, accept
+from app.store.unverified import taken_as_it_is
 from calibration.uncertainty.budget import Budget
 from procedures.bench import Bench
 
@@ -38,7 +39,7 @@ class DistanceSource:
 
 
 def load_distances(
-    run: list[str], points: Path | None, cell: Path | None, runs: Path | None
+    run: list[str], points: Path | None, cell: Path | None, runs: Path | None, unverified: bool = False
 ) -> DistanceSource:
     """Read distances.
 
@@ -47,24 +48,29 @@ def load_distances(
         points: points file instead of runs.
         cell: its cell file.
         runs: folder of the runs; None for the usual one.
+        unverified: take sealed runs too whose files were changed.
 
     Raises:
         UsageError: neither or both are given, or a file is wrong; names it.
+        StorageError: a run is damaged or was changed.
     """
     if bool(run) == (points is not None):
         raise UsageError("give either runs, or --points FILE with --cell FILE")
     if points is not None:
         return _of_file(points, cell)
     root = runs_folder(runs)
-    readers = [RunReader(resolve_run(root, text)) for text in run]
+    readers = [RunReader(resolve_run(root, text), accept(unverified=unverified)) for text in run]
     warnings = [
         f"warning: {reader.path.name} is {reader.status}; identifying from what it holds"
         for reader in readers
         if reader.status != "complete"
     ]
-    budget = error_budget(cell_of_run(readers[0]))
     names = [reader.path.name for reader in readers]
-    return DistanceSource(run_rows(readers), bench_of_runs(readers, root), budget, names, readers, warnings)
+    with taken_as_it_is(*readers):
+        budget = error_budget(cell_of_run(readers[0]))
+        rows, bench = run_rows(readers), bench_of_runs(readers, root)
+    warnings += dict.fromkeys(f"UNVERIFIED: {text}" for reader in readers for text in reader.unverified)
+    return DistanceSource(rows, bench, budget, names, readers, warnings)
 
 
 def _of_file(points: Path, cell: Path | None) -> DistanceSource:

@@ -1,6 +1,6 @@
 """What runs and results hand to other programs, as rows of one table."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -27,6 +27,7 @@ class Export:
         content: what the rows are: points, path, search, records, values.
         rows: all of them with all their columns.
         csv: text of the CSV file: where this program reads such a CSV, in the form that it reads.
+        unverified: what speaks against the run, or against those of the result; empty for what is as it was sealed.
     """
 
     source: str
@@ -34,6 +35,7 @@ class Export:
     content: str
     rows: list[Row]
     csv: str
+    unverified: Sequence[str] = ()
 
 
 def run_export(reader: RunReader) -> Export:
@@ -55,7 +57,7 @@ def run_export(reader: RunReader) -> Export:
             f"catseye show {reader.path.name} tells what happened"
         )
     about = {"run": reader.path.name, "meta": reader.meta}
-    return Export(reader.path.name, about, content, rows, _run_csv(reader, content, rows))
+    return Export(reader.path.name, about, content, rows, _run_csv(reader, content, rows), reader.unverified)
 
 
 def _run_csv(reader: RunReader, content: str, rows: list[dict[str, Any]]) -> str:
@@ -103,9 +105,9 @@ def result_export(path: Path) -> Export:
         "model": result.model,
         "gauge": result.gauge,
         "fit": result.fit.model_dump(exclude_none=True),
-        "provenance": result.provenance.model_dump(),
+        "provenance": result.provenance.model_dump(exclude={"unverified"}),
     }
-    return Export(path.name, about, "values", rows, table_csv(rows))
+    return Export(path.name, about, "values", rows, table_csv(rows), result.provenance.unverified or ())
 
 
 def result_rows(result: Result) -> list[Row]:

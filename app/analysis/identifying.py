@@ -123,6 +123,13 @@ def identified_result(
     return result_of(identified, nominal, sources, SOFTWARE, now.isoformat(timespec="seconds"), simulated)
 
 
+def with_what_speaks_against(result: Result, readers: Sequence[RunReader]) -> Result:
+    """Return a result that says which of the runs it was identified from are not what was sealed."""
+    texts = list(dict.fromkeys(text for reader in readers for text in reader.unverified))
+    provenance = result.provenance.model_copy(update={"unverified": texts or None})
+    return result.model_copy(update={"provenance": provenance})
+
+
 def are_simulated(readers: Sequence[RunReader]) -> bool | None:
     """Return whether a run was made on emulated devices, None without runs."""
     return any(bool(reader.meta.get("simulated")) for reader in readers) if readers else None
@@ -153,7 +160,7 @@ def aimed_bench(reader: RunReader, root: Path) -> Bench:
     bench, source = bench_of(cell_of_run(reader)), str(reader.meta.get("aim", "cell file"))
     if source == "cell file" or not (root / source).is_dir():
         return bench
-    return find_aim(bench, root, source).bench
+    return find_aim(bench, root, source, reader.beside).bench
 
 
 def _require_one_world(readers: Sequence[RunReader]) -> None:

@@ -21,7 +21,7 @@ from app.analysis.validation import PathValidation, validate_on_path
 from app.errors import UsageError
 from app.files.result_json import Result
 from app.store.catalog import list_runs
-from app.store.reader import RunReader
+from app.store.reader import Accept, RunReader
 from calibration.errors import CalibrationError
 from calibration.identification import Identification
 from procedures.bench import Bench
@@ -95,9 +95,9 @@ def _measurement(reader: RunReader, root: Path) -> RunReader | None:
     wanted = _bench_key(reader)
     for run in reversed(list_runs(root)):
         if run.procedure == "open-loop" and run.status == "complete":
-            found = RunReader(run.path)
+            found = RunReader(run.path, Accept.UNCHECKED)
             if _bench_key(found) == wanted and found.count("points"):
-                return found
+                return reader.beside(run.path)
     return None
 
 

@@ -88,6 +88,7 @@ def run_report(reader: RunReader, root: Path, path: Path) -> None:
         parts |= {"validation": compared.validation, "distances": compared.distances}
     parts["warnings"] = [*parts["warnings"], *notes]
     bench = aimed_bench(reader, root)
+    parts["unverified"] = reader.unverified
     title = f"{reader.meta.get('procedure')} on {cell.name}"
     write_atomically(path, render_html(ReportContent(title=title, results=results, bench=bench, **parts)))
 
@@ -102,6 +103,7 @@ def result_report(source: Path, path: Path) -> None:
         simulated=bool(result.provenance.simulated),
         results=[result],
         versions=_versions(),
+        unverified=result.provenance.unverified or (),
         digests={
             source.name: hashlib.sha256(read_document(source, largest_bytes=LARGEST_RESULT_BYTES)).hexdigest()
         },
@@ -159,7 +161,7 @@ def _diagnosed(reader: RunReader, root: Path) -> Diagnosis | None:
 
 def _run_parts(readers: Sequence[RunReader], cell: Cell) -> dict[str, Any]:
     events = [event for reader in readers for event in reader.events()]
-    searches = [found for reader in readers if (found := search_result(reader.path)) is not None]
+    searches = [found for reader in readers if (found := search_result(reader)) is not None]
     warnings = [str(e.data.get("text")) for e in events if e.kind == "warning"]
     return {
         "created_utc": _now(),

@@ -11,7 +11,7 @@ from app.service.address import all_sockets, find_socket
 from app.service.client import connect
 from app.service.errors import RefusedError, ServiceError
 from app.store.catalog import resolve_run
-from app.store.reader import RunReader
+from app.store.reader import Accept, RunReader
 
 
 def attach_command(run: str | None, runs: Path | None, *, control: bool, force: bool, as_json: bool) -> None:
@@ -38,7 +38,7 @@ def _socket_of(run: Path) -> Path:
         UsageError: it is over, or died.
         ServiceError: it is under way and has no socket.
     """
-    status = RunReader(run).status
+    status = RunReader(run, Accept.UNCHECKED).status
     if status == "complete":
         raise UsageError(f"{run.name} is complete: see it with: catseye show {run.name}")
     if status != "running":

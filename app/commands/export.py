@@ -11,14 +11,17 @@ from app.files.atomic import write_atomically
 from app.files.tabular import table_parquet
 from app.runs_folder import runs_folder
 from app.store.catalog import resolve_run
-from app.store.reader import RunReader
+from app.store.reader import RunReader, accept
+from app.store.unverified import taken_as_it_is
 
 Format = Literal["csv", "json", "parquet"]
 
 _ENDINGS: dict[str, Format] = {".csv": "csv", ".json": "json", ".parquet": "parquet"}
 
 
-def export_command(source: str, output: Path, form: Format | None, runs: Path | None) -> None:
+def export_command(
+    source: str, output: Path, form: Format | None, runs: Path | None, unverified: bool = False
+) -> None:
     """Write the table."""
     chosen = form_of(output, form)
     direct = Path(source)
@@ -29,7 +32,11 @@ def export_command(source: str, output: Path, form: Format | None, runs: Path | 
     elif direct.suffix.lower() == ".json":
         raise UsageError(f"{direct}: there is no such file")
     else:
-        table = run_export(RunReader(resolve_run(runs_folder(runs), source)))
+        reader = RunReader(resolve_run(runs_folder(runs), source), accept(unverified=unverified))
+        with taken_as_it_is(reader):
+            table = run_export(reader)
+    for text in table.unverified:
+        say(f"UNVERIFIED: {text}")
     write_atomically(output, _written(table, chosen))
     say(f"{output}: {len(table.rows)} rows ({table.content}) of {table.source}")
 
@@ -61,8 +68,12 @@ def form_of(output: Path, form: Format | None) -> Format:
 def _written(table: Export, form: Format) -> str | bytes:
     match form:
         case "csv":
-            return table.csv
+            return "".join(f"# UNVERIFIED: {text}\n" for text in table.unverified) + table.csv
         case "json":
-            return json.dumps({**table.about, table.content: table.rows}, ensure_ascii=False) + "\n"
+            return json.dumps({**_about(table), table.content: table.rows}, ensure_ascii=False) + "\n"
         case _:
-            return table_parquet(table.rows)
+            return table_parquet(table.rows, {"unverified": table.unverified} if table.unverified else {})
+
+
+def _about(table: Export) -> dict[str, object]:
+    return {**table.about, "unverified": table.unverified} if table.unverified else dict(table.about)

@@ -4,7 +4,7 @@ import math
 from dataclasses import dataclass
 from pathlib import Path
 
-from app.analysis.distance_source import load_distances
+from app.analysis.distance_source import DistanceSource, load_distances
 from app.analysis.extension_words import parse_extensions
 from app.analysis.identified_uncertainty import (
     Propagated,
@@ -13,7 +13,12 @@ from app.analysis.identified_uncertainty import (
     require_draws,
     sentences,
 )
-from app.analysis.identifying import are_simulated, identified_result, problem_of_rows
+from app.analysis.identifying import (
+    are_simulated,
+    identified_result,
+    problem_of_rows,
+    with_what_speaks_against,
+)
 from app.analysis.material import with_reference_links
 from app.analysis.robust_identifying import identify_robustly, robust_text
 from app.analysis.scan_identifying import is_scan
@@ -23,6 +28,7 @@ from app.commands.output import emit, emit_json, say, table
 from app.commands.progress import ProgressBar
 from app.errors import UsageError
 from app.files.result_json import Fit, LackOfFitPart, Result, write_result
+from app.store.unverified import taken_as_it_is
 from calibration.extension import Term
 from calibration.fit_statistics import SIGNIFICANCE
 from calibration.identification import Identification
@@ -46,6 +52,7 @@ class IdentifyOptions:
         workers: processes that share the draws; 0 takes one a core.
         dask: address of a scheduler whose machines share them.
         insecure_cluster: the scheduler may be outside of this machine, and the connection without TLS.
+        unverified: take sealed runs too whose files were changed; the result says so.
     """
 
     model: ModelName
@@ -58,6 +65,7 @@ class IdentifyOptions:
     workers: int = 1
     dask: str | None = None
     insecure_cluster: bool = False
+    unverified: bool = False
 
 
 def identify_command(
@@ -79,9 +87,16 @@ def identify_command(
         _hand_over(result, summary, output, verdicts(result), as_json=as_json)
         say_scan(result)
         return
-    source = load_distances(run, points, cell, runs)
+    source = load_distances(run, points, cell, runs, options.unverified)
     for text in source.warnings:
         say(text)
+    with taken_as_it_is(*source.readers):
+        result, texts = _identified(source, options)
+    _hand_over(result, summary_table(result, source.bench), output, texts, as_json=as_json)
+
+
+def _identified(source: DistanceSource, options: IdentifyOptions) -> tuple[Result, list[str]]:
+    """Return the result and what is to be said about it."""
     bench, terms = source.bench, parse_extensions(options.extend)
     problem = problem_of_rows(source.rows, bench, options.model, source.budget, terms)
     propagated = _propagated(*identify_robustly(problem, options.loss, options.reject), options)
@@ -89,9 +104,10 @@ def identify_command(
         identified_result(propagated.identified, bench, source.names, are_simulated(source.readers)),
         source.readers,
     )
-    result = result.model_copy(update={"uncertainty": propagated.part})
-    texts = [*verdicts(result), *sentences(propagated.part)]
-    _hand_over(result, summary_table(result, bench), output, texts, as_json=as_json)
+    result = with_what_speaks_against(result, source.readers).model_copy(
+        update={"uncertainty": propagated.part}
+    )
+    return result, [*verdicts(result), *sentences(propagated.part)]
 
 
 def _hand_over(result: Result, summary: str, output: Path, texts: list[str], *, as_json: bool) -> None:

@@ -7,10 +7,11 @@ from app.commands.output import say
 from app.errors import UsageError
 from app.runs_folder import runs_folder
 from app.store.catalog import resolve_run
-from app.store.reader import RunReader
+from app.store.reader import RunReader, accept
+from app.store.unverified import taken_as_it_is
 
 
-def report_command(source: str, output: Path, runs: Path | None) -> None:
+def report_command(source: str, output: Path, runs: Path | None, unverified: bool = False) -> None:
     """Write the page."""
     require_html(output)
     direct = Path(source)
@@ -21,5 +22,7 @@ def report_command(source: str, output: Path, runs: Path | None) -> None:
     else:
         root = runs_folder(runs)
         path = resolve_run(root, source)
-        run_report(RunReader(path), path.parent, output)
+        reader = RunReader(path, accept(unverified=unverified))
+        with taken_as_it_is(reader):
+            run_report(reader, path.parent, output)
     say(f"{output} written")

@@ -8,8 +8,9 @@ from app.commands.output import emit, emit_json, say, table
 from app.errors import StorageError
 from app.runs_folder import runs_folder
 from app.store.catalog import RunSummary, list_runs, resolve_run
-from app.store.reader import RunReader
+from app.store.reader import Accept, RunReader, accept
 from app.store.resumable import why_not_resumable
+from app.store.unverified import taken_as_it_is
 from app.store.verify import verify
 from app.story.summary import summary
 from app.story.timeline import timeline
@@ -50,14 +51,15 @@ def runs_command(runs: Path | None, as_json: bool) -> None:
     )
 
 
-def show_command(run: str, runs: Path | None, as_json: bool) -> None:
+def show_command(run: str, runs: Path | None, as_json: bool, unverified: bool = False) -> None:
     """Tell a run's story."""
-    reader = RunReader(resolve_run(runs_folder(runs), run))
-    if as_json:
-        emit_json(_facts(reader))
-        return
-    for line in _told(reader):
-        emit(line)
+    reader = RunReader(resolve_run(runs_folder(runs), run), accept(unverified=unverified))
+    with taken_as_it_is(reader):
+        if as_json:
+            emit_json(_facts(reader))
+            return
+        for line in _told(reader):
+            emit(line)
 
 
 def verify_command(run: str, runs: Path | None, as_json: bool) -> None:
@@ -73,7 +75,9 @@ def verify_command(run: str, runs: Path | None, as_json: bool) -> None:
 
 
 def _resumable(run: RunSummary) -> bool:
-    return run.status not in {"complete", "running", "damaged"} and not why_not_resumable(RunReader(run.path))
+    return run.status not in {"complete", "running", "damaged"} and not why_not_resumable(
+        RunReader(run.path, Accept.UNCHECKED)
+    )
 
 
 def _facts(reader: RunReader) -> dict[str, object]:
@@ -89,6 +93,7 @@ def _facts(reader: RunReader) -> dict[str, object]:
         "events": [{"t": e.time_utc, "kind": e.kind, "data": e.data} for e in reader.events()],
         "prompts": reader.prompts(),
         "resumable": not why_not_resumable(reader),
+        **({"unverified": reader.unverified} if reader.unverified else {}),
         "story": [{"t": moment.time_utc, "text": moment.text} for moment in timeline(reader)],
     }
 
@@ -99,7 +104,8 @@ def _time_of_day(time_utc: str) -> str:
 
 
 def _told(reader: RunReader) -> list[str]:
-    lines = [f"{reader.path.name}: {reader.status}", *(f"  {line}" for line in summary(reader)), ""]
+    lines = [f"{reader.path.name}: {reader.status}", *(f"  UNVERIFIED: {text}" for text in reader.unverified)]
+    lines += [*(f"  {line}" for line in summary(reader)), ""]
     day = ""
     for moment in timeline(reader):
         if moment.time_utc[:10] != day:

@@ -154,12 +154,16 @@ class Residuals(_Columns):
 
 
 class Provenance(_Part):
-    """Where it comes from; whether of emulated devices is not known of a points file."""
+    """Where it comes from; whether of emulated devices is not known of a points file.
+
+    `unverified` says what speaks against runs that were changed after their end and used all the same; None for none.
+    """
 
     runs: list[str]
     software: str
     created: str
     simulated: bool | None = None
+    unverified: list[str] | None = None
 
 
 class Result(_Part):

@@ -23,8 +23,12 @@ def table_csv(rows: Sequence[Row]) -> str:
     return csv_text(names, ([_cell(row.get(name)) for name in names] for row in rows))
 
 
-def table_parquet(rows: Sequence[Row]) -> bytes:
+def table_parquet(rows: Sequence[Row], about: Mapping[str, object] | None = None) -> bytes:
     """Return rows as Parquet; a column that holds texts and numbers holds texts.
+
+    Args:
+        rows: of the table.
+        about: what stands in the metadata of the schema, as JSON by name.
 
     Raises:
         ConfigError: the extra package is not installed.
@@ -36,7 +40,8 @@ def table_parquet(rows: Sequence[Row]) -> bytes:
         raise ConfigError("Parquet needs an extra package: pip install 'catseye[parquet]'") from error
     arrays = {name: pyarrow.array(_column(rows, name)) for name in columns(rows)}
     buffer = io.BytesIO()
-    parquet.write_table(pyarrow.table(arrays), buffer)
+    metadata = {name: json.dumps(value, ensure_ascii=False) for name, value in (about or {}).items()}
+    parquet.write_table(pyarrow.table(arrays).replace_schema_metadata(metadata or None), buffer)
     written: bytes = buffer.getvalue()
     return written
 

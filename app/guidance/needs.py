@@ -7,7 +7,7 @@ from typing import Final
 from pydantic import ValidationError
 
 from app.aim import find_aim
-from app.errors import UsageError
+from app.errors import StorageError, UsageError
 from app.guidance.cell_runs import CellRun, CellRuns
 from app.guidance.need import Need
 from app.guidance.words import age_text
@@ -65,7 +65,7 @@ def aim_of(bench: Bench, root: Path, runs: CellRuns) -> FoundAim:
     """Return the aim that a run would be planned with, and what is to be said about it."""
     try:
         aim = find_aim(bench, root)
-    except UsageError as error:
+    except (UsageError, StorageError) as error:
         return FoundAim(bench, Need("search", "missing", str(error)), None)
     run = runs.named(aim.source)
     if run is None:

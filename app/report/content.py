@@ -152,6 +152,7 @@ class ReportContent:
         runs: runs that it was made from.
         versions: of what the program ran on when it made the page, by name.
         digests: SHA-256 of result files that it was made from, by name.
+        unverified: what speaks against runs that were changed after their end; the page says so on top.
     """
 
     title: str
@@ -173,6 +174,7 @@ class ReportContent:
     environment: EnvironmentSummary | None = None
     compensation: Sequence[str] = ()
     runs: Sequence[RunRecord] = ()
+    unverified: Sequence[str] = ()
     versions: dict[str, str] = field(default_factory=dict)
     digests: dict[str, str] = field(default_factory=dict)
 

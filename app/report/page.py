@@ -47,7 +47,9 @@ def render_html(content: ReportContent) -> str:
 
 def _page_margins(content: ReportContent) -> str:
     """Return what stands in the margins of each printed page."""
-    banner = "SIMULATION: emulated devices" if content.simulated else ""
+    banners = ["SIMULATION: emulated devices"] if content.simulated else []
+    banners += ["UNVERIFIED: changed data"] if content.unverified else []
+    banner = " · ".join(banners)
     return (
         f"@page {{ @top-left {{ content: {_css_text(banner)}; }} "
         f"@top-right {{ content: {_css_text(content.title)}; }} "
@@ -69,8 +71,12 @@ def _heading(content: ReportContent) -> Html:
         if content.simulated
         else ""
     )
+    changed = f"UNVERIFIED: made from what was changed after its end. {'; '.join(content.unverified)}."
+    unverified = element("p", changed, class_="simulation") if content.unverified else ""
     made = f"{content.created_utc} · {content.software}"
-    return element("header", banner, element("h1", content.title), element("p", made, class_="made"))
+    return element(
+        "header", banner, unverified, element("h1", content.title), element("p", made, class_="made")
+    )
 
 
 def _sections(content: ReportContent) -> list[Html]:

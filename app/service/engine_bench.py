@@ -14,7 +14,7 @@ from app.cell.bench import bench_of
 from app.cell.load import load_cell
 from app.cell.model import Cell
 from app.engine.devices import DeviceBuilder
-from app.errors import CatseyeError, UsageError
+from app.errors import CatseyeError, StorageError, UsageError
 from app.running import PlannedRun
 from app.service.errors import RefusedError
 from app.service.hub import Hub
@@ -136,7 +136,8 @@ class EngineBench:
     def _aimed(self, cell: Cell) -> BenchFacts:
         """Return the facts of a cell with the places that the last search found, if they still hold."""
         bench = bench_of(cell)
-        # Where the beam was moved after the search, the cell file's places are as good as any.
-        with suppress(UsageError):
+        # Where the beam was moved after the search, or its record was changed, the cell file's places are as good
+        # as any.
+        with suppress(UsageError, StorageError):
             bench = find_aim(bench, self._root).bench
         return facts_of(cell, bench)

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Literal
 
 from app.errors import StorageError, UsageError
-from app.store.reader import RunReader, Status
+from app.store.reader import Accept, RunReader, Status
 from app.store.seal import DATABASE
 
 _NAME = re.compile(r"(?P<started>\d{8}T\d{6}Z)_(?P<procedure>.+)_(?P<id>[0-9a-f]{6})")
@@ -75,7 +75,7 @@ def _named(root: Path) -> list[tuple[Path, re.Match[str]]]:
 def _summary(path: Path, match: re.Match[str]) -> RunSummary:
     status: Status | Literal["damaged"]
     try:
-        status = RunReader(path).status
+        status = RunReader(path, Accept.UNCHECKED).status
     except StorageError:
         status = "damaged"
     return RunSummary(path, match["id"], match["procedure"], match["started"], status)

@@ -93,6 +93,11 @@ class Accept(Enum):
     """All, unseen: for lists of runs, and for what checks them itself."""
 
 
+def accept(*, unverified: bool) -> Accept:
+    """Return which runs a command takes, with or without `--unverified`."""
+    return Accept.CHANGED if unverified else Accept.SOUND
+
+
 class RunReader:
     """A run, read-only.
 
@@ -102,7 +107,7 @@ class RunReader:
 
     Args:
         path: the run's directory.
-        accept: which runs are taken.
+        terms: which runs are taken.
 
     Attributes:
         path: the run's directory.
@@ -112,22 +117,22 @@ class RunReader:
         StorageError: it is no run, it is damaged or was changed, or a newer program wrote it.
     """
 
-    def __init__(self, path: Path, accept: Accept = Accept.SOUND) -> None:
+    def __init__(self, path: Path, terms: Accept = Accept.SOUND) -> None:
         self.path = path
         self.unverified: list[str] = []
-        self._accept = accept
+        self._terms = terms
         self._database = path / DATABASE
         # A name, not a folder's way of writing it: "." has none.
         self._name = path.resolve().name
         open_reader(self._database).close()
-        found = () if accept is Accept.UNCHECKED else changes(path)
-        if found and accept is Accept.SOUND:
+        found = () if terms is Accept.UNCHECKED else changes(path)
+        if found and terms is Accept.SOUND:
             raise StorageError(
                 f"{self._name} is not what was sealed at its end: {'; '.join(found)}; catseye verify checks it. "
                 "identify, report, export and show take it with --unverified, and what comes out says so"
             )
         self.unverified += [f"{self._name}: {text}" for text in found]
-        self._checked = accept is not Accept.UNCHECKED and not found
+        self._checked = terms is not Accept.UNCHECKED and not found
         if self._checked and (texts := damage(path)):
             raise self._damaged("; ".join(texts))
 
@@ -137,7 +142,7 @@ class RunReader:
         Raises:
             StorageError: as for the first one.
         """
-        other = RunReader(path, self._accept)
+        other = RunReader(path, self._terms)
         self.unverified += [text for text in other.unverified if text not in self.unverified]
         other.unverified = self.unverified
         return other
@@ -181,7 +186,7 @@ class RunReader:
         with self._decoding():
             return [StoredEvent(**{**row, "data": _fields(row["data"])}) for row in rows]
 
-    def prompts(self) -> list[dict[str, Json]]:
+    def prompts(self) -> list[dict[str, Any]]:
         """Return questions and answers in the order of the answers, with their places among all that was stored."""
         return self._rows("prompts")
 
