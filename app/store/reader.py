@@ -12,7 +12,7 @@ from typing import Any, Literal
 from app.errors import StorageError
 from app.store.lock import is_being_written
 from app.store.rows import row_crc32
-from app.store.schema import RAW_TABLES, open_reader
+from app.store.schema import RAW_TABLES, UNREADABLE, open_reader
 from app.store.seal import DATABASE
 from app.store.soundness import changes, damage
 from procedures.context import Json, Table
@@ -277,7 +277,7 @@ class RunReader:
         with closing(open_reader(self._database)) as connection:
             try:
                 yield connection
-            except sqlite3.Error as error:
+            except UNREADABLE as error:
                 raise StorageError(f"{self._database} cannot be read: {error}") from error
 
     @contextmanager

@@ -107,6 +107,10 @@ VERSION = len(UPGRADES)
 """`user_version` of a file that this program writes."""
 
 
+UNREADABLE = (sqlite3.Error, UnicodeDecodeError)
+"""What reading a damaged file ends with; a broken text may stand even in SQLite's own message."""
+
+
 def open_writer(path: Path) -> sqlite3.Connection:
     """Open or create the file for writing, durable at every commit, and bring it to this version.
 
@@ -137,7 +141,7 @@ def open_reader(path: Path) -> sqlite3.Connection:
         version = _version(connection, path)
         if version == 0:
             raise StorageError(f"{path} is not a finished run file: it has no tables")
-    except (sqlite3.Error, StorageError) as error:
+    except (*UNREADABLE, StorageError) as error:
         connection.close()
         raise StorageError(f"{path} cannot be read: {error}") from error
     connection.row_factory = sqlite3.Row

@@ -1,14 +1,13 @@
 """Whether a run's files are what was written; asked before anybody uses what they say."""
 
 import os
-import sqlite3
 from collections.abc import Callable
 from contextlib import closing
 from pathlib import Path
 
 from app.errors import StorageError
 from app.store.lock import is_being_written
-from app.store.schema import open_reader
+from app.store.schema import UNREADABLE, open_reader
 from app.store.seal import DATABASE, Manifest, digest, read_manifest
 
 _Stamp = tuple[tuple[str, int, int, int, int], ...]
@@ -49,7 +48,7 @@ def integrity(database: Path) -> tuple[str, ...]:
     with closing(open_reader(database)) as connection:
         try:
             found = tuple(str(row[0]) for row in connection.execute("PRAGMA integrity_check"))
-        except sqlite3.Error as error:
+        except UNREADABLE as error:
             return (str(error),)
     return () if found == ("ok",) else found
 

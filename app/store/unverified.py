@@ -3,7 +3,7 @@
 from collections.abc import Iterator
 from contextlib import contextmanager
 
-from app.errors import StorageError
+from app.errors import StorageError, UsageError
 from app.store.reader import RunReader
 
 _OF_WRONG_DATA = (ArithmeticError, AttributeError, LookupError, TypeError, ValueError, RecursionError)
@@ -21,9 +21,10 @@ def taken_as_it_is(*readers: RunReader) -> Iterator[None]:
     """
     try:
         yield
-    except _OF_WRONG_DATA as error:
+    except (*_OF_WRONG_DATA, UsageError) as error:
         changed = dict.fromkeys(text for reader in readers for text in reader.unverified)
-        if not changed:
+        asked_wrongly = isinstance(error, UsageError) and not isinstance(error.__cause__, _OF_WRONG_DATA)
+        if not changed or asked_wrongly:
             raise
         raise StorageError(
             f"{'; '.join(changed)}; what it holds now cannot be used as a run ({type(error).__name__}: {error}): "

@@ -3,6 +3,7 @@
 import fcntl
 import json
 import os
+import shutil
 import sqlite3
 import stat
 import threading
@@ -110,6 +111,27 @@ async def test_p4_a_log_on_a_full_disk_is_a_failure_too(tmp_path: Path) -> None:
     with pytest.raises(StorageError, match="No space left"):
         await store.event("note")
     await store.abandon()
+
+
+@pytest.mark.parametrize("name", ["run.sqlite", "run.sqlite-wal"])
+@pytest.mark.parametrize("replaced", [False, True])
+async def test_p4_nothing_is_acknowledged_in_a_file_that_is_gone(
+    store: RunStore, name: str, replaced: bool
+) -> None:
+    failures: list[StorageError] = []
+    store.on_failure = failures.append
+    await store.append_step("s1", 1, "first", {}, [])
+    if replaced:
+        shutil.copy(store.path / name, store.path / "copy")
+        (store.path / "copy").rename(store.path / name)
+    else:
+        (store.path / name).unlink()
+    with pytest.raises(StorageError, match=name):
+        await store.append_step("s2", 1, "second", {}, [])
+    with pytest.raises(StorageError, match="nothing more is stored"):
+        await store.finish("complete", 0)
+    assert seal.read_manifest(store.path) is None
+    assert len(failures) == 1
 
 
 async def test_p4_no_run_begins_without_a_reserve(tmp_path: Path) -> None:

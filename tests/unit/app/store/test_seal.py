@@ -1,0 +1,98 @@
+"""Sealing keeps to the run's own files."""
+
+import os
+import stat
+from pathlib import Path
+
+import pytest
+
+from app.errors import StorageError
+from app.store import seal
+from app.store.seal import MANIFEST
+
+NOW_UTC = "2026-01-02T00:00:00+00:00"
+
+
+@pytest.fixture
+def run(tmp_path: Path) -> Path:
+    path = tmp_path / "run"
+    path.mkdir()
+    (path / "run.sqlite").write_bytes(b"data")
+    return path
+
+
+@pytest.fixture
+def outside(tmp_path: Path) -> Path:
+    path = tmp_path / "secret"
+    path.write_text("secret")
+    path.chmod(0o600)
+    return path
+
+
+def mode_of(path: Path) -> int:
+    return stat.S_IMODE(path.lstat().st_mode)
+
+
+def sealed_files(run: Path) -> set[str]:
+    manifest = seal.read_manifest(run)
+    assert manifest is not None
+    return set(manifest.files)
+
+
+def sealed_files_after(run: Path) -> set[str]:
+    seal.seal(run, NOW_UTC)
+    return sealed_files(run)
+
+
+def test_a_linked_file_keeps_its_permissions(run: Path, outside: Path) -> None:
+    (run / "notes").symlink_to(outside)
+    seal.seal(run, NOW_UTC)
+    assert mode_of(outside) == 0o600
+    seal.unseal(run)
+    assert mode_of(outside) == 0o600
+    assert sealed_files_after(run) == {"run.sqlite"}
+
+
+def test_a_draft_that_is_a_link_is_not_written_through(run: Path, outside: Path) -> None:
+    (run / f"{MANIFEST}.tmp").symlink_to(outside)
+    seal.seal(run, NOW_UTC)
+    assert outside.read_text() == "secret"
+    assert not (run / MANIFEST).is_symlink()
+    assert sealed_files(run) == {"run.sqlite"}
+
+
+def test_a_pipe_in_a_run_is_passed_over(run: Path) -> None:
+    os.mkfifo(run / "pipe", 0o600)
+    seal.seal(run, NOW_UTC)
+    assert mode_of(run / "pipe") == 0o600
+    assert sealed_files(run) == {"run.sqlite"}
+    seal.unseal(run)
+
+
+def test_a_folder_in_a_run_can_still_be_entered(run: Path) -> None:
+    (run / "photos").mkdir(mode=0o755)
+    seal.seal(run, NOW_UTC)
+    assert mode_of(run / "photos") == 0o755
+    assert sealed_files(run) == {"run.sqlite"}
+
+
+def test_nobody_gains_the_right_to_read(run: Path) -> None:
+    (run / "run.sqlite").chmod(0o640)
+    seal.seal(run, NOW_UTC)
+    assert mode_of(run / "run.sqlite") == 0o440
+    seal.unseal(run)
+    assert mode_of(run / "run.sqlite") == 0o640
+
+
+@pytest.mark.parametrize("kind", ["link", "pipe", "folder"])
+def test_a_manifest_that_is_no_file_is_refused(run: Path, outside: Path, kind: str) -> None:
+    path = run / MANIFEST
+    match kind:
+        case "link":
+            path.symlink_to(outside)
+        case "pipe":
+            os.mkfifo(path)
+        case _:
+            path.mkdir()
+    with pytest.raises(StorageError, match=MANIFEST):
+        seal.read_manifest(run)

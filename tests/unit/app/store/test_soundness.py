@@ -1,0 +1,132 @@
+"""Who opens a run that was changed after its end is told so."""
+
+import sqlite3
+from contextlib import closing
+from pathlib import Path
+
+import pytest
+
+from app.errors import StorageError
+from app.store import soundness
+from app.store.catalog import list_runs
+from app.store.reader import Accept, RunReader
+from app.store.run_store import RunStore
+from app.store.schema import RAW_TABLES
+from app.store.seal import MANIFEST, digest
+from app.store.verify import verify
+from tests.unit.app.store.fakes import SEARCH_ROW, TickingClock
+
+CHANGED = "run.sqlite was changed after the end"
+
+
+async def stored(root: Path, status: str | None = "complete") -> Path:
+    store = await RunStore.create(root, "search", {}, TickingClock(), reserve_bytes=0)
+    await store.append_step("s1", 1, "first", {}, [("search", SEARCH_ROW)] * 3)
+    await (store.abandon() if status is None else store.finish(status, 0))
+    return store.path
+
+
+def tamper(run: Path, *statements: str) -> None:
+    (run / "run.sqlite").chmod(0o644)
+    with closing(sqlite3.connect(run / "run.sqlite", isolation_level=None)) as connection:
+        for table in RAW_TABLES:
+            for verb in ("update", "delete"):
+                connection.execute(f"DROP TRIGGER IF EXISTS {table}_no_{verb}")
+        for statement in statements:
+            connection.execute(statement)
+
+
+TURNED = "UPDATE search SET theta1_deg = 1.5 WHERE seq = 2"
+
+
+async def test_a_changed_sealed_run_is_refused(tmp_path: Path) -> None:
+    run = await stored(tmp_path)
+    tamper(run, TURNED)
+    with pytest.raises(StorageError, match=CHANGED) as refusal:
+        RunReader(run)
+    assert "--unverified" in str(refusal.value)
+    assert run.name in str(refusal.value)
+
+
+async def test_a_changed_run_is_taken_on_demand(tmp_path: Path) -> None:
+    run = await stored(tmp_path)
+    tamper(run, TURNED)
+    reader = RunReader(run, Accept.CHANGED)
+    assert reader.search()[1]["theta1_deg"] == 1.5
+    assert reader.unverified == [f"{run.name}: {CHANGED}"]
+
+
+async def test_a_sound_run_taken_unverified_has_nothing_against_it(tmp_path: Path) -> None:
+    assert RunReader(await stored(tmp_path), Accept.CHANGED).unverified == []
+
+
+async def test_runs_opened_beside_one_are_told_with_it(tmp_path: Path) -> None:
+    first, second, third = [await stored(tmp_path) for _ in range(3)]
+    tamper(third, TURNED)
+    reader = RunReader(first, Accept.CHANGED)
+    reader.beside(second).beside(third)
+    assert reader.unverified == [f"{third.name}: {CHANGED}"]
+    with pytest.raises(StorageError, match=third.name):
+        RunReader(first).beside(third)
+
+
+async def test_a_damaged_manifest_is_refused(tmp_path: Path) -> None:
+    run = await stored(tmp_path)
+    (run / MANIFEST).chmod(0o644)
+    (run / MANIFEST).write_text("{}")
+    with pytest.raises(StorageError, match=r"manifest\.json is damaged"):
+        RunReader(run)
+
+
+async def test_a_changed_row_of_an_unsealed_run_is_refused(tmp_path: Path) -> None:
+    run = await stored(tmp_path, None)
+    tamper(run, TURNED)
+    with pytest.raises(StorageError, match="row 2 of search is not what was written"):
+        RunReader(run).search()
+    assert any("row 2 of search" in problem for problem in verify(run).problems)
+
+
+async def test_a_missing_last_row_of_an_unsealed_run_is_refused(tmp_path: Path) -> None:
+    run = await stored(tmp_path, None)
+    tamper(run, "DELETE FROM search WHERE seq = 3")
+    with pytest.raises(StorageError, match="row 3 of search is missing"):
+        RunReader(run).search()
+
+
+async def test_a_list_of_runs_reads_no_file_whole(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    run = await stored(tmp_path)
+    monkeypatch.setattr("app.store.soundness.digest", lambda _directory: pytest.fail("hashed"))
+    assert [found.status for found in list_runs(tmp_path)] == ["complete"]
+    assert RunReader(run, Accept.UNCHECKED).status == "complete"
+
+
+async def test_files_are_hashed_once_until_they_change(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    run, hashed = await stored(tmp_path), []
+
+    def counted(directory: Path) -> object:
+        hashed.append(directory)
+        return digest(directory)
+
+    monkeypatch.setattr(soundness, "digest", counted)
+    for _ in range(3):
+        RunReader(run).search()
+    assert len(hashed) == 1
+    tamper(run, TURNED)
+    with pytest.raises(StorageError):
+        RunReader(run)
+    assert len(hashed) == 2
+
+
+async def test_a_run_that_somebody_goes_on_with_is_not_called_changed(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    run = await stored(tmp_path, "stopped")
+
+    def reopened_meanwhile(directory: Path) -> object:
+        (directory / MANIFEST).unlink(missing_ok=True)
+        return {}
+
+    monkeypatch.setattr(soundness, "digest", reopened_meanwhile)
+    assert RunReader(run).status == "stopped"
