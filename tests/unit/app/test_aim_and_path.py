@@ -9,7 +9,7 @@ import pytest
 from app.aim import find_aim
 from app.analysis.path_rows import path_measurement
 from app.analysis.validation import established_rows
-from app.errors import UsageError
+from app.errors import StorageError, UsageError
 from app.store.reader import RunReader
 from app.store.run_store import RunStore
 from calibration.points import Commands
@@ -177,3 +177,12 @@ def test_a_direction_holds_again_after_the_take_up_angle() -> None:
     assert established_rows(commands, np.radians(1.0)).tolist() == expected
     swapped = Commands(still, theta1, np.ones(9, dtype=np.int64), directions)
     assert established_rows(swapped, np.radians(1.0)).tolist() == expected
+
+
+async def test_a_changed_search_aims_nothing(shelf: Shelf) -> None:
+    search = await shelf.put("reflector-search", solution(651.0))
+    (search / "wire.log").chmod(0o644)
+    (search / "wire.log").write_text("changed")
+    for wanted in ("auto", search.name):
+        with pytest.raises(StorageError, match=search.name):
+            find_aim(bench(), shelf.root, wanted)

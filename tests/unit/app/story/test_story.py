@@ -256,3 +256,22 @@ async def test_the_summary_counts_lives_distances_and_segments(author: Author) -
 )
 def test_results_read_with_units_and_few_digits(kind: str, data: dict[str, Json], text: str) -> None:
     assert event_text(StoredEvent(1, "2026-01-02T03:04:05Z", kind, data)) == text
+
+
+async def test_a_clock_that_jumps_back_disorders_nothing(author: Author) -> None:
+    await author.event("warning", text="one")
+    await author.points(0, 1, 0)
+    author.clock.advance(-3600.0)
+    await author.event("warning", text="two")
+    await author.answer("clear", "Clear?", "yes", "Ada")
+    await author.points(2, 2, 0)
+    await author.event("warning", text="three")
+    await author.die()
+    author.clock.advance(-3600.0)
+    await author.reopen(1.0)
+    wanted = ("one", "points 1…2", "two", "QUESTION", "ANSWER", "point 3", "three", "DIED", "RESUMED")
+    lines = told(author)
+    found = [next(i for i, line in enumerate(lines) if text in line) for text in wanted]
+    assert found == sorted(found)
+    assert "an unknown time (the clock was set back)" in lines[found[-1]]
+    await author.die()
