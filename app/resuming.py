@@ -10,7 +10,7 @@ from pydantic import ValidationError
 from app.cell.bench import bench_of
 from app.cell.load import LoadedCell
 from app.cell.model import Cell
-from app.errors import UsageError
+from app.errors import StorageError, UsageError
 from app.plan_digest import plan_digest
 from app.procedure_list import Runnable, load_procedure
 from app.running import PlannedRun
@@ -43,6 +43,7 @@ def plan_resume(root: Path, run: str, changed: LoadedCell | None = None) -> Plan
     path = resolve_run(root, run)
     reader = RunReader(path)
     _require_resumable(reader)
+    _require_whole(reader)
     meta: dict[str, Any] = dict(reader.meta)
     loaded = _configured(reader, meta)
     if changed is not None:
@@ -74,6 +75,14 @@ def plan_resume(root: Path, run: str, changed: LoadedCell | None = None) -> Plan
 def _require_resumable(reader: RunReader) -> None:
     if text := why_not_resumable(reader):
         raise UsageError(text)
+
+
+def _require_whole(reader: RunReader) -> None:
+    """Check every stored row, also of those tables that only the run itself looks into when it goes on."""
+    if texts := reader.misfits():
+        raise StorageError(
+            f"{reader.path.name} is damaged and cannot go on: {texts[0]}; catseye verify tells more; start a new run"
+        )
 
 
 def _configured(reader: RunReader, meta: Mapping[str, Any]) -> LoadedCell:

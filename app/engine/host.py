@@ -39,7 +39,7 @@ from app.engine.waiting import cancel, uncancelled, within
 from app.errors import SafetyError, StorageError, TerminatedRunError, UsageError
 from app.exitcode import ExitCode
 from app.store.lines import LogHandler
-from app.store.reader import RunReader
+from app.store.reader import Accept, RunReader
 from app.store.run_store import DEFAULT_RESERVE_BYTES, RunStore
 from drivers.clock import Clock
 from procedures.context import Context, Json
@@ -242,7 +242,7 @@ class _Run:
         return ending
 
     async def _prepare(self, devices: Devices) -> RunContext:
-        reentry = Reentry(RunReader(self._store.path)) if self._store.resumed else None
+        reentry = Reentry(RunReader(self._store.path, Accept.UNCHECKED)) if self._store.resumed else None
         if reentry is None or reentry.abort_cause is None:
             self._control.starting()
         identities = await self._control.command(connect_all(devices))
@@ -335,7 +335,7 @@ class _Run:
             )
 
     def _require_same_compensation(self, present: dict[str, Json]) -> None:
-        meta = RunReader(self._store.path).meta
+        meta = RunReader(self._store.path, Accept.UNCHECKED).meta
         # A run of format 1 took lengths as the instrument gave them and did not say so.
         silent = "devices" in meta and "compensation" not in meta
         if (present["by"] != "instrument") if silent else (meta.get("compensation", present) != present):
@@ -353,7 +353,7 @@ class _Run:
                 self._announcer.say("warning", text=text, data={"device": name})
 
     async def _describe(self, facts: dict[str, Json], simulated: bool) -> None:
-        stored = RunReader(self._store.path).meta
+        stored = RunReader(self._store.path, Accept.UNCHECKED).meta
         if stored.get("simulated", simulated) != simulated:
             raise SafetyError(
                 f"{self._store.path.name} was begun with {'real' if simulated else 'emulated'} devices and cannot "

@@ -2,6 +2,8 @@
 
 import re
 import shutil
+import sqlite3
+from contextlib import closing
 from pathlib import Path
 from typing import Any
 
@@ -9,7 +11,7 @@ import pytest
 
 from app.cell.load import load_cell
 from app.cell.template import TEMPLATE
-from app.errors import UsageError
+from app.errors import StorageError, UsageError
 from app.plan_digest import plan_digest
 from app.procedure_list import load_procedure, parse_params
 from app.resuming import plan_resume
@@ -217,3 +219,21 @@ def test_a_plan_has_one_fingerprint_in_every_process(cell: Path, root: Path) -> 
     assert plan_digest(0.1 + 0.2) == plan_digest(0.3)
     assert plan_digest({1.0, 2.0}) == plan_digest({2.0, 1.0})
     assert plan_digest(-0.0) == plan_digest(0.0)
+
+
+async def test_a_run_changed_after_its_end_does_not_go_on(cell: Path, root: Path) -> None:
+    run = (await interrupted(cell, root)).path
+    (run / "app.log").chmod(0o644)
+    (run / "app.log").write_text("changed")
+    with pytest.raises(StorageError, match=r"app\.log was changed after the end"):
+        plan_resume(root, run.name)
+
+
+async def test_a_dead_run_with_a_changed_row_does_not_go_on(cell: Path, root: Path) -> None:
+    store = await interrupted(cell, root, status=None)
+    await store.abandon()
+    with closing(sqlite3.connect(store.path / "run.sqlite")) as connection, connection:
+        connection.execute("DROP TRIGGER steps_no_update")
+        connection.execute("UPDATE steps SET result = '{\"changed\":1}'")
+    with pytest.raises(StorageError, match="row 1 of steps is not what was written"):
+        plan_resume(root, store.path.name)
