@@ -61,6 +61,10 @@ class LimitError(SafetyError):
     """A target lies outside the limits of the cell; the robot was not moved."""
 
 
+class UnwalkedError(LimitError):
+    """A real arm would drive where nobody has walked it; it was not moved."""
+
+
 class ConditionLostError(SafetyError):
     """The surroundings do not permit motion now; a run is suspended until they do."""
 

@@ -17,6 +17,8 @@ from app.running import PlannedRun
 from app.store.catalog import resolve_run
 from app.store.reader import RunReader
 from app.store.resumable import why_not_resumable, writer_of
+from app.walk.planning import as_walk
+from app.walk.register import WALK, own_legs
 from procedures.bench import Bench
 from procedures.context import Json
 
@@ -49,7 +51,8 @@ def plan_resume(root: Path, run: str, changed: LoadedCell | None = None) -> Plan
     if changed is not None:
         _require_same_but_links(path.name, loaded.cell, changed.cell)
         loaded = changed
-    procedure = load_procedure(str(meta["procedure"]))
+    walked = meta.get(WALK)
+    procedure = load_procedure(str(meta["procedure"] if walked is None else walked["procedure"]))
     params = _params(path.name, procedure, meta["params"])
     bench = _aimed(bench_of(loaded.cell), meta["aimed"])
     plan = procedure.plan(bench, params)
@@ -58,7 +61,7 @@ def plan_resume(root: Path, run: str, changed: LoadedCell | None = None) -> Plan
             f"{path.name} was planned by catseye {writer_of(meta)} and this program plans it differently: its steps "
             "would not fit together; go on with that version, or start a new run; the points so far stay usable"
         )
-    return PlannedRun(
+    planned = PlannedRun(
         loaded,
         procedure,
         params,
@@ -70,6 +73,7 @@ def plan_resume(root: Path, run: str, changed: LoadedCell | None = None) -> Plan
         clock_speed=float(meta["clock_speed"]),
         relinked=changed is not None,
     )
+    return planned if walked is None else as_walk(planned, root, own_legs(path))
 
 
 def _require_resumable(reader: RunReader) -> None:

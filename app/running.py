@@ -1,8 +1,10 @@
 """A procedure on a cell: planned, then run or rehearsed."""
 
+import asyncio
 import getpass
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -27,9 +29,15 @@ from app.instruments import device_builder
 from app.plan_digest import plan_digest
 from app.procedure_list import Runnable
 from app.store.reader import RunReader
+from app.walk.fed_robot import fed
+from app.walk.register import WALK, walk_fact, walked_legs
+from app.walk.rule import WalkRule
+from app.walk.tube import Leg
+from app.walk.walk import Walk
 from drivers.clock import SystemClock
 from procedures.bench import Bench
 from procedures.context import Json
+from procedures.devices import Joints
 
 
 @dataclass(frozen=True)
@@ -47,6 +55,7 @@ class PlannedRun:
         resume: directory of the interrupted run that goes on; None for a new one.
         clock_speed: of the interrupted run, bench seconds in one real second.
         relinked: the interrupted run goes on with other endpoints or time-outs than before.
+        walk: the run is this walk-through of a procedure; None for a procedure itself.
     """
 
     loaded: LoadedCell
@@ -59,6 +68,7 @@ class PlannedRun:
     resume: Path | None = None
     clock_speed: float = 1.0
     relinked: bool = False
+    walk: Walk | None = None
 
 
 def plan_run(
@@ -94,6 +104,7 @@ async def carry_out(
     answerer: Answerer | None = None,
     on_open: OnOpen | None = None,
     observe: Callable[[DeviceBuilder], DeviceBuilder] = lambda build: build,
+    waive_walk: str | None = None,
 ) -> RunOutcome:
     """Run a planned procedure on the cell's devices.
 
@@ -108,6 +119,7 @@ async def carry_out(
         answerer: a front end that answers questions.
         on_open: lets a service reach the run while its record is open.
         observe: returns a builder of the same devices that lets somebody see what passes.
+        waive_walk: why a real arm may be driven where it was not walked.
     """
     cell, clock = planned.loaded.cell, SystemClock(speed)
     request = RunRequest(
@@ -129,24 +141,42 @@ async def carry_out(
         answerer=answerer,
         hands=_hands(cell),
         on_open=on_open,
+        walk_rule=WalkRule(partial(motions_from, planned), partial(walked_legs, root, cell), waive_walk),
     )
     build = observe(device_builder(cell, clock))
+    if (walk := planned.walk) is not None:
+        request = replace(
+            request, override_cap_percent=walk.cap_percent, on_open=walk.opened(on_open), walk_rule=None
+        )
+        build = fed(build, walk)
     return await run_procedure(request, build, clock, publish, install_signals)
 
 
-async def rehearse(planned: PlannedRun) -> DryRunContext:
-    """Run a planned procedure without any device and return what it would do; what is done already is left out."""
+async def rehearse(planned: PlannedRun, here: Joints | None = None) -> DryRunContext:
+    """Run a planned procedure without any device and return what it would do; what is done already is left out.
+
+    Args:
+        planned: what plan_run returned.
+        here: where the arm stands; stretched out at its height when nobody knows.
+    """
     bench = planned.bench
     steps = [] if planned.resume is None else RunReader(planned.resume).steps()
     context = DryRunContext(
         joint_limits(bench),
         bench,
-        pose=(0.0, 0.0, bench.arm.j3_mm, 0.0),
+        pose=here or (0.0, 0.0, bench.arm.j3_mm, 0.0),
         done={step.step_id: step.result for step in steps},
     )
     await planned.procedure.run(context, planned.plan)
     await planned.procedure.teardown(context)
     return context
+
+
+async def motions_from(planned: PlannedRun, here: Joints) -> list[Leg]:
+    """Return every straight motion that a planned run would drive from where the arm stands."""
+    # A rehearsal takes seconds, in which the loop has to go on.
+    context = await asyncio.to_thread(lambda: asyncio.run(rehearse(planned, here)))
+    return [Leg(start, end) for start, end in context.motions]
 
 
 def joint_limits(bench: Bench) -> JointLimits:
@@ -158,8 +188,10 @@ def joint_limits(bench: Bench) -> JointLimits:
 
 def run_meta(planned: PlannedRun, speed: float) -> dict[str, Json]:
     """Return what a new run stores about itself: everything that going on with it needs."""
-    loaded = planned.loaded
+    loaded, walk = planned.loaded, planned.walk
+    walked: dict[str, Json] = {} if walk is None else {WALK: walk_fact(walk.procedure.name, loaded.cell)}
     return {
+        **walked,
         "configuration": loaded.cell.model_dump(mode="json"),
         "configuration_origins": dict(loaded.origins),
         "configuration_file": str(loaded.path),

@@ -46,6 +46,7 @@ class Arm:
         j4_limits_deg: smallest and largest J4, cables included.
         j3_mm: height at which everything is measured.
         j3_range_mm: heights that J3 may be driven to, for the levelling of the beam.
+        j3_speed_mm_s: fastest J3 at 100 % override, for the speed of a walk-through.
         speed_deg_s: fastest J1, J2, J4 at 100 % override, for the time estimate.
         acceleration_deg_s2: acceleration of J1, J2, J4, for the time estimate.
         override_percent: speed override of the run.
@@ -67,6 +68,7 @@ class Arm:
     follow_speed_deg_s: float = 20.0
     follow_acceleration_deg_s2: float = 200.0
     j3_range_mm: tuple[float, float] | None = None
+    j3_speed_mm_s: float = 1100.0
 
 
 @dataclass(frozen=True)

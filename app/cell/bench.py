@@ -68,6 +68,7 @@ def _arm(cell: Cell) -> Arm:
         j3_mm=robot.j3_mm,
         j3_range_mm=None if robot.j3_range_mm is None else (robot.j3_range_mm[0], robot.j3_range_mm[1]),
         speed_deg_s=_triple(robot.speed_deg_s),
+        j3_speed_mm_s=robot.j3_speed_mm_s,
         acceleration_deg_s2=_triple(robot.acceleration_deg_s2),
         override_percent=robot.override_cap_percent,
         following=following_of(robot.driver),

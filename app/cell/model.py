@@ -63,6 +63,7 @@ class Robot(Section):
     # The sheet gives the speeds of J1, J2, J4 from memory of a catalogue: they serve estimates of time, and of the
     # way that a joint needs to stop as long as a jog by hand has not shown its speed.
     speed_deg_s: Triple = Field(default=[420.0, 720.0, 3000.0])
+    j3_speed_mm_s: Positive = 1100.0
     acceleration_deg_s2: Triple = Field(default=[2000.0, 4000.0, 15000.0])
     # Only where set points are streamed: the fastest joint on the way from node to node.
     follow_speed_deg_s: Positive = 20.0

@@ -16,7 +16,7 @@ from app.engine.measuring import AirCache, measure, unless_dark
 from app.engine.operator import Answer, Operator
 from app.engine.timekeeping import Progress, StepTime
 from app.engine.waiting import cancel, uncancelled
-from app.errors import ConditionLostError, ConfigError, UsageError
+from app.errors import ConditionLostError, ConfigError, UnwalkedError, UsageError
 from app.files.measured_csv import read_typed_csv
 from app.store.rows import encode
 from app.store.run_store import RunStore
@@ -378,6 +378,10 @@ class RunContext:
                 await self._control.motion(look, moved)
             except ConditionLostError as error:
                 await self.wait_until(str(error), self._gate.conditions_hold)
+            except UnwalkedError as error:
+                if self._gate.walk_rule is None:
+                    raise
+                await self._gate.walk_rule.waive(str(error), self, self._store.append_meta)
             else:
                 crash_point("after-motion")
                 return

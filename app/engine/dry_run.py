@@ -3,6 +3,7 @@
 from collections.abc import Awaitable, Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from datetime import UTC, datetime, timedelta
+from itertools import pairwise
 
 import numpy as np
 
@@ -94,6 +95,7 @@ class DryRunContext:
         prompts: the questions that were asked.
         notes: events and warnings, as (kind, data).
         rows: what was recorded, as (table, row).
+        motions: every straight joint motion, from where to where.
     """
 
     limits: JointLimits
@@ -104,6 +106,7 @@ class DryRunContext:
     notes: list[tuple[str, dict[str, Json]]] = field(default_factory=list)
     rows: list[tuple[Table, Row]] = field(default_factory=list)
     done: Mapping[str, Row] = field(default_factory=dict)
+    motions: list[tuple[Joints, Joints]] = field(default_factory=list)
     _account: _Account = field(default_factory=_Account)
     _in_step: bool = False
     _lost: bool = False
@@ -196,6 +199,7 @@ class DryRunContext:
         account.moves += len(way)
         account.speeds = account.speeds.faster(self._model.speeds(self.pose, way))
         self._watch_beam(way)
+        self.motions += pairwise((self.pose, *way))
         self.pose = way[-1]
         self._questions = 0
 

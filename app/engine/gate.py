@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 from app.engine.conditions import Condition
 from app.errors import ConditionLostError, LimitError, SafetyError
+from app.walk.rule import WalkRule
 from procedures.devices import ControllerStatus, Joints, Robot
 
 # Rounding of a controller that keeps the override as a whole number or as text.
@@ -69,6 +70,7 @@ class MotionGate:
     Attributes:
         on_override: is told each override that was lowered on request and read back, percent.
         permit: raises when a stop has begun: nothing is told to the controller then, not even a lower override.
+        walk_rule: refuses what was not walked; None where nothing has to be.
     """
 
     def __init__(
@@ -86,6 +88,7 @@ class MotionGate:
         self._read_percent = override_cap_percent
         self.on_override: Callable[[float], None] = lambda _percent: None
         self.permit: Callable[[], None] = lambda: None
+        self.walk_rule: WalkRule | None = None
 
     @property
     def override_percent(self) -> float:
@@ -125,6 +128,7 @@ class MotionGate:
 
         Raises:
             LimitError: a target is outside the limits.
+            UnwalkedError: the motion has to be walked first.
             ConditionLostError: door or air forbid motion now.
             SafetyError: the controller's state or override forbid motion.
         """
@@ -134,6 +138,8 @@ class MotionGate:
         status = await self._robot.status()
         require_ready(status)
         self._require_override(status.override_percent)
+        if self.walk_rule is not None and self.walk_rule.in_force:
+            self.walk_rule.require(await self._robot.joints(), targets)
         self._read_percent = status.override_percent
         if self._read_percent > self._wanted_percent:
             await self._lower_to(self._wanted_percent)

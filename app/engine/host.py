@@ -41,8 +41,10 @@ from app.exitcode import ExitCode
 from app.store.lines import LogHandler
 from app.store.reader import Accept, RunReader
 from app.store.run_store import DEFAULT_RESERVE_BYTES, RunStore
+from app.walk.rule import WAIVER, WalkRule
 from drivers.clock import Clock
 from procedures.context import Context, Json
+from procedures.devices import DeviceIdentity, Robot
 
 _log = logging.getLogger(__name__)
 
@@ -103,6 +105,7 @@ class RunRequest:
         clock_speed: bench seconds in one real second; anything but 1 is for emulated devices only.
         speed_deg_s: fastest J1, J2, J4 at 100 % override, as questions before a motion tell them.
         on_open: lets a service reach the run while its record is open.
+        walk_rule: what a real arm has to be walked first; None where nothing has to be.
     """
 
     procedure: Procedure
@@ -126,6 +129,7 @@ class RunRequest:
     speed_deg_s: tuple[float, float, float] | None = None
     aim_simulated: bool | None = None
     on_open: OnOpen | None = None
+    walk_rule: WalkRule | None = None
 
 
 @dataclass(frozen=True)
@@ -285,6 +289,8 @@ class _Run:
         )
         if reentry is not None:
             await self._reenter(reentry, context, identities_as_json(identities))
+        if not simulated:
+            await self._require_walked(devices.robot, identities["robot"], gate, context)
         await self._control.command(self._ready(devices, gate))
         self._handle.gate = gate
         await self._tell_notes(devices)
@@ -315,6 +321,17 @@ class _Run:
             await reentry.clear(context.ask, self._state_changed)
             self._control.starting()
         await reentry.ask_for_reflectors(context.ask, self._store.event)
+
+    async def _require_walked(
+        self, robot: Robot, arm: DeviceIdentity, gate: MotionGate, context: RunContext
+    ) -> None:
+        """Have a real arm walked where it will be driven, or that waived; a run keeps its waiver."""
+        rule = self._request.walk_rule
+        if rule is None or WAIVER in RunReader(self._store.path).meta:
+            return
+        here = await self._control.command(robot.joints())
+        gate.walk_rule = rule
+        await rule.begin(arm, here, context, self._store.append_meta)
 
     def _conditions(self, devices: Devices) -> list[Condition]:
         conditions: list[Condition] = []

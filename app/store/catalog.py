@@ -42,6 +42,11 @@ def list_runs(root: Path) -> list[RunSummary]:
     return [_summary(path, match) for path, match in _named(root)]
 
 
+def paths_of(root: Path, procedure: str) -> list[Path]:
+    """Return the directories of the runs of a procedure, oldest first; none of them is opened."""
+    return [path for path, match in _named(root) if match["procedure"] == procedure]
+
+
 def resolve_run(root: Path, text: str) -> Path:
     """Return the run that is meant by a path, a name, the beginning of a name, or an id.
 

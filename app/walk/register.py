@@ -1,0 +1,123 @@
+"""The walks of a cell that still hold: nothing but the runs themselves says what was walked."""
+
+import hashlib
+import json
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any, Final
+
+from app.cell.model import Cell
+from app.errors import StorageError
+from app.store.catalog import paths_of
+from app.store.reader import RunReader, StoredStep
+from app.store.seal import read_manifest
+from app.store.verify import verify
+from app.walk.tube import Leg
+from procedures.context import Json
+from procedures.devices import DeviceIdentity, Joints
+
+WALK: Final = "walk"
+"""Name of the procedure that a walk is stored as, and of what its record says about it."""
+
+_NO_BODIES: Final = (
+    "format",
+    "interferometer",
+    "environment",
+    "air",
+    "io",
+    "material",
+    "tracker",
+    "device",
+    "alignment",
+    "conditions",
+    "engine",
+    "measurement",
+    "uncertainty",
+)
+"""Sections that say nothing about where anything stands. A section that is not named here counts."""
+
+_NO_GEOMETRY: Final = (
+    "driver",
+    "endpoint",
+    "datalink_endpoint",
+    "mxt_endpoint",
+    "settings",
+    "override_cap_percent",
+    "speed_deg_s",
+    "j3_speed_mm_s",
+    "acceleration_deg_s2",
+    "follow_speed_deg_s",
+    "follow_acceleration_deg_s2",
+)
+"""Keys of [robot] of which the same holds."""
+
+
+def geometry_digest(cell: Cell) -> str:
+    """Return the SHA-256 of everything in a cell file that a walk depends on: arm, limits, bodies, reflectors."""
+    values = cell.model_dump(mode="json")
+    robot = {key: value for key, value in values["robot"].items() if key not in _NO_GEOMETRY}
+    kept = {key: value for key, value in values.items() if key not in _NO_BODIES} | {"robot": robot}
+    return hashlib.sha256(json.dumps(kept, sort_keys=True).encode()).hexdigest()
+
+
+def walk_fact(procedure: str, cell: Cell) -> dict[str, Json]:
+    """Return what the record of a walk says about it."""
+    return {"procedure": procedure, "geometry_sha256": geometry_digest(cell)}
+
+
+def walked_legs(root: Path, cell: Cell, arm: DeviceIdentity) -> list[Leg]:
+    """Return every motion of sealed, unchanged walks of this arm in this cell that was driven to its end.
+
+    Args:
+        root: folder of all runs.
+        cell: as it is now.
+        arm: who answers now.
+    """
+    digest, found = geometry_digest(cell), []
+    for path in paths_of(root, WALK):
+        try:
+            if _holds(path, digest, arm):
+                found += own_legs(path)
+        except StorageError:
+            # A record that cannot be read shows nothing; at worst a motion is walked again.
+            continue
+    return found
+
+
+def own_legs(path: Path) -> list[Leg]:
+    """Return the motions of one walk that were driven to their end.
+
+    Raises:
+        StorageError: the run cannot be read.
+    """
+    return [_leg(step) for step in RunReader(path).steps()]
+
+
+def as_row(leg: Leg) -> dict[str, Json]:
+    """Return a motion as a step of a walk stores it."""
+    return {"from": list(leg.start), "to": list(leg.end)}
+
+
+def _leg(step: StoredStep) -> Leg:
+    return Leg(_joints(step.result["from"]), _joints(step.result["to"]))
+
+
+def _joints(stored: Any) -> Joints:
+    one, two, three, four = stored
+    return float(one), float(two), float(three), float(four)
+
+
+def _holds(path: Path, digest: str, arm: DeviceIdentity) -> bool:
+    meta = RunReader(path).meta
+    walk: Any = meta.get(WALK) or {}
+    devices: Any = meta.get("devices") or {}
+    same = walk.get("geometry_sha256") == digest and _is_arm(devices.get("robot") or {}, arm)
+    return same and read_manifest(path) is not None and verify(path).ok
+
+
+def _is_arm(stored: Mapping[str, Json], arm: DeviceIdentity) -> bool:
+    return (stored.get("model"), stored.get("serial"), stored.get("simulated")) == (
+        arm.model,
+        arm.serial,
+        arm.simulated,
+    )

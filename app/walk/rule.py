@@ -1,0 +1,142 @@
+"""A real arm drives only where it was walked, unless somebody has said in writing why not."""
+
+import asyncio
+from collections.abc import Awaitable, Callable, Mapping, Sequence
+from itertools import pairwise
+from typing import Final, Protocol
+
+from app.errors import PromptUnansweredError, UnwalkedError
+from app.walk.register import as_row
+from app.walk.speed import place_text
+from app.walk.tube import TUBE_DEG, TUBE_MM, Leg, Tubes
+from procedures.context import Json, Prompt
+from procedures.devices import DeviceIdentity, Joints
+
+WAIVER: Final = "walk_waiver"
+"""What a run calls it in its record."""
+
+PROMPT: Final = "walk/waiver"
+
+_LISTED: Final = 20
+"""Motions that a record lists; all of them are counted."""
+
+_REMEDY: Final = "walk the plan first (catseye run PROCEDURE --walk), or give a reason with --waive-walk"
+
+
+class Desk(Protocol):
+    """Asks and keeps."""
+
+    async def ask(self, prompt: Prompt) -> str:
+        """Put a question to the operator."""
+        ...
+
+    async def event(self, kind: str, **data: Json) -> None:
+        """Store and publish something that happened."""
+        ...
+
+
+Keep = Callable[[Mapping[str, Json]], Awaitable[None]]
+"""Adds to what a run says about itself."""
+
+
+class WalkRule:
+    """Knows which motions of one run were walked; in force on a real arm, from `begin` on, until it is waived.
+
+    Args:
+        motions_from: returns every motion that the run would drive from where the arm stands.
+        walked: returns the motions of valid walks of an arm.
+        reason: why motions may be driven that were not walked, as typed beforehand; None when nothing was typed.
+    """
+
+    def __init__(
+        self,
+        motions_from: Callable[[Joints], Awaitable[Sequence[Leg]]],
+        walked: Callable[[DeviceIdentity], Sequence[Leg]],
+        reason: str | None = None,
+    ) -> None:
+        self._motions_from = motions_from
+        self._walked = walked
+        self._reason = (reason or "").strip()
+        self._tubes: Tubes | None = None
+
+    @property
+    def in_force(self) -> bool:
+        """Motions are refused that were not walked."""
+        return self._tubes is not None
+
+    async def begin(self, arm: DeviceIdentity, here: Joints, desk: Desk, keep: Keep) -> None:
+        """Look at the whole plan before anything moves.
+
+        Args:
+            arm: who answers.
+            here: where it stands.
+            desk: asks for a waiver.
+            keep: keeps it.
+
+        Raises:
+            UnwalkedError: motions were not walked and nobody waives that.
+        """
+        motions = await self._motions_from(here)
+        tubes, left = await asyncio.to_thread(self._compared, arm, motions)
+        self._tubes = tubes
+        await desk.event(
+            "walked-motions", of=len(motions), unwalked=len(left), first=[as_row(leg) for leg in left[:_LISTED]]
+        )
+        if left:
+            text = f"{len(left)} of {len(motions)} motions of this run were not walked, the first {_leg_text(left[0])}"
+            await self.waive(text, desk, keep)
+
+    def require(self, start: Joints, way: Sequence[Joints]) -> None:
+        """Check a motion through targets.
+
+        Raises:
+            UnwalkedError: it leaves every tube.
+        """
+        if self._tubes is None:
+            return
+        for leg in (Leg(*ends) for ends in pairwise((start, *way))):
+            if not self._tubes.covers(leg):
+                raise UnwalkedError(
+                    f"the motion {_leg_text(leg)} was not walked: it leaves {TUBE_DEG:g}° and {TUBE_MM:g} mm around "
+                    "every motion that was"
+                )
+
+    async def waive(self, missing: str, desk: Desk, keep: Keep) -> None:
+        """Have somebody say why the rest of the run may be driven all the same; the run keeps it.
+
+        Args:
+            missing: what was not walked.
+            desk: asks.
+            keep: keeps the answer.
+
+        Raises:
+            UnwalkedError: nobody waives it.
+        """
+        reason = self._reason or await _asked(missing, desk)
+        if reason.lower() in {"", "no"}:
+            raise UnwalkedError(f"{missing}: nothing more is driven; {_REMEDY}")
+        await keep({WAIVER: {"reason": reason, "missing": missing}})
+        await desk.event("walk-waived", reason=reason, missing=missing)
+        self._tubes = None
+
+    def _compared(self, arm: DeviceIdentity, motions: Sequence[Leg]) -> tuple[Tubes, list[Leg]]:
+        tubes = Tubes(self._walked(arm))
+        return tubes, [leg for leg in motions if not tubes.covers(leg)]
+
+
+async def _asked(missing: str, desk: Desk) -> str:
+    prompt = Prompt(
+        id=PROMPT,
+        kind="text",
+        text=f"{missing}. Type why they may be driven at full speed all the same (the run keeps it), or no.",
+        motion=True,
+        rests_after=("no",),
+    )
+    try:
+        return (await desk.ask(prompt)).strip()
+    except PromptUnansweredError as error:
+        raise UnwalkedError(f"{missing}: nothing was moved; {_REMEDY}") from error
+
+
+def _leg_text(leg: Leg) -> str:
+    return f"from {place_text(leg.start)} to {place_text(leg.end)}"
