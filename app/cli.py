@@ -13,7 +13,7 @@ import typer
 from typer.core import TyperGroup
 
 from app.analysis_cli import add_analysis
-from app.cli_options import AsJson, CellFile, Runs, Seed, Speed, Truth, Unverified
+from app.cli_options import AsJson, CellFile, Runs, Seed, Speed, Truth, Unverified, WaiveWalk
 
 
 class _Commands(TyperGroup):
@@ -243,6 +243,13 @@ def run(
     ] = None,
     speed: Speed = 1.0,
     dry_run: Annotated[bool, typer.Option("--dry-run", help="plan and rehearse, touch no device")] = False,
+    walk: Annotated[
+        bool,
+        typer.Option(
+            "--walk", help="walk its motions through: slowly, nothing measured, while the space bar is held"
+        ),
+    ] = False,
+    waive_walk: WaiveWalk = None,
     detach: Annotated[
         bool, typer.Option("--detach", help="let it run on by itself; catseye attach joins it")
     ] = False,
@@ -251,13 +258,20 @@ def run(
 ) -> None:
     """Run a procedure headless. Ctrl-C: once holds, twice stops, three times aborts. This is no emergency stop.
 
+    With --walk the arm moves while the space bar is held and stops when it is let go. That is no enabling device.
+
     Example: catseye run open-loop --cell cell.toml --dry-run
     """
     from app.commands.run import detached_command, run_command
+    from app.errors import UsageError
 
+    if detach and walk:
+        raise UsageError("a walk needs somebody at its keys: leave --detach out")
     if detach and not dry_run:
-        detached_command(procedure, cell, param or [], search, answers, arm, speed, runs, as_json)
-    run_command(procedure, cell, param or [], search, answers, arm, speed, dry_run, runs, as_json)
+        detached_command(procedure, cell, param or [], search, answers, arm, speed, waive_walk, runs, as_json)
+    run_command(
+        procedure, cell, param or [], search, answers, arm, speed, dry_run, walk, waive_walk, runs, as_json
+    )
 
 
 @cli.command()
@@ -340,6 +354,7 @@ def resume(
         typer.Option(min=0.001, max=1e6, help="bench seconds in one real second; emulators only [as before]"),
     ] = None,
     dry_run: Annotated[bool, typer.Option("--dry-run", help="plan and rehearse, touch no device")] = False,
+    waive_walk: WaiveWalk = None,
     runs: Runs = None,
     as_json: AsJson = False,
 ) -> None:
@@ -351,7 +366,7 @@ def resume(
     """
     from app.commands.resume import resume_command
 
-    resume_command(run, cell, answers, arm, speed, dry_run, runs, as_json)
+    resume_command(run, cell, answers, arm, speed, dry_run, waive_walk, runs, as_json)
 
 
 @cli.command("runs")

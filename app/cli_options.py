@@ -19,6 +19,12 @@ Unverified = Annotated[
 Speed = Annotated[
     float, typer.Option(min=0.001, max=1e6, help="bench seconds in one real second; emulators only")
 ]
+WaiveWalk = Annotated[
+    str | None,
+    typer.Option(
+        "--waive-walk", metavar="TEXT", help="why a real arm may drive what was not walked; the run keeps it"
+    ),
+]
 Seed = Annotated[int, typer.Option(min=0, help="of everything random in the emulated bench")]
 Truth = Annotated[
     Path | None, typer.Option(help="result JSON with the emulated arm's true links, maps, reflectors")

@@ -6,7 +6,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal
 
 from pydantic import BaseModel
 
@@ -69,6 +69,11 @@ class PlannedRun:
     clock_speed: float = 1.0
     relinked: bool = False
     walk: Walk | None = None
+
+    @property
+    def on_client_lost(self) -> Literal["continue", "hold", "stop"]:
+        """What becomes of the run when the client with control is lost: nobody walks an arm alone."""
+        return "stop" if self.walk is not None else self.loaded.cell.engine.on_client_lost
 
 
 def plan_run(

@@ -8,40 +8,68 @@ from pathlib import Path
 
 from app.bench.facts import facts_of
 from app.commands.narrator import Narrator
+from app.commands.walk_keys import HINT, WalkKeys
+from app.engine.announcer import Publish
 from app.engine.host import RunOutcome
 from app.running import PlannedRun, carry_out
 from app.service.console import KEYS, Console
-from app.service.lines import Lines
+from app.service.lines import Lines, in_foreground
 from app.service.run_service import RunService
+from drivers.clock import SystemClock
 
 
 async def serve_and_run(
-    planned: PlannedRun, root: Path, answers: Path | None, arm: str | None, speed: float, *, as_json: bool
+    planned: PlannedRun,
+    root: Path,
+    answers: Path | None,
+    arm: str | None,
+    speed: float,
+    waive_walk: str | None,
+    *,
+    as_json: bool,
 ) -> RunOutcome:
     """Carry a plan out and serve clients meanwhile."""
     at_terminal = not as_json and sys.stdin.isatty() and sys.stderr.isatty()
+    # Single keys are read by whoever has the terminal in front of them.
+    at_terminal = at_terminal and (planned.walk is None or in_foreground(sys.stdin.fileno()))
     who = getpass.getuser() if at_terminal else None
-    service = RunService(planned.loaded.cell.engine.on_client_lost, who, root)
+    service = RunService(planned.on_client_lost, who, root)
     go_on = f"{KEYS}, each with Enter; Ctrl-C again stops" if at_terminal else None
     narrator = Narrator(planned.procedure.name, as_json, go_on)
     narrator.interactive = at_terminal
     with ExitStack() as stack:
+        publish: Publish = narrator.publish
         if who is not None:
-            console = Console(service.hub, who, narrator.tell)
-
-            def typed(line: str) -> None:
-                narrator.entered()
-                console.take(line)
-
-            stack.enter_context(Lines(sys.stdin.fileno(), typed, console.end).read())
+            publish = _at_terminal(stack, planned, narrator, Console(service.hub, who, narrator.tell))
+        elif planned.walk is not None:
+            planned.walk.feed.by_itself = True
         return await carry_out(
             planned,
             root,
-            service.hub.publisher(narrator.publish),
+            service.hub.publisher(publish),
             speed=speed,
             arm=arm,
             answers=answers,
             answerer=service.hub.desk,
             on_open=service.serve,
             observe=partial(service.telemetry.observe, facts_of(planned.loaded.cell, planned.bench)),
+            waive_walk=waive_walk,
         )
+
+
+def _at_terminal(stack: ExitStack, planned: PlannedRun, narrator: Narrator, console: Console) -> Publish:
+    """Read what is typed until the stack is left; return what takes the events meanwhile."""
+    stdin = sys.stdin.fileno()
+
+    def typed(line: str) -> None:
+        narrator.entered()
+        console.take(line)
+
+    if planned.walk is None:
+        stack.enter_context(Lines(stdin, typed, console.end).read())
+        return narrator.publish
+    keys = WalkKeys(stdin, planned.walk.feed, console.take, SystemClock())
+    stack.enter_context(keys.held())
+    stack.enter_context(Lines(stdin, typed, console.end, keys.sort).read())
+    narrator.tell(HINT)
+    return keys.before(narrator.publish)

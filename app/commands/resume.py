@@ -22,6 +22,7 @@ def resume_command(
     arm: str | None,
     speed: float | None,
     dry_run: bool,
+    waive_walk: str | None,
     runs: Path | None,
     as_json: bool,
 ) -> None:
@@ -38,4 +39,4 @@ def resume_command(
         f"{path.name} {reader.status}; {reader.count('steps')} steps are done and stay; aim from {planned.aim}"
     )
     speed = planned.clock_speed if speed is None else speed
-    conduct(planned, root, answers, arm, speed, dry_run=dry_run, as_json=as_json)
+    conduct(planned, root, answers, arm, speed, waive_walk, dry_run=dry_run, as_json=as_json)

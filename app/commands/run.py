@@ -11,9 +11,11 @@ from app.commands.hosting import serve_and_run
 from app.commands.output import emit, say
 from app.commands.rehearsal import tell_rehearsal
 from app.engine.heap import settled_heap
+from app.errors import UsageError
 from app.procedure_list import load_procedure, parse_params
 from app.running import PlannedRun, plan_run, rehearse
 from app.runs_folder import runs_folder
+from app.walk.planning import as_walk
 from procedures.context import Json
 
 
@@ -26,16 +28,22 @@ def run_command(
     arm: str | None,
     speed: float,
     dry_run: bool,
+    walk: bool,
+    waive_walk: str | None,
     runs: Path | None,
     as_json: bool,
 ) -> None:
-    """Plan, then rehearse or run."""
+    """Plan, then rehearse, walk or run."""
+    if walk and dry_run:
+        raise UsageError("--walk drives the plan and --dry-run touches no device: leave one of them out")
     loaded, runnable, root = load_cell(cell), load_procedure(procedure), runs_folder(runs)
     params = parse_params(runnable.params_type, param)
     planned = plan_run(loaded, runnable, params, root, search)
     if runnable.needs_aim:
         say(f"aim from {planned.aim}")
-    conduct(planned, root, answers, arm, speed, dry_run=dry_run, as_json=as_json)
+    if walk:
+        planned = as_walk(planned, root)
+    conduct(planned, root, answers, arm, speed, waive_walk, dry_run=dry_run, as_json=as_json)
 
 
 def detached_command(
@@ -46,6 +54,7 @@ def detached_command(
     answers: Path | None,
     arm: str | None,
     speed: float,
+    waive_walk: str | None,
     runs: Path | None,
     as_json: bool,
 ) -> NoReturn:
@@ -59,6 +68,7 @@ def detached_command(
         "arm": arm,
         "speed": speed,
         "answers": None if answers is None else str(answers.resolve()),
+        "waive_walk": waive_walk,
     }
     detach(request, cell, runs_folder(runs), as_json=as_json)
 
@@ -69,6 +79,7 @@ def conduct(
     answers: Path | None,
     arm: str | None,
     speed: float,
+    waive_walk: str | None,
     *,
     dry_run: bool,
     as_json: bool,
@@ -78,7 +89,7 @@ def conduct(
         tell_rehearsal(planned, asyncio.run(rehearse(planned)), as_json=as_json)
         return
     with settled_heap():
-        outcome = asyncio.run(serve_and_run(planned, root, answers, arm, speed, as_json=as_json))
+        outcome = asyncio.run(serve_and_run(planned, root, answers, arm, speed, waive_walk, as_json=as_json))
     if not as_json:
         emit(str(outcome.path))
     sys.exit(int(outcome.exit_code))

@@ -24,7 +24,7 @@ class RunHandle:
         warn: stores and publishes a warning.
         simulated: all devices are emulated; None until they are known.
         gate: of the run's motions; None until the devices are ready.
-        feed: keeps a walk going for another moment; None for a run that is no walk.
+        feed: keeps a walk going for another moment, or stops it; None for a run that is no walk.
     """
 
     path: Path
@@ -35,7 +35,7 @@ class RunHandle:
     warn: Callable[[str], None]
     simulated: bool | None = None
     gate: MotionGate | None = None
-    feed: Callable[[], None] | None = None
+    feed: Callable[[bool], None] | None = None
 
     def lower_override(self, percent: float) -> float:
         """Have the speed override lowered before the next motion; return what it reads until then.

@@ -29,6 +29,7 @@ from app.service.hub import Hub
 from app.service.messages import Message, Resume, Start
 from app.service.server import Server
 from app.service.sparse_log import SparseLog
+from app.walk.planning import as_walk
 from drivers.clock import SystemClock
 
 _log = logging.getLogger(__name__)
@@ -253,7 +254,8 @@ class EngineProcess:
         procedure = load_procedure(request.procedure)
         texts = request.params if isinstance(request.params, list) else _texts(request.params)
         params = parse_params(procedure.params_type, texts)
-        return plan_run(loaded, procedure, params, self._root, request.search)
+        planned = plan_run(loaded, procedure, params, self._root, request.search)
+        return as_walk(planned, self._root) if request.walk else planned
 
     async def _carry_out(
         self,
@@ -262,7 +264,7 @@ class EngineProcess:
         opened: Callable[[Path], None],
         publish: Callable[[Message], None],
     ) -> RunOutcome:
-        self.hub.policy = planned.loaded.cell.engine.on_client_lost
+        self.hub.policy = planned.on_client_lost
         with settled_heap():
             return await carry_out(
                 planned,
@@ -275,6 +277,7 @@ class EngineProcess:
                 answerer=self.hub.desk,
                 on_open=partial(self._serve_run, opened),
                 observe=partial(self._bench.observe, planned),
+                waive_walk=request.waive_walk,
             )
 
     @asynccontextmanager

@@ -19,14 +19,20 @@ class Lines:
         descriptor: to read.
         on_line: takes each line, without its end.
         on_end: is told that none follows.
+        keys: takes single keys from what was read and returns what belongs to lines.
     """
 
     def __init__(
-        self, descriptor: int, on_line: Callable[[str], None], on_end: Callable[[], None] = lambda: None
+        self,
+        descriptor: int,
+        on_line: Callable[[str], None],
+        on_end: Callable[[], None] = lambda: None,
+        keys: Callable[[bytes], bytes] = lambda chunk: chunk,
     ) -> None:
         self._descriptor = descriptor
         self._on_line = on_line
         self._on_end = on_end
+        self._keys = keys
         self._rest = b""
         self._timer: asyncio.TimerHandle | None = None
         self._open = False
@@ -58,7 +64,7 @@ class Lines:
             self._timer.cancel()
 
     def _readable(self) -> None:
-        if not _in_foreground(self._descriptor):
+        if not in_foreground(self._descriptor):
             self._pause()
             self._timer = asyncio.get_running_loop().call_later(_FOREGROUND_POLL_S, self._begin)
             return
@@ -71,12 +77,13 @@ class Lines:
             self._open = False
             self._on_end()
             return
-        *lines, self._rest = (self._rest + chunk).split(b"\n")
+        *lines, self._rest = (self._rest + self._keys(chunk)).split(b"\n")
         for line in lines:
             self._on_line(line.decode(errors="replace").rstrip("\r"))
 
 
-def _in_foreground(descriptor: int) -> bool:
+def in_foreground(descriptor: int) -> bool:
+    """Return whether this process may read a terminal; whatever else a descriptor is, it may."""
     if not os.isatty(descriptor):
         return True
     try:

@@ -111,6 +111,8 @@ class Start(Request):
         arm: the cell's name, typed to let real hardware move.
         speed: bench seconds in one real second; emulators only.
         answers: file of prompt id = answer.
+        walk: walk its motions through instead; nothing is measured.
+        waive_walk: why a real arm may be driven where it was not walked.
     """
 
     op: Literal["start"]
@@ -121,6 +123,8 @@ class Start(Request):
     arm: Text | None = None
     speed: float = Field(default=1.0, ge=0.001, le=1e6, allow_inf_nan=False)
     answers: Text | None = None
+    walk: bool = False
+    waive_walk: Text | None = None
 
 
 class Resume(Request):
@@ -130,12 +134,14 @@ class Resume(Request):
         run: path, name, beginning of a name, or id.
         arm: the cell's name, typed to let real hardware move.
         answers: file of prompt id = answer.
+        waive_walk: why a real arm may be driven where it was not walked.
     """
 
     op: Literal["resume"]
     run: Text
     arm: Text | None = None
     answers: Text | None = None
+    waive_walk: Text | None = None
 
 
 class Watch(Request):
@@ -192,6 +198,17 @@ class JogHold(Request):
     direction: Literal[-1, 0, 1]
 
 
+class WalkFeed(Request):
+    """Keep a walk going; repeated at least every 0.3 s, or the arm is stopped. It is no enabling device.
+
+    Attributes:
+        on: False stops the arm now.
+    """
+
+    op: Literal["walk-feed"]
+    on: bool = True
+
+
 class Raw(Request):
     """Take one device's link from its driver to send bytes by hand, or give it back; between runs only.
 
@@ -233,6 +250,7 @@ AnyRequest = (
     | JogMode
     | JogStep
     | JogHold
+    | WalkFeed
     | Raw
     | Send
 )

@@ -26,6 +26,7 @@ from app.service.messages import (
     Resume,
     Send,
     Start,
+    WalkFeed,
     Watch,
 )
 
@@ -113,6 +114,9 @@ class Orders:
             case JogMode() | JogStep() | JogHold() | Raw() | Send():
                 self._hub.require_control(member)
                 return self._by_hand(member, request)
+            case WalkFeed():
+                self._hub.require_control(member)
+                self._feed(on=request.on)
             case Watch() if self._telemetry is not None:
                 return self._watch(member, request, self._telemetry)
             case _:
@@ -162,6 +166,12 @@ class Orders:
         if request.on:
             telemetry.wake()
         return {"bench": telemetry.bench()} if request.op == "watch" else {}
+
+    def _feed(self, *, on: bool) -> None:
+        feed = self._running().feed
+        if feed is None:
+            raise RefusedError("the run under way is no walk: nothing keeps it going but itself")
+        feed(on)
 
     def _stop(self, who: str) -> None:
         # A run is stopped whatever state the rest is in; nothing is done by hand during one.

@@ -41,6 +41,13 @@ class Feed:
         """Stop the arm now."""
         self._fed_until_s = -1.0
 
+    def take(self, on: bool) -> None:
+        """Feed, or let go."""
+        if on:
+            self.feed()
+        else:
+            self.let_go()
+
     async def lost(self) -> None:
         """Wait until nobody feeds."""
         while self.fed:

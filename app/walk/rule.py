@@ -80,11 +80,14 @@ class WalkRule:
         tubes, left = await asyncio.to_thread(self._compared, arm, motions)
         self._tubes = tubes
         await desk.event(
-            "walked-motions", of=len(motions), unwalked=len(left), first=[as_row(leg) for leg in left[:_LISTED]]
+            "walked-motions",
+            of=len(motions),
+            unwalked=len(left),
+            first=[as_row(leg) for leg in left[:_LISTED]],
         )
         if left:
-            text = f"{len(left)} of {len(motions)} motions of this run were not walked, the first {_leg_text(left[0])}"
-            await self.waive(text, desk, keep)
+            counted = f"{len(left)} of {len(motions)} motions of this run were not walked"
+            await self.waive(f"{counted}, the first {_leg_text(left[0])}", desk, keep)
 
     def require(self, start: Joints, way: Sequence[Joints]) -> None:
         """Check a motion through targets.

@@ -64,9 +64,9 @@ def walking_percent(arm: Arm, leg: Leg, cap_percent: float) -> float:
     percent = most if at_one * most <= FASTEST_MM_S else float(math.floor(FASTEST_MM_S / at_one))
     if percent < _LEAST_PERCENT:
         raise SafetyError(
-            f"the motion to {place_text(leg.end)} moves the outermost body at up to {at_one:.0f} mm/s with an override "
-            f"of {_LEAST_PERCENT:g} %, and a walk at {FASTEST_MM_S:g} mm/s at most: it cannot be walked, no override "
-            "is lower; check [robot] speed_deg_s and the links, or drive it by hand"
+            f"the motion to {place_text(leg.end)} moves the outermost body at up to {at_one:.0f} mm/s with an "
+            f"override of {_LEAST_PERCENT:g} %, and a walk at {FASTEST_MM_S:g} mm/s at most: it cannot be walked, no "
+            "override is lower; check [robot] speed_deg_s and the links, or drive it by hand"
         )
     return percent
 

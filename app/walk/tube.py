@@ -75,12 +75,14 @@ class Tubes:
         near = (walked.min(axis=1) - 1.0 <= motion.max(axis=0)) & (
             walked.max(axis=1) + 1.0 >= motion.min(axis=0)
         )
-        return _cover_all(*_inside(motion, walked[near.all(axis=1)]))
+        candidates = walked[near.all(axis=1)]
+        return len(candidates) > 0 and _cover_all(*_inside(motion, candidates))
 
 
 def _scaled(leg: Leg) -> Floats:
     """Return both ends of a motion in units of the tolerances, shape (2, 4)."""
-    return np.array([leg.start, leg.end], dtype=np.float64) / _TOLERANCES
+    scaled: Floats = np.array([leg.start, leg.end], dtype=np.float64) / _TOLERANCES
+    return scaled
 
 
 def _inside(motion: Floats, walked: Floats) -> tuple[Floats, Floats]:
@@ -114,7 +116,7 @@ def _inside(motion: Floats, walked: Floats) -> tuple[Floats, Floats]:
 
 
 def _satisfied(offsets: Floats, gradients: Floats) -> tuple[Floats, Floats]:
-    """Return the interval of t within 0 ... 1 in which every offset + gradient t <= 0; empty ones end before they begin."""
+    """Return the interval of t within 0 ... 1 where every offset + gradient t <= 0; an empty one ends before it begins."""
     flat = gradients == 0.0
     impossible = (flat & (offsets > 0.0)).any(axis=1)
     with np.errstate(over="ignore"):

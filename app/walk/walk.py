@@ -28,7 +28,7 @@ from procedures.motion.motion_time import move_time_s
 MotionsFrom = Callable[[Joints], Awaitable[Sequence[Leg]]]
 """Returns every motion of a plan that begins where the arm stands."""
 
-GO_ON: Final = "nobody keeps the walk going: hold the key to go on (this is no enabling device)"
+GO_ON: Final = "nobody keeps the walk going: hold the space bar to go on; this is no enabling device"
 
 _MOST_ROUNDS: Final = 6
 """One walks the plan, the next the way from its end back to its beginning; a plan that needs more never ends."""
@@ -109,8 +109,8 @@ class Walk:
         """
         if self.feed.by_itself and not arm.simulated:
             raise UsageError(
-                "a real arm is walked while somebody holds a key: run this at a terminal, without --json, or walk from "
-                "catseye tui; nothing was moved"
+                "a real arm is walked while somebody holds a key: run this at a terminal, without --json, or walk "
+                "from catseye tui; nothing was moved"
             )
         self._arm = arm
 
@@ -119,7 +119,7 @@ class Walk:
 
         @asynccontextmanager
         async def enter(handle: RunHandle) -> AsyncIterator[None]:
-            self._handle, handle.feed = handle, self.feed.feed
+            self._handle, handle.feed = handle, self.feed.take
             inner: AbstractAsyncContextManager[None] = nullcontext() if outer is None else outer(handle)
             async with inner:
                 yield
