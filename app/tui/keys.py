@@ -17,7 +17,9 @@ STOP_KEYS = "f12"
 _OWNERS: Final = {STOP_KEYS: "run.stop", "ctrl+c": "run.ladder"}
 """Keys that stop, and the only names that may have them."""
 
-_MOTION: Final = frozenset({"motion.confirm", "run.move", "start.begin", "jog.begin", "terminal.send"})
+_MOTION: Final = frozenset(
+    {"motion.confirm", "run.move", "run.walk", "start.begin", "jog.begin", "terminal.send"}
+)
 """What lets the arm move; Enter, which is pressed without a thought, never does."""
 
 

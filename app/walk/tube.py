@@ -116,7 +116,7 @@ def _inside(motion: Floats, walked: Floats) -> tuple[Floats, Floats]:
 
 
 def _satisfied(offsets: Floats, gradients: Floats) -> tuple[Floats, Floats]:
-    """Return the interval of t within 0 ... 1 where every offset + gradient t <= 0; an empty one ends before it begins."""
+    """Return the interval of t in 0 ... 1 where every offset + gradient t <= 0; an empty one ends before it begins."""
     flat = gradients == 0.0
     impossible = (flat & (offsets > 0.0)).any(axis=1)
     with np.errstate(over="ignore"):

@@ -25,6 +25,13 @@ from app.tui.widgets.told import Told, lines
 _PROPER: Final = frozenset({"search", "speed"})
 """Fields of a start that are no parameters of the procedure."""
 
+_WALK_LINES: Final = (
+    "Its motions, at 10 % override and 250 mm/s at most; nothing is measured.",
+    "After F8 hold Space on Run (F4) to move the arm; let go and it is stopped.",
+    "This is no enabling device: keep a hand on the emergency stop.",
+    "",
+)
+
 
 class ProceduresScreen(MainScreen):
     """List at the left; at the right what the chosen one needs, its parameters, and a rehearsal."""
@@ -43,7 +50,7 @@ class ProceduresScreen(MainScreen):
     ProceduresScreen ContentSwitcher, ProceduresScreen #form, ProceduresScreen #rehearsal { height: 1fr; }
     ProceduresScreen #described { height: 2; color: $text-muted; }
     ProceduresScreen #buttons { height: 1; }
-    ProceduresScreen #buttons Button { height: 1; min-width: 15; border: none; margin-right: 1; }
+    ProceduresScreen #buttons Button { height: 1; min-width: 13; border: none; margin-right: 1; }
     ProceduresScreen #buttons Told { width: 1fr; color: $text-muted; }
     ProceduresScreen #totals { height: auto; max-height: 7; }
     ProceduresScreen #head-line { height: 1; color: $primary; }
@@ -66,6 +73,14 @@ class ProceduresScreen(MainScreen):
             "start …",
             id="procedures.start",
             tooltip="show what begins; F8 there begins it",
+        ),
+        Binding(
+            "ctrl+t,t",
+            "walk",
+            "walk …",
+            show=False,
+            id="procedures.walk",
+            tooltip="its motions, slowly, while Space is held; F8 in the dialog begins it",
         ),
         Binding(
             "ctrl+o,o",
@@ -139,6 +154,7 @@ class ProceduresScreen(MainScreen):
                             yield Log(id="table", auto_scroll=False)
                     with Horizontal(id="buttons"):
                         yield Button("Rehearse r", id="rehearse", action="screen.rehearse", compact=True)
+                        yield Button("Walk … t", id="walk", action="screen.walk", compact=True)
                         yield Button("Start … s", id="start", action="screen.start", compact=True)
                         yield Told(id="doing")
 
@@ -146,6 +162,7 @@ class ProceduresScreen(MainScreen):
         """Return what this screen can do."""
         yield SystemCommand("Rehearse the procedure", "without any device", self.action_rehearse)
         yield SystemCommand("Start the procedure", "shows first what begins", self.action_start)
+        yield SystemCommand("Walk the procedure through", "slowly, nothing measured", self.action_walk)
         yield SystemCommand("Parameters or rehearsal", "show the other one", self.action_view)
         yield SystemCommand("Choose the next step", "that is sensible on this cell", self.action_next)
         yield SystemCommand("End the rehearsal", "or back to the list", self.action_back)
@@ -215,13 +232,21 @@ class ProceduresScreen(MainScreen):
 
     def action_start(self) -> None:
         """Show what would begin; F8 there begins it."""
-        if not self._ready_to_go():
-            return
+        if self._ready_to_go():
+            self._show_start("", self._start_lines(), walk=False)
+
+    def action_walk(self) -> None:
+        """Show what would be walked; F8 there begins it, and Space, held, moves the arm then."""
+        if self._ready_to_go():
+            self._show_start("Walk-through: ", [*_WALK_LINES, *self._start_lines()], walk=True)
+
+    def _show_start(self, kind: str, told: list[str], *, walk: bool) -> None:
         picture, facts = self.session.link.picture, self._catalogue.procedures[self._chosen]
         simulated = None if picture.bench is None else picture.bench.get("simulated")
-        text = "\n".join(self._start_lines())
-        dialog = StartDialog(str(facts["title"]), text, self._catalogue.cell, simulated=simulated)
-        self.app.push_screen(dialog, partial(self._begin, self._chosen, self._words()))
+        title = f"{kind}{facts['title']}"
+        dialog = StartDialog(title, "\n".join(told), self._catalogue.cell, simulated=simulated)
+        words = self._words() | ({"walk": True} if walk else {})
+        self.app.push_screen(dialog, partial(self._begin, self._chosen, words))
 
     def on_option_list_option_highlighted(self, event: OptionList.OptionHighlighted) -> None:
         """Show another procedure."""

@@ -4,7 +4,7 @@ import asyncio
 from collections.abc import Iterable
 from functools import partial
 from pathlib import Path
-from typing import Any, ClassVar
+from typing import Any, ClassVar, Final
 
 from textual.app import ComposeResult, SystemCommand
 from textual.binding import Binding, BindingType
@@ -20,6 +20,7 @@ from app.tui.run_picture import RunPicture
 from app.tui.screens.base import MainScreen
 from app.tui.screens.working import free_name
 from app.tui.session import Session
+from app.tui.walk_feeder import WalkFeeder
 from app.tui.widgets.live_panel import LivePanel
 from app.tui.widgets.progress_line import ProgressLine
 from app.tui.widgets.prompt_panel import PromptPanel
@@ -30,6 +31,9 @@ from app.tui.widgets.step_list import PlannedStep, StepList
 from app.tui.widgets.told import Told
 
 _PLOTS = ("residuals", "maps")
+
+WALK: Final = "walk"
+"""Name of the procedure that a walk is told as."""
 
 
 class RunScreen(MainScreen):
@@ -69,6 +73,14 @@ class RunScreen(MainScreen):
             id="run.move",
             tooltip="the answer that lets the arm move",
         ),
+        Binding(
+            "space",
+            "walk",
+            "walk",
+            show=False,
+            id="run.walk",
+            tooltip="held: a walk goes on; let go: the arm is stopped. No enabling device",
+        ),
         Binding("y", "yes", "yes", show=False, id="run.yes", tooltip="answer yes where no motion follows"),
         Binding("n", "no", "no", show=False, id="run.no", tooltip="answer no"),
         *(
@@ -104,6 +116,7 @@ class RunScreen(MainScreen):
         self._planned: list[PlannedStep] = []
         self._planned_for: RunPicture | None = None
         self._doing = ""
+        self._feeder = WalkFeeder(session.link, session.now_s, self._not_fed)
 
     def body(self) -> ComposeResult:
         """Put the parts together."""
@@ -140,6 +153,18 @@ class RunScreen(MainScreen):
             yield SystemCommand(
                 f"After the run: {kind}", "where it is sensible", partial(self.action_after, kind)
             )
+
+    def on_mount(self) -> None:
+        """A terminal that nobody looks at walks nothing."""
+        self.watch(self.app, "app_focus", self._focus_changed, init=False)
+
+    def on_screen_suspend(self) -> None:
+        """Another screen or a dialog covers this one: a walk stops."""
+        self._feeder.let_go()
+
+    def on_unmount(self) -> None:
+        """A walk stops."""
+        self._feeder.let_go()
 
     def on_screen_resume(self) -> None:
         """Show what has happened meanwhile; the open question has the keyboard's focus."""
@@ -195,6 +220,13 @@ class RunScreen(MainScreen):
                 self.on_prompt_panel_answered(PromptPanel.Answered(str(asked["id"]), panel.agreement))
 
         self.app.push_screen(MotionDialog("The arm moves", text), confirmed)
+
+    def action_walk(self) -> None:
+        """Keep a walk going for another moment; the key has to repeat."""
+        picture = self.session.link.picture
+        run = picture.run
+        if run is not None and run.active and run.procedure == WALK and picture.in_control:
+            self._feeder.press()
 
     def action_yes(self) -> None:
         """Answer yes."""
@@ -264,6 +296,13 @@ class RunScreen(MainScreen):
         self.run_worker(
             self._answer(event.prompt, event.text), group="answer", exclusive=True, exit_on_error=False
         )
+
+    def _not_fed(self, text: str) -> None:
+        self.notify(text, title="the walk is not kept going", severity="warning", markup=False)
+
+    def _focus_changed(self, focus: bool) -> None:
+        if not focus:
+            self._feeder.let_go()
 
     @property
     def _panel(self) -> PromptPanel:
@@ -386,6 +425,11 @@ def _instruction(picture: Picture) -> Content:
             return Content.styled(f"Wait for standstill: {run.reason}", "$error")
         case "STARTING" | "IDLE":
             return Content("Wait while the devices are connected.")
+    if run.procedure == WALK:
+        to = "" if run.current is None else f" ({run.current.title})"
+        return Content.styled(
+            f"Walking{to}: hold Space, let go to stop. This is no enabling device.", "$warning"
+        )
     return Content(
         "Keep out of the arm's reach." if run.current is None else f"Keep clear: {run.current.title}"
     )

@@ -1,0 +1,90 @@
+"""Keeping a walk going from this terminal: as long as a key repeats, the engine is fed. It is no enabling device."""
+
+import asyncio
+from collections.abc import Callable, Coroutine
+from typing import Any, Final
+
+from app.tui.dead_man import DeadMan
+from app.tui.link import Link
+
+FEED_S: Final = 0.05
+"""Between two feedings; the engine waits 0.3 s for them."""
+
+_UNANSWERED: Final = 60
+
+
+class WalkFeeder:
+    """Feeds the engine while a key is held.
+
+    Args:
+        link: to the engine.
+        now_s: monotonic time, s.
+        failed: is told why the engine is not fed.
+        sleep: waits, real s.
+    """
+
+    def __init__(
+        self,
+        link: Link,
+        now_s: Callable[[], float],
+        failed: Callable[[str], None],
+        sleep: Callable[[float], Coroutine[Any, Any, None]] = asyncio.sleep,
+    ) -> None:
+        self._link = link
+        self._now_s = now_s
+        self._failed = failed
+        self._sleep = sleep
+        self._key: DeadMan[str] = DeadMan()
+        self._feeding: asyncio.Task[None] | None = None
+        self._sent: set[asyncio.Task[None]] = set()
+        self._refused = False
+
+    @property
+    def held(self) -> bool:
+        """The key is held, as far as presses tell."""
+        return self._feeding is not None and not self._feeding.done()
+
+    def press(self) -> None:
+        """Take a press or a repeat of the key; nothing moves before it has repeated once."""
+        now_s = self._now_s()
+        self._key.press("walk", now_s)
+        if not self.held and self._key.held(now_s) is not None:
+            self._refused = False
+            self._feeding = asyncio.create_task(self._feed())
+
+    def let_go(self) -> None:
+        """Have the arm stopped now."""
+        self._key.let_go()
+        if self._feeding is not None and self.held:
+            self._feeding.cancel()
+
+    async def _feed(self) -> None:
+        try:
+            while self._key.held(self._now_s()) is not None and not self._refused:
+                if len(self._sent) >= _UNANSWERED:
+                    self._failed(
+                        "the engine does not answer any more: it stops the arm by itself; look at it"
+                    )
+                    break
+                self._send(on=True)
+                await self._sleep(FEED_S)
+        finally:
+            # However this ends, the key has to be pressed anew.
+            self._key.let_go()
+            self._send(on=False)
+
+    def _send(self, *, on: bool) -> None:
+        task = asyncio.create_task(self._request(on=on))
+        self._sent.add(task)
+        task.add_done_callback(self._sent.discard)
+
+    async def _request(self, *, on: bool) -> None:
+        from app.service.errors import RefusedError, ServiceError
+
+        try:
+            await self._link.request("walk-feed", on=on)
+        except (RefusedError, ServiceError) as error:
+            # A walk that has just ended needs no feeding any more.
+            if on and not self._refused:
+                self._refused = True
+                self._failed(str(error))
