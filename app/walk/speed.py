@@ -40,12 +40,11 @@ def fastest_mm_s(arm: Arm, leg: Leg, percent: float) -> float:
     """
     travel = np.abs(np.subtract(leg.end, leg.start))
     fastest = np.array([*arm.speed_deg_s[:2], arm.j3_speed_mm_s, arm.speed_deg_s[2]]) * percent / 100.0
-    moving = travel > 0.0
-    if not moving.any():
+    duration_s = float((travel / fastest).max())
+    if duration_s == 0.0:
         return 0.0
-    rate = float((fastest[moving] / travel[moving]).min())
-    around = float(np.deg2rad(travel[[0, 1, 3]]) @ outermost_mm(arm)) * rate
-    return math.hypot(around, float(travel[2]) * rate)
+    around_mm = float(np.deg2rad(travel[[0, 1, 3]]) @ outermost_mm(arm))
+    return math.hypot(around_mm, float(travel[2])) / duration_s
 
 
 def walking_percent(arm: Arm, leg: Leg, cap_percent: float) -> float:

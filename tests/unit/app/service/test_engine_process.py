@@ -46,7 +46,7 @@ def bench(tmp_path: Path, runtime: Path, monkeypatch: pytest.MonkeyPatch) -> Fak
     def plan(loaded: Any, procedure: str, *_: Any) -> SimpleNamespace:
         if procedure == "unknown":
             raise UsageError("there is no procedure 'unknown'")
-        return SimpleNamespace(loaded=loaded, clock_speed=1.0)
+        return SimpleNamespace(loaded=loaded, clock_speed=1.0, on_client_lost="stop")
 
     async def carry_out(_planned: Any, _root: Path, publish: Any, **options: Any) -> Any:
         chosen = {"answerer": options["answerer"], "on_open": options["on_open"]}
