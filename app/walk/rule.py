@@ -8,7 +8,7 @@ from typing import Final, Protocol
 from app.errors import PromptUnansweredError, UnwalkedError
 from app.walk.register import as_row
 from app.walk.speed import place_text
-from app.walk.tube import TUBE_DEG, TUBE_MM, Leg, Tubes
+from app.walk.tube import TUBE_DEG, TUBE_MM, Leg, Tubes, uncovered
 from procedures.context import Json, Prompt
 from procedures.devices import DeviceIdentity, Joints
 
@@ -77,8 +77,8 @@ class WalkRule:
             UnwalkedError: motions were not walked and nobody waives that.
         """
         motions = await self._motions_from(here)
-        tubes, left = await asyncio.to_thread(self._compared, arm, motions)
-        self._tubes = tubes
+        walked = await asyncio.to_thread(self._walked, arm)
+        self._tubes, left = Tubes(walked), await asyncio.to_thread(uncovered, motions, walked)
         await desk.event(
             "walked-motions",
             of=len(motions),
@@ -121,10 +121,6 @@ class WalkRule:
         await keep({WAIVER: {"reason": reason, "missing": missing}})
         await desk.event("walk-waived", reason=reason, missing=missing)
         self._tubes = None
-
-    def _compared(self, arm: DeviceIdentity, motions: Sequence[Leg]) -> tuple[Tubes, list[Leg]]:
-        tubes = Tubes(self._walked(arm))
-        return tubes, [leg for leg in motions if not tubes.covers(leg)]
 
 
 async def _asked(missing: str, desk: Desk) -> str:

@@ -4,7 +4,7 @@ A pose lies in the tube of a walked motion when some pose of that motion is with
 and within 5 mm in the quill. A motion is covered when each of its poses lies in some tube: exactly, not by samples.
 """
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from typing import Final
 
@@ -79,6 +79,24 @@ class Tubes:
         return len(candidates) > 0 and _cover_all(*_inside(motion, candidates))
 
 
+def uncovered(legs: Sequence[Leg], walked: Iterable[Leg]) -> list[Leg]:
+    """Return the motions that leave the tubes of walked ones; a plan that repeats a motion repeats it here."""
+    tubes = Tubes(walked)
+    # Plans drive the same motions again and again.
+    outside = {leg for leg in dict.fromkeys(legs) if not tubes.covers(leg)}
+    return [leg for leg in legs if leg in outside]
+
+
+def to_walk(legs: Sequence[Leg], walked: Iterable[Leg]) -> list[Leg]:
+    """Return the motions to walk so that all are covered, those of them included that cover one another."""
+    tubes, chosen = Tubes(walked), []
+    for leg in dict.fromkeys(legs):
+        if not tubes.covers(leg):
+            tubes.add(leg)
+            chosen.append(leg)
+    return chosen
+
+
 def _scaled(leg: Leg) -> Floats:
     """Return both ends of a motion in units of the tolerances, shape (2, 4)."""
     scaled: Floats = np.array([leg.start, leg.end], dtype=np.float64) / _TOLERANCES
@@ -116,7 +134,7 @@ def _inside(motion: Floats, walked: Floats) -> tuple[Floats, Floats]:
 
 
 def _satisfied(offsets: Floats, gradients: Floats) -> tuple[Floats, Floats]:
-    """Return the interval of t in 0 ... 1 where every offset + gradient t <= 0; an empty one ends before it begins."""
+    """Return the interval of t in 0 ... 1 where every offset + gradient t <= 0; an empty one ends first."""
     flat = gradients == 0.0
     impossible = (flat & (offsets > 0.0)).any(axis=1)
     with np.errstate(over="ignore"):

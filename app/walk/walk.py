@@ -16,10 +16,10 @@ from app.errors import MeasurementRejectedError, UsageError
 from app.procedure_list import Runnable
 from app.walk.feed import Feed, FeedLostError
 from app.walk.register import WALK, as_row
-from app.walk.speed import MOST_PERCENT, fastest_mm_s, place_text, walking_percent
-from app.walk.tube import Leg, Tubes
+from app.walk.speed import FASTEST_MM_S, MOST_PERCENT, fastest_mm_s, place_text, walking_percent
+from app.walk.tube import Leg, Tubes, to_walk
 from procedures.bench import Bench
-from procedures.context import Context, Row
+from procedures.context import Context, Live, Row
 from procedures.devices import DeviceIdentity, Joints
 from procedures.errors import ArmMovedError
 from procedures.motion.entry import stands_at, way_in
@@ -28,7 +28,7 @@ from procedures.motion.motion_time import move_time_s
 MotionsFrom = Callable[[Joints], Awaitable[Sequence[Leg]]]
 """Returns every motion of a plan that begins where the arm stands."""
 
-GO_ON: Final = "nobody keeps the walk going: hold the space bar to go on; this is no enabling device"
+GO_ON: Final = "hold the space bar to walk on; this is no enabling device"
 
 _MOST_ROUNDS: Final = 6
 """One walks the plan, the next the way from its end back to its beginning; a plan that needs more never ends."""
@@ -142,7 +142,8 @@ class Walk:
         if self._arm is not None:
             self._walked += await asyncio.to_thread(self._before, self._arm)
         for _ in range(_MOST_ROUNDS):
-            legs = self._unwalked(await self._motions_from(await ctx.joints()))
+            motions = await self._motions_from(await ctx.joints())
+            legs = await asyncio.to_thread(to_walk, motions, self._walked)
             if not legs:
                 await ctx.event("walked", motions=len(self._walked))
                 return
@@ -154,15 +155,6 @@ class Walk:
 
     async def teardown(self, ctx: Context) -> None:
         """Leave the arm where it stands."""
-
-    def _unwalked(self, legs: Sequence[Leg]) -> list[Leg]:
-        """Return motions that have to be driven so that all are covered."""
-        tubes, left = Tubes(self._walked), []
-        for leg in legs:
-            if not tubes.covers(leg):
-                tubes.add(leg)
-                left.append(leg)
-        return left
 
     async def _round(self, ctx: Context, legs: Sequence[Leg]) -> None:
         tubes = Tubes(self._walked)
@@ -191,7 +183,7 @@ class Walk:
         if tubes.covers(leg):
             await self._drive(ctx, leg)
             return
-        await ctx.step(_step_id(leg), f"walk to {place_text(leg.end)}", partial(self._walk, ctx, leg))
+        await ctx.step(_step_id(leg), f"to {place_text(leg.end)}", partial(self._walk, ctx, leg))
         tubes.add(leg)
         self._walked.append(leg)
 
@@ -233,8 +225,8 @@ class Walk:
 
     def _tell(self, ctx: Context, leg: Leg, text: str) -> None:
         fastest = fastest_mm_s(self._bench.arm, leg, self._percent)
-        told = f"{text}, {self._percent:g} % override, at most {fastest:.0f} mm/s"
-        ctx.progress(self._done_s, self._total_s, told)
+        ctx.progress(self._done_s, self._total_s, f"{text}, {self._percent:g} %")
+        ctx.show(Live("speed, at most", fastest, "mm/s", high=FASTEST_MM_S))
 
 
 def _step_id(leg: Leg) -> str:

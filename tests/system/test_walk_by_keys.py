@@ -1,4 +1,4 @@
-"""A plan walked through by a held key, at a terminal and in the terminal UI; the emulator tells whether the arm moves."""
+"""A plan walked by a held key, at a terminal and in the terminal UI; the emulator tells whether the arm moves."""
 
 import re
 import tempfile
@@ -101,7 +101,7 @@ def test_a_held_space_bar_walks_in_the_terminal_ui(bench: Emulated) -> None:
         screen.press("enter")
         screen.shows("Walk-through")
         screen.press("f8")
-        screen.shows("SUSPENDED", "hold the space bar")
+        screen.shows("SUSPENDED", "hold the space bar to walk on")
         assert not moving(bench)
         held_until(screen, lambda: moving(bench))
         assert "Walking" in screen.shows("hold Space, let go to stop")

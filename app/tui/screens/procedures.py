@@ -26,8 +26,8 @@ _PROPER: Final = frozenset({"search", "speed"})
 """Fields of a start that are no parameters of the procedure."""
 
 _WALK_LINES: Final = (
-    "Its motions, at 10 % override and 250 mm/s at most; nothing is measured.",
-    "After F8 hold Space on Run (F4) to move the arm; let go and it is stopped.",
+    "Its motions at 10 % and 250 mm/s at most; nothing is measured.",
+    "After F8 hold Space on Run (F4); let go and the arm is stopped.",
     "This is no enabling device: keep a hand on the emergency stop.",
     "",
 )

@@ -426,7 +426,7 @@ def _instruction(picture: Picture) -> Content:
         case "STARTING" | "IDLE":
             return Content("Wait while the devices are connected.")
     if run.procedure == WALK:
-        to = "" if run.current is None else f" ({run.current.title})"
+        to = "" if run.current is None else f" {run.current.title}"
         return Content.styled(
             f"Walking{to}: hold Space, let go to stop. This is no enabling device.", "$warning"
         )

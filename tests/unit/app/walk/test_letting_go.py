@@ -22,8 +22,11 @@ def bench(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> TourBench:
 
 
 async def until(bench: TourBench, state: str) -> None:
-    while state not in bench.fakes.states():
+    for _ in range(100_000):
+        if state in bench.fakes.states():
+            return
         await asyncio.sleep(0)
+    raise AssertionError(f"no {state}: {bench.fakes.states()}")
 
 
 async def let_go(bench: TourBench, stands: Joints) -> "asyncio.Task[RunOutcome]":

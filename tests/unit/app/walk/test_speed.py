@@ -47,7 +47,9 @@ def driven_mm_s(leg: Leg, percent: float) -> float:
     duration_s = float((np.abs(travel) / full).max())
     share = np.linspace(0.0, 1.0, 400)[:, None]
     poses = leg.start + share * travel
-    chords = [np.linalg.norm(np.diff(head(poses, ahead), axis=0), axis=1).max() for ahead in range(0, 360, 30)]
+    chords = [
+        np.linalg.norm(np.diff(head(poses, ahead), axis=0), axis=1).max() for ahead in range(0, 360, 30)
+    ]
     return float(max(chords)) * 399.0 / duration_s
 
 

@@ -75,7 +75,10 @@ def test_ends_inside_do_not_cover_the_middle() -> None:
 
 
 def test_two_tubes_together_cover_what_neither_does() -> None:
-    one, two = Leg((0.0, 0.0, 0.0, 0.0), (5.0, 0.0, 0.0, 0.0)), Leg((5.0, 0.5, 0.0, 0.0), (9.0, 0.5, 0.0, 0.0))
+    one, two = (
+        Leg((0.0, 0.0, 0.0, 0.0), (5.0, 0.0, 0.0, 0.0)),
+        Leg((5.0, 0.5, 0.0, 0.0), (9.0, 0.5, 0.0, 0.0)),
+    )
     across = Leg((0.0, 0.2, 1.0, 0.0), (9.0, 0.2, 1.0, 0.0))
     assert Tubes([one, two]).covers(across)
     assert not Tubes([one]).covers(across)

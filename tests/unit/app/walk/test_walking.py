@@ -46,7 +46,9 @@ async def test_a_walk_is_driven_slowly(bench: TourBench) -> None:
     bench.fakes.robot.state = replace(bench.fakes.robot.state, override_percent=100.0)
     await bench.walk()
     calls = bench.fakes.robot.calls
-    overrides = [float(call.split()[1]) for call in calls[: calls.index("move")] if call.startswith("override")]
+    overrides = [
+        float(call.split()[1]) for call in calls[: calls.index("move")] if call.startswith("override")
+    ]
     assert overrides[0] == 10.0
     assert overrides == sorted(overrides, reverse=True)
     assert 1.0 <= overrides[-1] <= 10.0
@@ -60,7 +62,9 @@ async def test_an_override_that_does_not_come_down_moves_nothing(bench: TourBenc
 
 
 async def test_too_fast_an_arm_is_not_walked(bench: TourBench) -> None:
-    bench.cell_text = bench.cell_text.replace("[robot]\n", "[robot]\nspeed_deg_s = [42000.0, 7200.0, 30000.0]\n", 1)
+    bench.cell_text = bench.cell_text.replace(
+        "[robot]\n", "[robot]\nspeed_deg_s = [42000.0, 7200.0, 30000.0]\n", 1
+    )
     outcome = await bench.walk()
     assert outcome.exit_code == ExitCode.SAFETY
     assert "cannot be walked" in outcome.text
@@ -177,7 +181,9 @@ async def test_a_walk_of_another_arm_does_not_count(bench: TourBench) -> None:
         ("override_cap_percent = 20", "override_cap_percent = 15", True),
     ],
 )
-async def test_a_walk_holds_while_the_geometry_does(bench: TourBench, old: str, new: str, *, holds: bool) -> None:
+async def test_a_walk_holds_while_the_geometry_does(
+    bench: TourBench, old: str, new: str, *, holds: bool
+) -> None:
     await bench.walk()
     assert old in bench.cell_text
     bench.cell_text = bench.cell_text.replace(old, new)
@@ -221,7 +227,7 @@ async def test_half_a_walk_counts_for_what_was_driven(bench: TourBench) -> None:
 async def test_a_walk_goes_on_where_it_was_interrupted(bench: TourBench) -> None:
     robot, move = bench.fakes.robot, bench.fakes.robot.move_joints
 
-    async def breaks(target: tuple[float, float, float, float]) -> None:
+    async def breaks(_target: tuple[float, float, float, float]) -> None:
         robot.move_joints = move  # type: ignore[method-assign]  # the next motion is sound
         raise LinkError("tcp://robot is silent")
 

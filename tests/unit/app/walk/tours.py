@@ -102,7 +102,9 @@ class TourBench:
         """Run the procedure itself."""
         return await self._carry_out(self.planned(), **options)
 
-    async def walk(self, *, resume: Path | None = None, by_itself: bool = False, **options: Any) -> RunOutcome:
+    async def walk(
+        self, *, resume: Path | None = None, by_itself: bool = False, **options: Any
+    ) -> RunOutcome:
         """Walk it, with a key that is held all the time."""
         planned = self.planned()
         if resume is None:
