@@ -53,7 +53,7 @@ from calibration.identification import Identification
 
 _MEASURED_WITH = ("python", "numpy", "sqlite", "platform")
 
-_TOLD_EVENTS = ("beam-lost", "step-dropped", "run-reopened")
+_TOLD_EVENTS = ("beam-lost", "step-dropped", "run-reopened", "walk-waived")
 
 
 def demo_report(result: DemoResult, path: Path) -> None:

@@ -379,9 +379,7 @@ class RunContext:
             except ConditionLostError as error:
                 await self.wait_until(str(error), self._gate.conditions_hold)
             except UnwalkedError as error:
-                if self._gate.walk_rule is None:
-                    raise
-                await self._gate.walk_rule.waive(str(error), self, self._store.append_meta)
+                await self._gate.waive(error, self, self._store)
             else:
                 crash_point("after-motion")
                 return

@@ -5,8 +5,9 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 from app.engine.conditions import Condition
-from app.errors import ConditionLostError, LimitError, SafetyError
-from app.walk.rule import WalkRule
+from app.errors import ConditionLostError, LimitError, SafetyError, UnwalkedError
+from app.store.run_store import RunStore
+from app.walk.rule import Desk, WalkRule
 from procedures.devices import ControllerStatus, Joints, Robot
 
 # Rounding of a controller that keeps the override as a whole number or as text.
@@ -143,6 +144,16 @@ class MotionGate:
         self._read_percent = status.override_percent
         if self._read_percent > self._wanted_percent:
             await self._lower_to(self._wanted_percent)
+
+    async def waive(self, error: UnwalkedError, desk: Desk, store: RunStore) -> None:
+        """Have somebody say why the arm may be driven where it was not walked.
+
+        Raises:
+            UnwalkedError: nobody does.
+        """
+        if self.walk_rule is None:
+            raise error
+        await self.walk_rule.waive(str(error), desk, store)
 
     async def require_conditions(self) -> None:
         """Check door and air afresh.

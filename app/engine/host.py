@@ -41,10 +41,9 @@ from app.exitcode import ExitCode
 from app.store.lines import LogHandler
 from app.store.reader import Accept, RunReader
 from app.store.run_store import DEFAULT_RESERVE_BYTES, RunStore
-from app.walk.rule import WAIVER, WalkRule
+from app.walk.rule import WalkRule
 from drivers.clock import Clock
 from procedures.context import Context, Json
-from procedures.devices import DeviceIdentity, Robot
 
 _log = logging.getLogger(__name__)
 
@@ -289,8 +288,10 @@ class _Run:
         )
         if reentry is not None:
             await self._reenter(reentry, context, identities_as_json(identities))
-        if not simulated:
-            await self._require_walked(devices.robot, identities["robot"], gate, context)
+        if not simulated and request.walk_rule is not None:
+            gate.walk_rule = request.walk_rule
+            here = await self._control.command(devices.robot.joints())
+            await gate.walk_rule.begin(identities["robot"], here, context, self._store)
         await self._control.command(self._ready(devices, gate))
         self._handle.gate = gate
         await self._tell_notes(devices)
@@ -321,17 +322,6 @@ class _Run:
             await reentry.clear(context.ask, self._state_changed)
             self._control.starting()
         await reentry.ask_for_reflectors(context.ask, self._store.event)
-
-    async def _require_walked(
-        self, robot: Robot, arm: DeviceIdentity, gate: MotionGate, context: RunContext
-    ) -> None:
-        """Have a real arm walked where it will be driven, or that waived; a run keeps its waiver."""
-        rule = self._request.walk_rule
-        if rule is None or WAIVER in RunReader(self._store.path).meta:
-            return
-        here = await self._control.command(robot.joints())
-        gate.walk_rule = rule
-        await rule.begin(arm, here, context, self._store.append_meta)
 
     def _conditions(self, devices: Devices) -> list[Condition]:
         conditions: list[Condition] = []

@@ -60,13 +60,15 @@ class WalkFeeder:
 
     async def _feed(self) -> None:
         try:
-            while self._key.held(self._now_s()) is not None and not self._refused:
+            while self._key.held(self._now_s()) is not None:
                 if len(self._sent) >= _UNANSWERED:
                     self._failed(
                         "the engine does not answer any more: it stops the arm by itself; look at it"
                     )
                     break
-                self._send(on=True)
+                # What was refused once is asked for again when the key was let go.
+                if not self._refused:
+                    self._send(on=True)
                 await self._sleep(FEED_S)
         finally:
             # However this ends, the key has to be pressed anew.

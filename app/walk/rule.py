@@ -1,11 +1,13 @@
 """A real arm drives only where it was walked, unless somebody has said in writing why not."""
 
 import asyncio
-from collections.abc import Awaitable, Callable, Mapping, Sequence
+from collections.abc import Awaitable, Callable, Sequence
 from itertools import pairwise
 from typing import Final, Protocol
 
 from app.errors import PromptUnansweredError, UnwalkedError
+from app.store.reader import RunReader
+from app.store.run_store import RunStore
 from app.walk.register import as_row
 from app.walk.speed import place_text
 from app.walk.tube import TUBE_DEG, TUBE_MM, Leg, Tubes, uncovered
@@ -35,10 +37,6 @@ class Desk(Protocol):
         ...
 
 
-Keep = Callable[[Mapping[str, Json]], Awaitable[None]]
-"""Adds to what a run says about itself."""
-
-
 class WalkRule:
     """Knows which motions of one run were walked; in force on a real arm, from `begin` on, until it is waived.
 
@@ -64,18 +62,20 @@ class WalkRule:
         """Motions are refused that were not walked."""
         return self._tubes is not None
 
-    async def begin(self, arm: DeviceIdentity, here: Joints, desk: Desk, keep: Keep) -> None:
+    async def begin(self, arm: DeviceIdentity, here: Joints, desk: Desk, store: RunStore) -> None:
         """Look at the whole plan before anything moves.
 
         Args:
             arm: who answers.
             here: where it stands.
             desk: asks for a waiver.
-            keep: keeps it.
+            store: of the run, which keeps it.
 
         Raises:
             UnwalkedError: motions were not walked and nobody waives that.
         """
+        if WAIVER in RunReader(store.path).meta:
+            return
         motions = await self._motions_from(here)
         walked = await asyncio.to_thread(self._walked, arm)
         self._tubes, left = Tubes(walked), await asyncio.to_thread(uncovered, motions, walked)
@@ -87,7 +87,7 @@ class WalkRule:
         )
         if left:
             counted = f"{len(left)} of {len(motions)} motions of this run were not walked"
-            await self.waive(f"{counted}, the first {_leg_text(left[0])}", desk, keep)
+            await self.waive(f"{counted}, the first {_leg_text(left[0])}", desk, store)
 
     def require(self, start: Joints, way: Sequence[Joints]) -> None:
         """Check a motion through targets.
@@ -104,13 +104,13 @@ class WalkRule:
                     "every motion that was"
                 )
 
-    async def waive(self, missing: str, desk: Desk, keep: Keep) -> None:
+    async def waive(self, missing: str, desk: Desk, store: RunStore) -> None:
         """Have somebody say why the rest of the run may be driven all the same; the run keeps it.
 
         Args:
             missing: what was not walked.
             desk: asks.
-            keep: keeps the answer.
+            store: of the run, which keeps the answer.
 
         Raises:
             UnwalkedError: nobody waives it.
@@ -118,7 +118,7 @@ class WalkRule:
         reason = self._reason or await _asked(missing, desk)
         if reason.lower() in {"", "no"}:
             raise UnwalkedError(f"{missing}: nothing more is driven; {_REMEDY}")
-        await keep({WAIVER: {"reason": reason, "missing": missing}})
+        await store.append_meta({WAIVER: {"reason": reason, "missing": missing}})
         await desk.event("walk-waived", reason=reason, missing=missing)
         self._tubes = None
 
