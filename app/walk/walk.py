@@ -11,6 +11,7 @@ from typing import Any, Final
 import numpy as np
 from pydantic import BaseModel
 
+from app.engine.gate import WHOLE_PERCENT
 from app.engine.handle import OnOpen, RunHandle
 from app.errors import MeasurementRejectedError, UsageError
 from app.procedure_list import Runnable
@@ -154,7 +155,13 @@ class Walk:
         )
 
     async def teardown(self, ctx: Context) -> None:
-        """Leave the arm where it stands."""
+        """Leave the arm where it stands, and say what a walk leaves behind."""
+        planned_percent = self._bench.arm.override_percent
+        if self._percent <= planned_percent - WHOLE_PERCENT:
+            await ctx.warn(
+                f"the speed override stays at {self._percent:g} % or less and runs are planned with "
+                f"{planned_percent:g} %: raise it at the controller before the next run; this program never raises it"
+            )
 
     async def _round(self, ctx: Context, legs: Sequence[Leg]) -> None:
         tubes = Tubes(self._walked)

@@ -231,7 +231,7 @@ async def test_a_walk_goes_on_where_it_was_interrupted(bench: TourBench) -> None
         robot.move_joints = move  # type: ignore[method-assign]  # the next motion is sound
         raise LinkError("tcp://robot is silent")
 
-    robot.move_joints = breaks  # type: ignore[method-assign]  # a link that breaks once
+    robot.move_joints = breaks  # type: ignore[method-assign, assignment]  # a link that breaks once
     broken = await bench.walk()
     assert broken.status == "failed"
     outcome = await bench.walk(resume=broken.path)

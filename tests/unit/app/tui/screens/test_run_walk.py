@@ -1,0 +1,60 @@
+"""The run screen while a plan is walked through."""
+
+from textual.pilot import Pilot
+
+from tests.unit.app.tui.screens.run_screen import app_of, ops, settled
+from tests.unit.app.tui.scripted import ScriptedLink
+from tests.unit.app.tui.told_run import SNAPSHOT
+
+WALK = {**SNAPSHOT, "procedure": "walk", "title": "Walk-through of open-loop"}
+
+
+async def hold(pilot: Pilot[None], link: ScriptedLink) -> None:
+    await pilot.press("space")
+    link.now_s += 0.5
+    await pilot.press("space")
+    await pilot.pause()
+
+
+async def test_space_held_feeds_a_walk_and_says_what_it_is_not() -> None:
+    link = ScriptedLink(WALK)
+    app = app_of(link)
+    async with app.run_test(size=(80, 24)) as pilot:
+        text = await settled(app, pilot, link)
+        assert "hold Space" in text
+        assert "no enabling device" in text
+        await pilot.press("space")
+        assert "walk-feed" not in ops(link)
+        link.now_s += 0.5
+        await pilot.press("space")
+        await pilot.pause()
+        assert {"op": "walk-feed", "on": True} in link.asked
+
+
+async def test_another_screen_lets_go() -> None:
+    link = ScriptedLink(WALK)
+    app = app_of(link)
+    async with app.run_test(size=(80, 24)) as pilot:
+        await settled(app, pilot, link)
+        await hold(pilot, link)
+        await pilot.press("f3")
+        await pilot.pause()
+        assert {"op": "walk-feed", "on": False} in link.asked
+
+
+async def test_a_walk_under_somebody_elses_control_is_not_fed() -> None:
+    link = ScriptedLink({**WALK, "control": {"client": "tui-9", "who": "Ben"}})
+    app = app_of(link)
+    async with app.run_test(size=(80, 24)) as pilot:
+        await settled(app, pilot, link)
+        await hold(pilot, link)
+        assert "walk-feed" not in ops(link)
+
+
+async def test_space_means_nothing_to_a_measurement() -> None:
+    link = ScriptedLink(SNAPSHOT)
+    app = app_of(link)
+    async with app.run_test(size=(80, 24)) as pilot:
+        await settled(app, pilot, link)
+        await hold(pilot, link)
+        assert "walk-feed" not in ops(link)
