@@ -9,7 +9,7 @@ from tests.unit.app.tui.told_run import SNAPSHOT
 WALK = {**SNAPSHOT, "procedure": "walk", "title": "Walk-through of open-loop"}
 
 
-async def hold(pilot: Pilot[None], link: ScriptedLink) -> None:
+async def hold(pilot: Pilot[int], link: ScriptedLink) -> None:
     await pilot.press("space")
     link.now_s += 0.5
     await pilot.press("space")
