@@ -87,6 +87,7 @@ def conduct(
     """Rehearse a plan, or run it and end the process with the run's exit code."""
     if dry_run:
         tell_rehearsal(planned, asyncio.run(rehearse(planned)), as_json=as_json)
+        say("a real arm drives this where it was walked through (--walk), or with a reason (--waive-walk)")
         return
     with settled_heap():
         outcome = asyncio.run(serve_and_run(planned, root, answers, arm, speed, waive_walk, as_json=as_json))

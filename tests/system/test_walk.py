@@ -63,6 +63,14 @@ def test_a_walk_is_told_as_a_run(bench: Emulated, tmp_path: Path) -> None:
     assert catseye("report", path.name, "-o", "walk.html", cwd=tmp_path).returncode == 0
 
 
+def test_a_rehearsal_mentions_the_walk(bench: Emulated, tmp_path: Path) -> None:
+    rehearsed = catseye(
+        "run", "open-loop", "--cell", bench.cell, "--search", "none", "--dry-run", cwd=tmp_path
+    )
+    assert rehearsed.returncode == 0
+    assert "--walk" in rehearsed.stderr
+
+
 @pytest.mark.parametrize(
     ("option", "says"), [("--dry-run", "touches no device"), ("--detach", "at its keys")]
 )

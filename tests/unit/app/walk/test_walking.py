@@ -5,6 +5,7 @@ from pathlib import Path
 
 import pytest
 
+from app.analysis.reporting import run_report
 from app.exitcode import ExitCode
 from app.store.reader import RunReader
 from app.store.verify import verify
@@ -112,6 +113,12 @@ async def test_a_waiver_is_kept_with_the_run(real: TourBench) -> None:
     assert isinstance(kept, dict)
     assert kept["reason"] == REASON
     assert [e.data["reason"] for e in RunReader(outcome.path).events() if e.kind == "walk-waived"] == [REASON]
+
+
+async def test_a_report_tells_the_waiver(real: TourBench, tmp_path: Path) -> None:
+    outcome = await real.run(waive_walk=REASON)
+    run_report(RunReader(outcome.path), real.root, tmp_path / "report.html")
+    assert REASON in (tmp_path / "report.html").read_text(encoding="utf-8")
 
 
 async def test_a_person_may_type_the_waiver(real: TourBench) -> None:
