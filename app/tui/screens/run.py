@@ -135,6 +135,7 @@ class RunScreen(MainScreen):
     def commands(self) -> Iterable[SystemCommand]:
         """Return what this screen can do."""
         yield SystemCommand("Answer: let the arm move", "F8 confirms it", self.action_ask_to_move)
+        yield SystemCommand("Walk on", "hold Space here; one press moves nothing", self.action_walk)
         yield SystemCommand("Answer: yes", "where no motion follows", self.action_yes)
         yield SystemCommand("Answer: no", "to a question of yes or no", self.action_no)
         for number in range(1, 10):
