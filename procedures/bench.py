@@ -7,6 +7,9 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from calibration.kinematics.bodies import Box, Capsule
+from calibration.kinematics.chain import Chain
+
 Following = Literal["stops", "blended", "streamed"]
 """How the arm follows a reflector between two nodes: it stops at every sub-step, it passes the sub-steps without
 standing still, or it is given a set point in every cycle of the controller."""
@@ -69,6 +72,31 @@ class Arm:
     follow_acceleration_deg_s2: float = 200.0
     j3_range_mm: tuple[float, float] | None = None
     j3_speed_mm_s: float = 1100.0
+
+
+@dataclass(frozen=True)
+class Workspace:
+    """The bodies of the arm and what stands around it, apart from the reflectors.
+
+    Attributes:
+        chain: joints of the arm with their ranges; bodies stand in its frames.
+        bodies: of the arm, the base among them.
+        table_z_mm: height of the table on which arm and reflectors stand, in the arm's base frame.
+        stand_radius_mm: radius of a reflector with its stand, which reaches from the table to the flange.
+        clearance_mm: what is kept between any two bodies.
+        keep_out: boxes that no moving body may enter.
+        keep_in: boxes that no moving body may leave.
+        unconfirmed: dimensions that are estimates which nobody has confirmed, in words.
+    """
+
+    chain: Chain
+    bodies: tuple[Capsule, ...]
+    table_z_mm: float
+    stand_radius_mm: float
+    clearance_mm: float
+    keep_out: tuple[Box, ...] = ()
+    keep_in: tuple[Box, ...] = ()
+    unconfirmed: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -161,6 +189,7 @@ class Bench:
     Attributes:
         name: the cell's name.
         arm: nominal arm.
+        workspace: bodies of the arm and around it.
         optics: beam.
         timing: how a point is measured.
         reflectors: in measuring order.
@@ -174,6 +203,7 @@ class Bench:
 
     name: str
     arm: Arm
+    workspace: Workspace
     optics: Optics
     timing: Timing
     reflectors: tuple[Reflector, ...]

@@ -8,9 +8,8 @@ from calibration.types import Bools
 from procedures.bench import Bench
 from procedures.errors import PlanError, PlanLimitError
 from procedures.motion.approach import Command, require_joint_limits, with_take_up
-from procedures.motion.free_way import require_free_way
 from procedures.motion.tracking import plan_track
-from procedures.motion.visits import plan_visits
+from procedures.motion.visits import plan_visits, require_clear_visits
 
 
 @dataclass(frozen=True)
@@ -45,11 +44,11 @@ def bench_cost(bench: Bench, sequence: tuple[Command, ...], kept: Bools | None =
     duration_s, points, blind, breaks = 0.0, 0, 0, 0
     try:
         require_joint_limits(stops, bench)
-        require_free_way(np.array([[stop.theta1_deg, stop.theta2_deg] for stop in stops]), bench)
         for reflector in bench.reflectors:
             visits, hidden = plan_visits(
                 stops, plan_track(stops, bench, reflector, subdivide=True), bench, reflector
             )
+            require_clear_visits(visits, bench)
             duration_s += sum(visit.duration_s for visit in visits)
             points += len(visits)
             blind += len(hidden)

@@ -22,7 +22,7 @@ from procedures.context import Context, Live, Row
 from procedures.devices import Joints
 from procedures.errors import AlignmentError, BeamLostError, PlanError
 from procedures.motion.arrival import Arrival
-from procedures.motion.free_way import require_free_way
+from procedures.motion.clear_way import way_refusal
 from procedures.search.search_plan import SearchPose, looking_poses, measured_distances_mm
 from procedures.stored import numbers_of
 
@@ -157,7 +157,9 @@ def level_screw(bench: Bench) -> Screw:
 def _poses(bench: Bench, params: BeamLevelParams) -> tuple[SearchPose, ...]:
     reflectors = named_reflectors(bench, params.reflector)
     chains = [
-        _spaced(looking_poses(bench, reflector, params.half_range_deg), bench, params.poses)
+        _spaced(
+            looking_poses(bench, reflector, params.half_range_deg), params.half_range_deg, bench, params.poses
+        )
         for reflector in reflectors
     ]
     best = max(chains, key=_base_mm)
@@ -175,7 +177,9 @@ def _base_mm(poses: Sequence[SearchPose]) -> float:
     return poses[-1].beam_mm - poses[0].beam_mm if poses else 0.0
 
 
-def _spaced(seen: Sequence[SearchPose], bench: Bench, count: int) -> tuple[SearchPose, ...]:
+def _spaced(
+    seen: Sequence[SearchPose], half_range_deg: float, bench: Bench, count: int
+) -> tuple[SearchPose, ...]:
     """Return poses from near to far whose distances are spread evenly and whose ways are free."""
     least = max(_NEAR_MM, bench.optics.beam_min_mm + _ROUGH_MM)
     usable = sorted((pose for pose in seen if pose.beam_mm >= least), key=lambda pose: pose.beam_mm)
@@ -186,7 +190,7 @@ def _spaced(seen: Sequence[SearchPose], bench: Bench, count: int) -> tuple[Searc
         farther = [pose for pose in usable if pose.beam_mm > chosen[-1].beam_mm]
         farther.sort(key=lambda pose: abs(pose.beam_mm - wanted))
         # After the farthest one the arm returns to the nearest.
-        free = (pose for pose in farther if _free((chosen[-1], pose, chosen[0]), bench))
+        free = (pose for pose in farther if _free((chosen[-1], pose, chosen[0]), half_range_deg, bench))
         following = next(free, None)
         if following is None:
             return ()
@@ -194,12 +198,15 @@ def _spaced(seen: Sequence[SearchPose], bench: Bench, count: int) -> tuple[Searc
     return tuple(chosen)
 
 
-def _free(poses: Sequence[SearchPose], bench: Bench) -> bool:
-    try:
-        require_free_way(np.array([[pose.theta1_deg, pose.theta2_deg] for pose in poses]), bench)
-    except PlanError:
-        return False
-    return True
+def _free(poses: Sequence[SearchPose], half_range_deg: float, bench: Bench) -> bool:
+    """Return whether ways between poses are clear, with J4 and J3 anywhere in the ranges that are scanned."""
+    heights = bench.arm.j3_range_mm or (bench.arm.j3_mm,)
+    way: list[Joints] = []
+    for pose in poses:
+        ends = pose.turned(half_range_deg, bench)
+        way += [(one, two, height, four) for height in heights for one, two, _, four in ends]
+        way.append(ends[1])
+    return way_refusal(way, bench) is None
 
 
 @dataclass(frozen=True)

@@ -19,7 +19,7 @@ from procedures.context import Context, Live, Measurement, Row
 from procedures.devices import Joints
 from procedures.errors import AlignmentError, BeamLostError, NoBeamError, PlanError, PlanLimitError
 from procedures.motion.arrival import Arrival
-from procedures.motion.free_way import require_free_way
+from procedures.motion.clear_way import require_clear_way
 from procedures.search.search_plan import SearchPose, looking_poses
 from procedures.stored import number_of
 
@@ -175,7 +175,7 @@ def _pose(bench: Bench, params: BeamToJ4Params) -> SearchPose:
         )
     require_inside(bench, [(pose.theta1_deg, pose.theta2_deg) for pose in usable])
     nearest = min(usable, key=lambda pose: pose.beam_mm)
-    require_free_way(np.array([[nearest.theta1_deg, nearest.theta2_deg]] * 2), bench)
+    require_clear_way(nearest.turned(params.half_range_deg, bench), bench)
     return nearest
 
 

@@ -1,14 +1,13 @@
 """The way into a measurement from wherever the arm stands: planned and checked when it is known where that is."""
 
 import math
-from itertools import pairwise
 
 import numpy as np
 
 from procedures.bench import Bench, Reflector
 from procedures.devices import Joints
-from procedures.errors import PlanError, WayBlockedError
-from procedures.motion.free_way import require_free_way
+from procedures.errors import WayBlockedError
+from procedures.motion.clear_way import way_refusal
 from procedures.motion.tracking import aimed_along
 from procedures.motion.visits import Visit
 
@@ -55,14 +54,16 @@ def way_in(here: Joints, take_up: Joints, bench: Bench) -> tuple[Joints, ...]:
     """
     lift = _lift(here, bench)
     start = lift[-1] if lift else here
-    refusal = _refusal(start, (take_up,), bench)
+    if lift and (blocked := way_refusal((here, *lift), bench)) is not None:
+        raise WayBlockedError(f"J3 cannot go to its height: {blocked}")
+    refusal = way_refusal((start, take_up), bench)
     if refusal is None:
         return (*lift, take_up)
     for two in sorted(
         {*bench.nodes2_deg, start[1], take_up[1]}, key=lambda two: abs(two - start[1]) + abs(two - take_up[1])
     ):
         way = _folded(start, take_up, two)
-        if _within_limits(way, bench) and _refusal(start, way, bench) is None:
+        if _within_limits(way, bench) and way_refusal((start, *way), bench) is None:
             return (*lift, *way)
     raise WayBlockedError(
         f"there is no free way from θ1 = {here[0]:.1f}°, θ2 = {here[1]:.1f}° to θ1 = {take_up[0]:.1f}°, "
@@ -91,13 +92,3 @@ def _within_limits(way: tuple[Joints, ...], bench: Bench) -> bool:
     arm = bench.arm
     ranges = ((0, arm.j1_limits_deg), (1, arm.j2_limits_deg), (3, arm.j4_limits_deg))
     return all(low <= target[n] <= high for target in way for n, (low, high) in ranges)
-
-
-def _refusal(start: Joints, way: tuple[Joints, ...], bench: Bench) -> str | None:
-    """Return why a way is not free."""
-    try:
-        for a, b in pairwise((start, *way)):
-            require_free_way(np.array([a[:2], b[:2]]), bench)
-    except PlanError as error:
-        return str(error)
-    return None

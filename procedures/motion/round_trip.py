@@ -5,13 +5,11 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 
-import numpy as np
-
 from procedures.bench import Bench, Reflector
 from procedures.devices import Joints
 from procedures.errors import PlanLimitError
 from procedures.motion.approach import Waypoint, require_joint_limits
-from procedures.motion.free_way import require_free_way
+from procedures.motion.clear_way import require_clear_legs
 from procedures.motion.tracking import Track, plan_track
 from procedures.motion.visits import Leg, driving_time_s, leg_targets
 
@@ -76,7 +74,6 @@ def plan_round_trip(stops: Sequence[Pose], bench: Bench, reflector: Reflector) -
     """
     closed, ends = _closed(stops)
     require_joint_limits(closed, bench)
-    require_free_way(np.array([[stop.theta1_deg, stop.theta2_deg] for stop in closed]), bench)
     track = plan_track(closed, bench, reflector, subdivide=True)
     if not _kept(track):
         return None
@@ -89,6 +86,7 @@ def plan_round_trip(stops: Sequence[Pose], bench: Bench, reflector: Reflector) -
         for first, last in pairwise(ends)
     )
     start = legs[-1][-1]
+    require_clear_legs(start, legs, bench)
     j4 = [target[3] for leg in legs for target in leg]
     return RoundTrip(
         reflector=reflector,

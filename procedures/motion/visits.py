@@ -1,5 +1,6 @@
 """What a measurement drives to: a node, the way there in legs, and the time it takes."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -7,6 +8,7 @@ import numpy as np
 from procedures.bench import Bench, Reflector
 from procedures.devices import Joints
 from procedures.motion.approach import Command, Waypoint
+from procedures.motion.clear_way import require_clear_legs
 from procedures.motion.motion_time import way_time_s
 from procedures.motion.tracking import Track, aimed_along
 
@@ -43,6 +45,17 @@ class Visit:
     def node(self) -> Joints:
         """Joints at the node."""
         return self.legs[-1][-1]
+
+
+def require_clear_visits(visits: Sequence[Visit], bench: Bench) -> None:
+    """Refuse points, measured one after the other, on whose way bodies come too near to each other.
+
+    Raises:
+        PlanError: names the bodies, their distance and the target.
+    """
+    legs = [leg for visit in visits for leg in visit.legs]
+    if legs:
+        require_clear_legs(legs[0][0], legs, bench)
 
 
 def leg_targets(

@@ -11,7 +11,7 @@ import numpy as np
 from procedures.bench import Bench, Reflector
 from procedures.errors import PlanError
 from procedures.motion.approach import Command, Waypoint, require_joint_limits, with_take_up
-from procedures.motion.free_way import require_free_way
+from procedures.motion.clear_way import legs_refusal
 from procedures.motion.tracking import plan_track
 from procedures.motion.visits import Leg, Visit, driving_time_s, leg_targets, measuring_time_s
 
@@ -139,7 +139,6 @@ def _trip(
     stops = _from_first_node(with_take_up(commands, bench.take_up_deg))
     try:
         require_joint_limits(stops, bench)
-        require_free_way(np.array([[stop.theta1_deg, stop.theta2_deg] for stop in stops]), bench)
         track = plan_track(stops, bench, reflector, subdivide=True)
     except PlanError:
         return None
@@ -152,6 +151,8 @@ def _trip(
     )
     low, high = bench.arm.j4_limits_deg
     if not all(low <= target[3] <= high for leg in legs for target in leg):
+        return None
+    if legs_refusal(here.node, legs, bench) is not None:
         return None
     split = _place_of(stops, there.command, 1)
     duration_s = driving_time_s(here.node, legs, bench) + measuring_time_s(bench)

@@ -2,8 +2,6 @@
 
 from dataclasses import dataclass
 
-import numpy as np
-
 from procedures.bench import Bench, Reflector
 from procedures.errors import PlanError
 from procedures.motion.approach import (
@@ -13,9 +11,8 @@ from procedures.motion.approach import (
     require_joint_limits,
     with_take_up,
 )
-from procedures.motion.free_way import require_free_way
 from procedures.motion.tracking import plan_track
-from procedures.motion.visits import Visit, break_warnings, plan_visits
+from procedures.motion.visits import Visit, break_warnings, plan_visits, require_clear_visits
 from procedures.open_loop.closures import Closure, plan_closures
 
 _FEWEST_SEEN = 0.5
@@ -129,7 +126,8 @@ def plan_open_loop(
         _reflector_plan(stops, bench, reflector, subdivide, closures if subdivide and take_up else 0)
         for reflector in _chosen(bench, reflectors)
     )
-    require_free_way(np.array([[stop.theta1_deg, stop.theta2_deg] for stop in stops]), bench)
+    for plan in plans:
+        require_clear_visits(plan.visits, bench)
     return OpenLoopPlan(bench, plans, tuple(text for plan in plans for text in _warnings(plan)))
 
 

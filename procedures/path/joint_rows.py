@@ -7,7 +7,7 @@ import numpy as np
 from procedures.bench import Bench
 from procedures.errors import PlanError
 from procedures.motion.approach import Command, Waypoint, with_take_up
-from procedures.motion.free_way import require_free_way
+from procedures.motion.clear_way import require_clear_way
 from procedures.path.path_plan import (
     Instrument,
     PathPlan,
@@ -54,7 +54,7 @@ def plan_joint_rows(
     stops = with_take_up(commands, bench.take_up_deg)
     theta = np.array([[stop.theta1_deg, stop.theta2_deg] for stop in stops])
     require_path_limits(theta, bench)
-    require_free_way(theta, bench)
+    require_clear_way([(stop.theta1_deg, stop.theta2_deg, bench.arm.j3_mm, 0.0) for stop in stops], bench)
     rest_s = hold_time_s if chosen == "file" else bench.timing.settle_time_s
     duration_s = passes * path_duration_s(theta, rest_s, bench)
     first, *_ = come_from = _come_from(stops)

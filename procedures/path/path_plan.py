@@ -10,8 +10,9 @@ from calibration.kinematics import Hand, inverse
 from procedures.bench import Bench
 from procedures.devices import Joints
 from procedures.errors import PlanError, PlanLimitError
-from procedures.motion.free_way import require_free_way
+from procedures.motion.clear_way import require_clear_way
 from procedures.motion.motion_time import move_time_s
+from procedures.motion.visits import require_clear_visits
 from procedures.path.tracked_path import PathPoint, TrackedPath, plan_tracked_path
 
 _REST_RAD = 1e-9
@@ -89,11 +90,14 @@ def plan_path(
     theta = np.array([[point.theta1_deg, point.theta2_deg] for point in points])
     run_in: Joints = (*_unclipped(points[0], bench), bench.arm.j3_mm, 0.0)
     require_path_limits(np.vstack([run_in[:2], theta]), bench)
-    require_free_way(np.vstack([run_in[:2], theta]), bench)
     if chosen == "interferometer":
         require_path_limits(np.array([_unclipped(point, bench) for point in points]), bench)
         tracked = plan_tracked_path(run_in, points, passes, bench, reflector)
+        require_clear_visits(tracked.visits, bench)
         return PathPlan(bench, run_in, points, passes, tracked.duration_s, chosen, tracked)
+    way = [run_in, *((p.theta1_deg, p.theta2_deg, bench.arm.j3_mm, 0.0) for p in points)]
+    # Every pass begins with the run-in.
+    require_clear_way([*way, run_in], bench)
     hold_s = hold_time_s if chosen == "file" else bench.timing.settle_time_s
     duration_s = passes * path_duration_s(theta, hold_s, bench)
     return PathPlan(

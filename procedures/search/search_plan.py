@@ -8,8 +8,9 @@ from numpy.typing import NDArray
 from calibration.kinematics import forward, wrap_rad
 from calibration.pointing import beam_direction, visible
 from procedures.bench import Bench, Reflector
+from procedures.devices import Joints
 from procedures.errors import PlanError
-from procedures.motion.free_way import require_free_way
+from procedures.motion.clear_way import require_clear_way, way_refusal
 from procedures.motion.tracking import aimed_j4
 
 Floats = NDArray[np.float64]
@@ -38,6 +39,18 @@ class SearchPose:
     theta2_deg: float
     j4_deg: float
     beam_mm: float
+
+    def turned(self, half_range_deg: float, bench: Bench) -> tuple[Joints, Joints]:
+        """Return the joints at both ends of a scan of J4, at the height of the cell file."""
+        low, high = bench.arm.j4_limits_deg
+        first, last = max(low, self.j4_deg - half_range_deg), min(high, self.j4_deg + half_range_deg)
+        j3_mm = bench.arm.j3_mm
+        return (self.theta1_deg, self.theta2_deg, j3_mm, first), (
+            self.theta1_deg,
+            self.theta2_deg,
+            j3_mm,
+            last,
+        )
 
 
 @dataclass(frozen=True)
@@ -123,14 +136,14 @@ def plan_search(
         chosen += [_aimed_pose(pose, bench, reflector) for pose in order[:poses]]
         spare = [_pose(pose, bench, reflector, bench.arm.j4_limits_deg) for pose in order[poses:]]
         further += [pose for pose in spare if pose is not None]
-    require_free_way(np.array([[pose.theta1_deg, pose.theta2_deg] for pose in chosen]), bench)
+    require_clear_way([end for pose in chosen for end in pose.turned(half_range_deg, bench)], bench)
     nearest = min(pose.beam_mm for pose in chosen)
     later = min(half_range_deg, float(np.rad2deg(2.0 * rough_place_mm / nearest)))
     return SearchPlan(
         bench,
         bench.reflectors,
         tuple(chosen),
-        _freely_reached(further, chosen, bench),
+        _freely_reached(further, chosen, half_range_deg, bench),
         jogging,
         half_range_deg,
         later,
@@ -139,18 +152,15 @@ def plan_search(
 
 
 def _freely_reached(
-    further: list[SearchPose], chosen: list[SearchPose], bench: Bench
+    further: list[SearchPose], chosen: list[SearchPose], half_range_deg: float, bench: Bench
 ) -> tuple[SearchPose, ...]:
     """Return the poses that have a free way to and from all others: nobody knows yet in which order they come."""
     kept: list[SearchPose] = []
     for pose in further:
-        here = (pose.theta1_deg, pose.theta2_deg)
-        stops = [stop for other in (*chosen, *kept) for stop in ((other.theta1_deg, other.theta2_deg), here)]
-        try:
-            require_free_way(np.array(stops), bench)
-        except PlanError:
-            continue
-        kept.append(pose)
+        here = pose.turned(half_range_deg, bench)
+        others = [other.turned(half_range_deg, bench) for other in (*chosen, *kept)]
+        if way_refusal([end for other in others for end in (*other, *here)], bench) is None:
+            kept.append(pose)
     return tuple(kept)
 
 

@@ -1,0 +1,135 @@
+"""A serial arm of any joints in modified Denavit–Hartenberg parameters: its frames, and the levers of its joints.
+
+The transform of joint i is T_i = Rx(α_i) Tx(a_i) Rz(θ_i) Tz(d_i) (Craig, Introduction to Robotics, section 3.4), with
+θ_i = sign · q_i + offset for a revolute joint and d_i = sign · q_i + d for a prismatic one.
+"""
+
+import math
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Literal
+
+import numpy as np
+
+from calibration.types import Floats
+
+Range = tuple[float, float]
+
+
+@dataclass(frozen=True)
+class Joint:
+    """One joint.
+
+    Attributes:
+        name: as bodies name it.
+        kind: q is an angle in deg, or a length in mm.
+        alpha_deg: twist from the joint before.
+        a_mm: distance of the axes.
+        theta_offset_deg: angle at q = 0.
+        d_mm: offset along the axis at q = 0.
+        sign: 1 or -1.
+        low: smallest q, deg or mm.
+        high: largest q, deg or mm.
+    """
+
+    name: str
+    kind: Literal["revolute", "prismatic"]
+    alpha_deg: float
+    a_mm: float
+    theta_offset_deg: float
+    d_mm: float
+    sign: float
+    low: float
+    high: float
+
+    @property
+    def longest_mm(self) -> float:
+        """Largest offset along the axis, mm."""
+        if self.kind == "revolute":
+            return abs(self.d_mm)
+        return max(abs(self.d_mm + self.sign * q) for q in (self.low, self.high))
+
+    @property
+    def parallel(self) -> bool:
+        """Its axis is parallel to that of the joint before."""
+        return math.isclose(math.sin(math.radians(self.alpha_deg)), 0.0, abs_tol=1e-12)
+
+
+@dataclass(frozen=True)
+class Chain:
+    """A serial arm; frame 0 is its base, frame i that of joint i.
+
+    Attributes:
+        joints: from the base outwards.
+    """
+
+    joints: tuple[Joint, ...]
+
+    def frame_of(self, name: str) -> int:
+        """Return the number of a frame by its joint's name, or "base".
+
+        Raises:
+            KeyError: there is no such joint.
+        """
+        return {"base": 0, **{joint.name: i for i, joint in enumerate(self.joints, 1)}}[name]
+
+    def frames(self, poses: Floats) -> Floats:
+        """Return the frames at poses.
+
+        Args:
+            poses: joints, deg or mm, shape (n, joints).
+
+        Returns:
+            Homogeneous transforms into the base, lengths in mm, shape (joints + 1, n, 4, 4).
+        """
+        found = np.empty((len(self.joints) + 1, len(poses), 4, 4))
+        found[0] = np.eye(4)
+        for i, (joint, fixed) in enumerate(zip(self.joints, self._fixed, strict=True)):
+            np.matmul(found[i], fixed @ _moved(joint, poses[:, i]), out=found[i + 1])
+        return found
+
+    def lever(self, joint: int, frame: int, point_mm: tuple[float, float, float]) -> float:
+        """Return an upper bound of how far a point moves when one joint moves by one unit.
+
+        Args:
+            joint: number of the joint that moves, from 1.
+            frame: number of the frame that the point is fixed to, not before that of the joint.
+            point_mm: the point in that frame.
+
+        Returns:
+            mm per deg of a revolute joint, 1 for a prismatic one; it holds at every pose within the joints' ranges.
+        """
+        if self.joints[joint - 1].kind == "prismatic":
+            return 1.0
+        between = self.joints[joint:frame]
+        if all(other.parallel for other in between):
+            # Along parallel axes neither offsets nor heights take a point away from the axis.
+            arm_mm = sum(abs(other.a_mm) for other in between) + math.hypot(*point_mm[:2])
+        else:
+            arm_mm = sum(math.hypot(other.a_mm, other.longest_mm) for other in between) + math.hypot(
+                *point_mm
+            )
+        return math.radians(arm_mm)
+
+    @cached_property
+    def _fixed(self) -> Floats:
+        """Rx(α) Tx(a) of each joint, shape (joints, 4, 4)."""
+        made = np.tile(np.eye(4), (len(self.joints), 1, 1))
+        for one, joint in zip(made, self.joints, strict=True):
+            cos, sin = math.cos(math.radians(joint.alpha_deg)), math.sin(math.radians(joint.alpha_deg))
+            one[1:3, 1:3] = [[cos, -sin], [sin, cos]]
+            one[0, 3] = joint.a_mm
+        return made
+
+
+def _moved(joint: Joint, q: Floats) -> Floats:
+    """Return Rz(θ) Tz(d) of a joint, shape (n, 4, 4)."""
+    made = np.zeros((len(q), 4, 4))
+    turned, shifted = (joint.sign * q, 0.0) if joint.kind == "revolute" else (0.0, joint.sign * q)
+    theta = np.deg2rad(turned + joint.theta_offset_deg)
+    made[:, 0, 0] = made[:, 1, 1] = np.cos(theta)
+    made[:, 1, 0] = np.sin(theta)
+    made[:, 0, 1] = -made[:, 1, 0]
+    made[:, 2, 2] = made[:, 3, 3] = 1.0
+    made[:, 2, 3] = shifted + joint.d_mm
+    return made

@@ -1,0 +1,134 @@
+"""Whether bodies stay clear of each other along a way, between its targets too.
+
+All joints move together, so a way is a straight line in joint space from target to target. Within an interval the
+distance of a pair differs from that at the middle by no more than the pair's levers times half the interval. An
+interval is clear where the distance at its middle exceeds the clearance by this bound; otherwise it is halved.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from calibration.kinematics.bodies import Gaps, Pair
+from calibration.types import Bools, Floats, Ints
+
+RESOLUTION_MM = 0.1
+"""Where the bound is below this, a pair that cannot be shown to be clear counts as too near."""
+
+_LOOKS = 33
+"""Poses of the refused leg at which the distance that is told is looked for."""
+
+_MOST_AT_ONCE = 4096
+"""Intervals that are looked at together: memory stays bounded on the longest ways."""
+
+
+@dataclass(frozen=True)
+class Contact:
+    """Where a way comes too near.
+
+    Attributes:
+        pair: names of the two bodies.
+        distance_mm: least distance that was seen on the leg, negative where they overlap.
+        leg: number of the leg, from 0; leg k leads to target k + 1 of the way.
+        pose: joints there, deg or mm.
+        clear_share: share 0...1 of the leg, from its start, over which everything is clear.
+    """
+
+    pair: Pair
+    distance_mm: float
+    leg: int
+    pose: tuple[float, ...]
+    clear_share: float
+
+
+@dataclass(frozen=True)
+class _Intervals:
+    """Parts of legs that have not been decided.
+
+    Attributes:
+        leg: number of the leg, shape (n,).
+        low: share of the leg where the part begins, shape (n,).
+        high: share where it ends, shape (n,).
+    """
+
+    leg: Ints
+    low: Floats
+    high: Floats
+
+    def select(self, rows: Bools) -> "_Intervals":
+        return _Intervals(self.leg[rows], self.low[rows], self.high[rows])
+
+    def halved(self) -> "_Intervals":
+        """Return both halves of each, in order of the way."""
+        middle = 0.5 * (self.low + self.high)
+        low = np.column_stack([self.low, middle]).ravel()
+        return _Intervals(np.repeat(self.leg, 2), low, np.column_stack([middle, self.high]).ravel())
+
+
+def first_contact(
+    gaps: Gaps, way: Floats, clearance_mm: float, passed: Bools | None = None
+) -> Contact | None:
+    """Return where a way first comes nearer than the clearance; None when it is clear.
+
+    Args:
+        gaps: the bodies.
+        way: targets, the present pose first, deg or mm, shape (n, joints).
+        clearance_mm: what is kept between any two bodies.
+        passed: at which targets the arm does not stand still but cuts the corner, shape (n,); None for none. It stays
+            within the triangle of a target and its neighbours, so its joints are off by half their second difference
+            there at most.
+    """
+    if not gaps.pairs:
+        return None
+    if len(way) == 1:
+        way, passed = np.repeat(way, 2, axis=0), None
+    steps = np.diff(way, axis=0)
+    cut = np.zeros((len(gaps.pairs), len(steps))) if passed is None else _cut_mm(gaps, way, passed)
+    for first in range(0, len(steps), _MOST_AT_ONCE):
+        legs = np.arange(first, min(first + _MOST_AT_ONCE, len(steps)))
+        found = _first_blocked(gaps, way, clearance_mm + cut, legs)
+        if found is not None:
+            leg, share = found
+            return _told(gaps, way[leg], steps[leg], leg, share)
+    return None
+
+
+def _first_blocked(gaps: Gaps, way: Floats, needed: Floats, legs: Ints) -> tuple[int, float] | None:
+    """Return leg and share up to which everything is clear; None when all legs are."""
+    todo = _Intervals(legs, np.zeros(len(legs)), np.ones(len(legs)))
+    blocked: tuple[int, float] | None = None
+    while todo.leg.size:
+        start, step = way[todo.leg], way[todo.leg + 1] - way[todo.leg]
+        middle = start + (0.5 * (todo.low + todo.high))[:, None] * step
+        bound = gaps.levers @ (np.abs(step) * (0.5 * (todo.high - todo.low))[:, None]).T
+        spare = gaps.at(middle) - needed[:, todo.leg]
+        open_ = (spare < bound).any(axis=0)
+        shut = ((spare < bound) & (bound < RESOLUTION_MM)).any(axis=0)
+        hits = np.flatnonzero(shut | (spare < 0.0).any(axis=0))
+        if hits.size:
+            # What comes later on the way does not matter any more; what comes before may be blocked too.
+            first = int(hits[0])
+            open_[first + 1 :] = False
+            if shut[first]:
+                blocked = int(todo.leg[first]), float(todo.low[first])
+                open_[first] = False
+        todo = todo.select(open_).halved()
+    return blocked
+
+
+def _cut_mm(gaps: Gaps, way: Floats, passed: Bools) -> Floats:
+    """Return by how much cutting corners may bring pairs nearer on each leg, mm, shape (pairs, legs)."""
+    bend = np.zeros_like(way)
+    bend[1:-1] = 0.5 * np.abs(way[:-2] - 2.0 * way[1:-1] + way[2:])
+    bend[~passed] = 0.0
+    return np.asarray(gaps.levers @ np.maximum(bend[:-1], bend[1:]).T, dtype=np.float64)
+
+
+def _told(gaps: Gaps, start: Floats, step: Floats, leg: int, share: float) -> Contact:
+    """Return what there is to say about a leg that is blocked beyond a share."""
+    shares = np.linspace(share, 1.0, _LOOKS)
+    poses = start + shares[:, None] * step
+    distances = gaps.at(poses)
+    pair, look = np.unravel_index(int(np.argmin(distances)), distances.shape)
+    pose = tuple(float(q) for q in poses[look])
+    return Contact(gaps.pairs[pair], float(distances[pair, look]), int(leg), pose, share)

@@ -1,0 +1,128 @@
+"""No body of the arm may come near another one, or what stands around the arm, at the targets or between them.
+
+Plans, the gate of every motion, the jog and the rehearsal ask here.
+"""
+
+from collections.abc import Sequence
+from functools import lru_cache
+
+import numpy as np
+
+from calibration.kinematics.bodies import Box, Capsule, Gaps, Scene, Table
+from calibration.kinematics.sweep import Contact, first_contact
+from procedures.bench import Bench, Reflector, Workspace
+from procedures.devices import Joints
+from procedures.errors import PlanError
+
+_STUCK = "the arm is too near where it begins: move it away with the controller's teach pendant"
+
+
+def require_clear_way(way: Sequence[Joints], bench: Bench) -> None:
+    """Refuse a way on which bodies come nearer to each other than the clearance.
+
+    All reflectors stand on the bench while any one is measured.
+
+    Args:
+        way: targets in order, the first one where the way begins; straight joint moves lie between them.
+        bench: the arm, its bodies, its surroundings.
+
+    Raises:
+        PlanError: names both bodies, how near they come, on the way to which target, and the remedy.
+    """
+    if (refusal := way_refusal(way, bench)) is not None:
+        raise PlanError(refusal)
+
+
+def require_clear_legs(start: Joints, legs: Sequence[Sequence[Joints]], bench: Bench) -> None:
+    """Refuse legs, at whose ends the arm stands still, as `require_clear_way` refuses a way.
+
+    Args:
+        start: where the first leg begins.
+        legs: targets of each.
+        bench: the arm, its bodies, its surroundings.
+
+    Raises:
+        PlanError: as `require_clear_way`.
+    """
+    if (refusal := legs_refusal(start, legs, bench)) is not None:
+        raise PlanError(refusal)
+
+
+def legs_refusal(start: Joints, legs: Sequence[Sequence[Joints]], bench: Bench) -> str | None:
+    """Return why legs, at whose ends the arm stands still, are not clear; None when they are."""
+    way = [start, *(target for leg in legs for target in leg)]
+    passed = [False, *(number + 1 < len(leg) for leg in legs for number in range(len(leg)))]
+    contact = _contact(way, bench, passed)
+    return None if contact is None else _refusal(contact, way, bench)
+
+
+def way_refusal(way: Sequence[Joints], bench: Bench) -> str | None:
+    """Return why a way is not clear; None when it is. See `require_clear_way`."""
+    contact = _contact(way, bench)
+    return None if contact is None else _refusal(contact, way, bench)
+
+
+def clear_part(here: Joints, target: Joints, bench: Bench) -> tuple[Joints, str | None]:
+    """Return how far a straight joint move may go, and why not farther; None when its target can be reached.
+
+    Args:
+        here: where the move begins.
+        target: where it is to end.
+        bench: the arm, its bodies, its surroundings.
+    """
+    way = (here, target)
+    contact = _contact(way, bench)
+    if contact is None:
+        return target, None
+    one, two, three, four = (a + contact.clear_share * (b - a) for a, b in zip(here, target, strict=True))
+    return (one, two, three, four), _refusal(contact, way, bench)
+
+
+def _contact(way: Sequence[Joints], bench: Bench, passed: Sequence[bool] = ()) -> Contact | None:
+    gaps = _gaps(bench.workspace, bench.reflectors, bench.arm.j3_mm)
+    corners = np.array(passed) if passed and bench.arm.following == "blended" else None
+    return first_contact(gaps, np.array(way), bench.workspace.clearance_mm, corners)
+
+
+@lru_cache(maxsize=16)
+def _gaps(workspace: Workspace, reflectors: tuple[Reflector, ...], j3_mm: float) -> Gaps:
+    boxes = (_named("keep-out box", workspace.keep_out), _named("wall of the keep-in box", workspace.keep_in))
+    stands = tuple(_stand(reflector, workspace, j3_mm) for reflector in reflectors)
+    table = Table("table", workspace.table_z_mm)
+    return Gaps(Scene(workspace.chain, workspace.bodies, stands, table, *boxes))
+
+
+def _stand(reflector: Reflector, workspace: Workspace, j3_mm: float) -> Capsule:
+    """Return a reflector with its stand: it reaches to the flange, and the beam is below that."""
+    rest = np.array([[0.0, 0.0, j3_mm, 0.0]])
+    top_mm = float(workspace.chain.frames(rest)[-1, 0, 2, 3])
+    foot, top = ((reflector.x_mm, reflector.y_mm, z_mm) for z_mm in (workspace.table_z_mm, top_mm))
+    return Capsule(f"stand of reflector {reflector.name}", 0, foot, top, workspace.stand_radius_mm)
+
+
+def _named(what: str, boxes: tuple[Box, ...]) -> tuple[Box, ...]:
+    return tuple(Box(f"{what} {box.name}", box.low_mm, box.high_mm) for box in boxes)
+
+
+def _refusal(contact: Contact, way: Sequence[Joints], bench: Bench) -> str:
+    moving, other = contact.pair
+    near = f"comes within {contact.distance_mm:.1f} mm" if contact.distance_mm > 0.0 else "runs into it"
+    target = way[min(contact.leg + 1, len(way) - 1)]
+    stuck = contact.leg == 0 and contact.clear_share == 0.0
+    remedy = _STUCK if stuck else _remedy(other)
+    return (
+        f"the {other} stands in the arm's way: the {moving} {near} ({bench.workspace.clearance_mm:g} mm are kept "
+        f"free) near {_place(contact.pose)}, on the way to target {min(contact.leg + 1, len(way) - 1)} of "
+        f"{max(len(way) - 1, 1)}, {_place(target)}: {remedy}"
+    )
+
+
+def _place(pose: Sequence[float]) -> str:
+    one, two, three, four = pose
+    return f"J1 = {one:.1f}°, J2 = {two:.1f}°, J3 = {three:.1f} mm, J4 = {four:.1f}°"
+
+
+def _remedy(other: str) -> str:
+    if other.startswith("stand of"):
+        return "put the reflector out of the arm's reach, or take nodes near it out of [measurement]"
+    return "choose targets that keep away from it, or correct its dimensions in the cell file ([[body]], [workspace])"
