@@ -11,7 +11,7 @@ from pydantic import ValidationError
 
 from app.aim import find_aim
 from app.cell.bench import bench_of
-from app.cell.model import Cell
+from app.cell.model import RECORD, Cell
 from app.errors import UsageError
 from app.files.points_csv import PointRow, to_points
 from app.files.result_json import Result, result_of
@@ -37,7 +37,7 @@ def cell_of_run(reader: RunReader) -> Cell:
         UsageError: the run does not describe its cell.
     """
     try:
-        return Cell.model_validate(reader.meta.get("configuration"))
+        return Cell.model_validate(reader.meta.get("configuration"), context=RECORD)
     except ValidationError as error:
         raise UsageError(f"{reader.path.name} does not hold the cell it was made with") from error
 

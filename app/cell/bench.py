@@ -2,6 +2,7 @@
 
 import math
 
+from app.cell.bodies import workspace_of
 from app.cell.model import Cell
 from app.engine.compensation import AirRule
 from app.engine.conditions import AirLimits
@@ -15,6 +16,7 @@ def bench_of(cell: Cell) -> Bench:
     return Bench(
         name=cell.name,
         arm=_arm(cell),
+        workspace=workspace_of(cell),
         optics=Optics(**cell.optics.model_dump()),
         timing=Timing(
             cell.measurement.settle_time_s,

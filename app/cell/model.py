@@ -1,12 +1,14 @@
 """Shape of the cell file, version 1. The unit is part of every key; unknown keys are refused."""
 
 from itertools import pairwise
-from typing import Annotated, Any, Literal, Self
+from typing import Annotated, Any, Final, Literal, Self
 
-from pydantic import Field, field_validator, model_validator
+from pydantic import Field, ValidationInfo, field_validator, model_validator
 
+from app.cell.arm import Body, shipped_arm
 from app.cell.section import Finite, Name, NotNegative, Positive, Section
 from app.cell.uncertainty import Uncertainty
+from app.cell.workspace import Workspace
 from drivers.endpoint import parse_endpoint
 
 Triple = Annotated[list[Positive], Field(min_length=3, max_length=3)]
@@ -14,6 +16,12 @@ Range = Annotated[list[Finite], Field(min_length=2, max_length=2)]
 Settings = dict[str, Any]
 """Settings of a driver, as that driver's own `Settings` model describes them; they are checked there."""
 
+
+RECORD: Final = {"record": True}
+"""Context for reading the cell of a stored run: nothing is driven with it, so what it may drive is not judged."""
+
+CAP_WITHOUT_REASON_PERCENT: Final = 30.0
+"""A higher speed override needs a reason in the file."""
 
 RESERVED_NAMES = ("robot", "interferometer", "environment", "io", "tracker", "control")
 """Names of the devices that have sections of their own."""
@@ -54,12 +62,14 @@ class Robot(Section):
     datalink_endpoint: str | None = None
     mxt_endpoint: str | None = None
     settings: Settings = Field(default_factory=dict)
+    arm: str = "rh-3frh5515"
     expected_model: str = "RH-3FRH5515"
     link1_mm: Positive
     link2_mm: Positive
     j3_mm: Finite = 0.0
     j3_range_mm: Range | None = None
     override_cap_percent: Annotated[float, Field(ge=1.0, le=100.0, allow_inf_nan=False)] = 20.0
+    override_cap_reason: str = ""
     # The sheet gives the speeds of J1, J2, J4 from memory of a catalogue: they serve estimates of time, and of the
     # way that a joint needs to stop as long as a jog by hand has not shown its speed.
     speed_deg_s: Triple = Field(default=[420.0, 720.0, 3000.0])
@@ -72,6 +82,46 @@ class Robot(Section):
 
     _endpoint = field_validator("endpoint")(_checked_endpoint)
     _further = field_validator("datalink_endpoint", "mxt_endpoint")(_checked_further)
+
+    @field_validator("arm")
+    @classmethod
+    def _described(cls, value: str) -> str:
+        shipped_arm(value)
+        return value
+
+    @model_validator(mode="after")
+    def _cap_has_a_reason(self, info: ValidationInfo) -> Self:
+        cap = self.override_cap_percent
+        if (
+            info.context != RECORD
+            and cap > CAP_WITHOUT_REASON_PERCENT
+            and not self.override_cap_reason.strip()
+        ):
+            raise ValueError(
+                f"override_cap_percent = {cap:g} is above {CAP_WITHOUT_REASON_PERCENT:g}: say why in "
+                'override_cap_reason = "…", or lower it'
+            )
+        return self
+
+    @model_validator(mode="after")
+    def _within_the_arm(self, info: ValidationInfo) -> Self:
+        """A cell only narrows the ranges of its arm."""
+        if info.context == RECORD:
+            return self
+        arm, limits = shipped_arm(self.arm), self.limits_deg
+        asked = [("limits_deg.j1", "J1", limits.j1), ("limits_deg.j2", "J2", limits.j2)]
+        asked += [("limits_deg.j4", "J4", limits.j4), ("j3_mm", "J3", [self.j3_mm, self.j3_mm])]
+        asked += [] if self.j3_range_mm is None else [("j3_range_mm", "J3", self.j3_range_mm)]
+        for key, joint, (low, high) in asked:
+            least, most = arm.range_of(joint)
+            if not least <= low <= high <= most:
+                told = f"{low:g}" if low == high else f"[{low:g}, {high:g}]"
+                unit = "mm" if joint == "J3" else "deg"
+                raise ValueError(
+                    f"{key} = {told} goes beyond the range of {joint} of the {arm.name}, {least:g}…{most:g} {unit}: "
+                    "a cell only narrows it"
+                )
+        return self
 
     @model_validator(mode="after")
     def _height_in_range(self) -> Self:
@@ -260,6 +310,21 @@ class Cell(Section):
     reflector: Annotated[list[Reflector], Field(min_length=1)]
     measurement: Measurement
     uncertainty: Uncertainty = Uncertainty()
+    workspace: Workspace = Workspace()
+    body: list[Body] = Field(default_factory=list)
+
+    @model_validator(mode="after")
+    def _bodies_of_the_arm(self) -> Self:
+        joints = ["base", *(joint.name for joint in shipped_arm(self.robot.arm).joint)]
+        names = [body.name for body in self.body]
+        for body in self.body:
+            if body.joint not in joints:
+                raise ValueError(
+                    f"[[body]] {body.name}: joint = {body.joint!r} is none of {', '.join(joints)}"
+                )
+            if names.count(body.name) > 1:
+                raise ValueError(f"two [[body]] are called {body.name}; give each a name of its own")
+        return self
 
     @model_validator(mode="after")
     def _material_sensor(self) -> Self:

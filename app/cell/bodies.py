@@ -1,0 +1,84 @@
+"""Bodies and boxes of a cell file as procedures need them, and which of their dimensions are only estimates."""
+
+from app.cell.arm import ArmDescription, Body, RevoluteJoint, shipped_arm
+from app.cell.model import Cell
+from app.cell.workspace import Box as BoxSection
+from calibration.kinematics.bodies import Box, Capsule, Point
+from calibration.kinematics.chain import Chain, Joint
+from procedures.bench import Workspace
+
+
+def workspace_of(cell: Cell) -> Workspace:
+    """Return the bodies of a cell's arm and what is around it; a body of the cell file replaces the arm's own."""
+    description, given = shipped_arm(cell.robot.arm), cell.workspace
+    chain = _chain(description, cell)
+    own = {body.name: body for body in cell.body}
+    bodies = [own.pop(body.name, body) for body in description.body]
+    bodies += own.values()
+    return Workspace(
+        chain=chain,
+        bodies=tuple(_capsule(body, chain) for body in bodies),
+        table_z_mm=given.table.z_mm,
+        stand_radius_mm=given.stands.radius_mm,
+        clearance_mm=given.clearance_mm,
+        keep_out=_boxes(given.keep_out),
+        keep_in=_boxes(given.keep_in),
+        unconfirmed=tuple(_unconfirmed(cell, bodies, chain)),
+    )
+
+
+def _chain(description: ArmDescription, cell: Cell) -> Chain:
+    """Return the arm's joints with the links of the cell file, which are those of the arm on the bench."""
+    links = {"J2": cell.robot.link1_mm, "J3": cell.robot.link2_mm}
+    flange_z_mm = cell.workspace.flange.z_mm
+    heights = {} if flange_z_mm is None else {"J3": flange_z_mm}
+    return Chain(
+        tuple(
+            Joint(
+                joint.name,
+                "revolute" if isinstance(joint, RevoluteJoint) else "prismatic",
+                joint.alpha_deg,
+                links.get(joint.name, joint.a_mm),
+                joint.theta_offset_deg,
+                heights.get(joint.name, joint.d_mm),
+                joint.sign,
+                *joint.range,
+            )
+            for joint in description.joint
+        )
+    )
+
+
+def _capsule(body: Body, chain: Chain) -> Capsule:
+    return Capsule(
+        body.name, chain.frame_of(body.joint), _point(body.from_mm), _point(body.to_mm), body.radius_mm
+    )
+
+
+def _boxes(boxes: list[BoxSection]) -> tuple[Box, ...]:
+    return tuple(Box(box.name, _point(box.min_mm), _point(box.max_mm)) for box in boxes)
+
+
+def _point(values: list[float]) -> Point:
+    x_mm, y_mm, z_mm = values
+    return x_mm, y_mm, z_mm
+
+
+def _unconfirmed(cell: Cell, bodies: list[Body], chain: Chain) -> list[str]:
+    given = cell.workspace
+    found = [
+        f"{body.name} ({body.joint}: radius {body.radius_mm:g} mm, {_text(body.from_mm)} to {_text(body.to_mm)} mm)"
+        for body in bodies
+        if not body.confirmed
+    ]
+    flange = next((joint.d_mm for joint in chain.joints if joint.kind == "prismatic"), 0.0)
+    stated = (
+        (given.table.confirmed, f"table (z {given.table.z_mm:g} mm)"),
+        (given.stands.confirmed, f"stands of the reflectors (radius {given.stands.radius_mm:g} mm)"),
+        (given.flange.confirmed, f"flange at J3 = 0 (z {flange:g} mm)"),
+    )
+    return found + [text for confirmed, text in stated if not confirmed]
+
+
+def _text(values: list[float]) -> str:
+    return f"({', '.join(f'{value:g}' for value in values)})"
