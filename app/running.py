@@ -17,7 +17,7 @@ from app.cell.model import Cell
 from app.engine.announcer import Publish
 from app.engine.devices import DeviceBuilder
 from app.engine.dry_run import DryRunContext
-from app.engine.gate import JointLimits
+from app.engine.gate import JointLimits, WayCheck
 from app.engine.handle import OnOpen
 from app.engine.hands import Hands
 from app.engine.host import RunOutcome, RunRequest, run_procedure
@@ -38,6 +38,7 @@ from drivers.clock import SystemClock
 from procedures.bench import Bench
 from procedures.context import Json
 from procedures.devices import Joints
+from procedures.motion.clear_way import legs_refusal
 
 
 @dataclass(frozen=True)
@@ -133,6 +134,7 @@ async def carry_out(
         root=root,
         cell=cell.name,
         limits=joint_limits(planned.bench),
+        blocked=way_check(planned.bench),
         override_cap_percent=cell.robot.override_cap_percent,
         air=air_rule(cell),
         air_limits=air_limits(cell),
@@ -142,6 +144,7 @@ async def carry_out(
         clock_speed=speed,
         speed_deg_s=planned.bench.arm.speed_deg_s,
         aim_simulated=planned.aim_simulated,
+        unconfirmed=planned.bench.workspace.unconfirmed,
         resume=planned.resume,
         answerer=answerer,
         hands=_hands(cell),
@@ -174,6 +177,7 @@ async def rehearse(planned: PlannedRun, here: Joints | None = None) -> DryRunCon
     )
     await planned.procedure.run(context, planned.plan)
     await planned.procedure.teardown(context)
+    context.require_clear_ways()
     return context
 
 
@@ -189,6 +193,11 @@ def joint_limits(bench: Bench) -> JointLimits:
     arm = bench.arm
     heights = arm.j3_range_mm or (arm.j3_mm, arm.j3_mm)
     return JointLimits(arm.j1_limits_deg, arm.j2_limits_deg, arm.j4_limits_deg, heights)
+
+
+def way_check(bench: Bench) -> WayCheck:
+    """Return what tells the gate why bodies are in the way: the plan's own check, over targets that are passed."""
+    return lambda way: legs_refusal(way[0], [way[1:]], bench)
 
 
 def run_meta(planned: PlannedRun, speed: float) -> dict[str, Json]:

@@ -25,7 +25,7 @@ class Approach:
     """One joint on its way to a limit.
 
     Attributes:
-        limits_deg: lowest and highest angle that the cell allows.
+        limits_deg: lowest and highest angle that the cell and the bodies in the way allow.
         direction: which way.
         fastest_deg_s: what the joint cannot go beyond; believed until its own speed has been seen.
     """
@@ -54,6 +54,11 @@ class Approach:
         """Return the way to the limit, deg; negative beyond it."""
         low, high = self.limits_deg
         return high - angle_deg if self.direction > 0 else angle_deg - low
+
+    def shorten(self, end_deg: float) -> None:
+        """Take another angle for the limit that the joint is on its way to."""
+        low, high = self.limits_deg
+        self.limits_deg = (low, end_deg) if self.direction > 0 else (end_deg, high)
 
     def _moves(self, angle_deg: float) -> bool:
         return bool(self._seen) and abs(angle_deg - self._seen[-1][1]) > _MOVED_DEG

@@ -172,7 +172,7 @@ class HandArm:
         async def gate() -> None:
             here = await self._robot.joints()
             targets[:] = [step_target(self._bench, here, request.joint, request.by, request.aim)]
-            await self._gate.require(*targets)
+            await self._gate.require(*targets, here=here)
 
         async def move() -> None:
             self._teller.moves(request.joint, "")
@@ -191,7 +191,9 @@ class HandArm:
                 answer.set_result({"moving": hold.joint})
 
         async def gate() -> None:
-            await self._gate.require(hold.at_limit(await self._robot.joints()))
+            here = await self._robot.joints()
+            hold.end_at(*self._gate.clear_part(here, hold.at_limit(here)))
+            await self._gate.require(hold.at_limit(here), here=here)
             await hold.require_room()
 
         hold.on_begun = begun

@@ -68,6 +68,7 @@ class Hold:
         self._feed: JogFeed | None = None
         self._fed_until_s = clock.monotonic_s() + FED_FOR_S
         self._free_until_s = 0.0
+        self._obstacle = ""
 
     def feed(self) -> None:
         """Keep moving for another 0.2 s."""
@@ -85,6 +86,17 @@ class Hold:
         target = list(here)
         target[_PLACE[self.joint]] = self._limit_deg
         return target[0], target[1], target[2], target[3]
+
+    def end_at(self, end: Joints, obstacle: str | None) -> None:
+        """Take what stands in the way before the limit for the limit.
+
+        Args:
+            end: joints up to which the way is clear.
+            obstacle: what is in the way beyond; None when nothing is.
+        """
+        if obstacle is not None:
+            self._obstacle = f": {obstacle}"
+            self._approach.shorten(end[_PLACE[self.joint]])
 
     async def require_room(self) -> None:
         """Check that the joint, which stands, may be set going.
@@ -163,5 +175,5 @@ class Hold:
     def _too_near(self) -> str:
         return (
             f"{self.joint.upper()} is too near to its limit of {self._limit_deg:g} deg to be stopped with "
-            f"{MARGIN_DEG:g} deg to spare: go on by steps"
+            f"{MARGIN_DEG:g} deg to spare: go on by steps{self._obstacle}"
         )

@@ -7,10 +7,11 @@ from app.bench.facts import BenchFacts
 from app.engine.devices import Devices
 from app.engine.gate import JointLimits, MotionGate, require_ready
 from app.engine.interlock import RemoteIo
-from app.running import joint_limits
+from app.running import joint_limits, way_check
 from drivers.errors import DeviceError
 from procedures.bench import Bench
 from procedures.devices import Joints
+from procedures.motion.clear_way import clear_part
 
 _HEIGHT_ROUNDING_MM = 0.1
 """J3 is not moved by hand; a controller reports it in steps of 0.01 mm."""
@@ -34,7 +35,8 @@ class JogGate:
         self.limits = hand_limits(facts.bench)
         door = [] if devices.io is None else [_Door(devices.io)]
         self._robot = devices.robot
-        self._gate = MotionGate(devices.robot, self.limits, self.percent, door)
+        self._bench = facts.bench
+        self._gate = MotionGate(devices.robot, self.limits, way_check(facts.bench), self.percent, door)
 
     @property
     def override_percent(self) -> float:
@@ -57,15 +59,23 @@ class JogGate:
         require_ready(await self._robot.status())
         return percent
 
-    async def require(self, *targets: Joints) -> None:
+    def clear_part(self, here: Joints, target: Joints) -> tuple[Joints, str | None]:
+        """Return how far the arm may go straight towards a target, and what is in its way then."""
+        return clear_part(here, target, self._bench)
+
+    async def require(self, *targets: Joints, here: Joints) -> None:
         """Check that a motion may begin; an override that somebody raised is lowered again, and read back.
 
+        Args:
+            targets: of the motion.
+            here: where the arm stands.
+
         Raises:
-            LimitError: a target is outside the limits.
+            LimitError: a target is outside the limits, or a body is in the way.
             SafetyError: door, controller or override forbid it.
         """
         await self._gate.lower_override()
-        await self._gate.require(*targets)
+        await self._gate.require(*targets, here=here)
 
     async def require_permission(self) -> None:
         """Check that a motion may go on: door, controller, override.

@@ -8,7 +8,7 @@ from app.bench.hand_arm import HandArm
 from app.bench.jog_gate import JogGate
 from app.bench.lending import HandBench
 from app.engine.devices import Devices, require_permission
-from app.engine.gate import WHOLE_PERCENT, require_ready
+from app.engine.gate import WHOLE_PERCENT, require_ready, unconfirmed_text
 from app.engine.halt import HaltLimits, halt
 from app.engine.waiting import uncancelled, within
 from app.errors import InterruptedRunError, SafetyError
@@ -123,6 +123,8 @@ class Jogging:
     async def _jog(self, devices: Devices) -> None:
         facts = await self._bench.facts()
         simulated = require_permission(self._identities(devices), facts.cell, self._request.arm)
+        if not simulated and (text := unconfirmed_text(facts.bench.workspace.unconfirmed)):
+            self._bench.tell("warning", text=text, data={})
         self._gate = gate = JogGate(devices, facts, self._request.percent)
         robot, clock = devices.robot, self._bench.clock
         before = await robot.status()

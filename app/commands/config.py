@@ -5,6 +5,7 @@ from pathlib import Path
 
 from app.cell.load import load_cell
 from app.cell.model import Cell
+from app.cell.plausible import implausible
 from app.cell.template import TEMPLATE
 from app.commands.output import emit, emit_json, say
 from app.errors import ConfigError, UsageError
@@ -26,13 +27,13 @@ def init_command(file: Path) -> None:
 def validate_command(file: Path, as_json: bool) -> None:
     """Check a cell file."""
     loaded = load_cell(file)
-    usable = _trouble_with_devices(loaded.cell)
+    doubts = [*_trouble_with_devices(loaded.cell), *implausible(loaded.cell)]
     if as_json:
         facts = {"file": str(file), "valid": True, "name": loaded.cell.name, "sha256": loaded.sha256}
-        emit_json({**facts, "warnings": usable})
+        emit_json({**facts, "warnings": doubts})
     else:
         say(f"{file}: cell {loaded.cell.name} is valid")
-    for text in usable:
+    for text in doubts:
         say(f"warning: {text}")
 
 

@@ -2,17 +2,16 @@
 
 from collections.abc import Awaitable, Callable
 
-from app.cell.model import Limits
+from app.engine.controller_limits import beyond
+from app.engine.gate import JointLimits
 from drivers.errors import ProtocolError, RefusedError
 from drivers.melfa.controller import MelfaController
-
-_SAME_DEG = 0.01
 
 Look = tuple[list[str], list[str]]
 """Facts and advice."""
 
 
-async def look_at_controller(controller: MelfaController, limits: Limits) -> Look:
+async def look_at_controller(controller: MelfaController, limits: JointLimits) -> Look:
     """Return facts and advice about a connected controller.
 
     Args:
@@ -55,20 +54,10 @@ async def _stop_sources(controller: MelfaController) -> Look:
     return facts, advice
 
 
-async def _limits(controller: MelfaController, limits: Limits) -> Look:
+async def _limits(controller: MelfaController, limits: JointLimits) -> Look:
     own = await controller.joint_limits()
     told = ", ".join(f"J{n} {low:g}…{high:g}" for n, (low, high) in enumerate(own, start=1))
-    advice = [
-        f"robot.limits_deg.{name} = [{wanted[0]:g}, {wanted[1]:g}] goes beyond the controller's own limits "
-        f"{low:g}…{high:g} (parameter MEJAR), where it refuses to move: narrow it in the cell file"
-        for name, wanted, (low, high) in (
-            ("j1", limits.j1, own[0]),
-            ("j2", limits.j2, own[1]),
-            ("j4", limits.j4, own[3]),
-        )
-        if wanted[0] < low - _SAME_DEG or wanted[1] > high + _SAME_DEG
-    ]
-    return [f"controller's limits (MEJAR): {told}"], advice
+    return [f"controller's limits (MEJAR): {told}"], beyond(limits, own)
 
 
 async def _last_error(controller: MelfaController) -> Look:

@@ -6,15 +6,18 @@ from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import Any
 
-from app.cell.bench import air_rule
+from app.cell.bench import air_rule, bench_of
 from app.cell.load import load_cell
-from app.cell.model import Cell, Limits
+from app.cell.model import Cell
+from app.cell.plausible import implausible
 from app.commands.controller_look import look_at_controller
-from app.commands.output import emit, emit_json
+from app.commands.output import emit, emit_json, say
 from app.engine.compensation import AirRule, Compensation
+from app.engine.gate import JointLimits
 from app.engine.interlock import RemoteIo
 from app.errors import LinkFailedError, UsageError
 from app.instruments import device_builder, further_device
+from app.running import joint_limits
 from drivers.clock import SystemClock
 from drivers.errors import DeviceError
 from drivers.melfa.controller import MelfaController
@@ -51,8 +54,12 @@ def doctor_command(file: Path, device: str | None, as_json: bool) -> None:
     """Examine every device, or one of them; exit code 3 when one cannot be used."""
     loaded = load_cell(file)
     findings = asyncio.run(_examine_all(loaded.cell, device))
+    doubts = implausible(loaded.cell)
+    for text in doubts:
+        say(f"warning: {text}")
     if as_json:
-        emit_json({"cell": loaded.cell.name, "devices": [asdict(finding) for finding in findings]})
+        devices = [asdict(finding) for finding in findings]
+        emit_json({"cell": loaded.cell.name, "devices": devices, "warnings": doubts})
     else:
         for finding in findings:
             emit(_text(finding))
@@ -62,7 +69,7 @@ def doctor_command(file: Path, device: str | None, as_json: bool) -> None:
 
 
 async def _examine_all(cell: Cell, only: str | None) -> list[Finding]:
-    clock, rule = SystemClock(), air_rule(cell)
+    clock, rule, limits = SystemClock(), air_rule(cell), joint_limits(bench_of(cell))
     devices = device_builder(cell, clock)(_ignore)
     further = [(device, further_device(device, clock, _ignore)) for device in cell.device]
     endpoints = {
@@ -82,7 +89,7 @@ async def _examine_all(cell: Cell, only: str | None) -> list[Finding]:
     return list(
         await asyncio.gather(
             *(
-                _examine(name, endpoint, driver, _look_at(driver, rule, cell.robot.limits_deg))
+                _examine(name, endpoint, driver, _look_at(driver, rule, limits))
                 for name, endpoint, driver in found
                 if only in {None, name}
             )
@@ -90,7 +97,7 @@ async def _examine_all(cell: Cell, only: str | None) -> list[Finding]:
     )
 
 
-def _look_at(driver: Any, rule: AirRule, limits: Limits) -> Look:
+def _look_at(driver: Any, rule: AirRule, limits: JointLimits) -> Look:
     """Return the look that fits a driver's shape."""
     if isinstance(driver, Robot):
         return lambda: _robot(driver, limits)
@@ -132,7 +139,7 @@ async def _examine(
     return finding
 
 
-async def _robot(robot: Robot, limits: Limits) -> tuple[list[str], list[str]]:
+async def _robot(robot: Robot, limits: JointLimits) -> tuple[list[str], list[str]]:
     status, joints = await robot.status(), await robot.joints()
     facts = [
         f"joints J1 {joints[0]:.2f}°, J2 {joints[1]:.2f}°, J3 {joints[2]:.2f} mm, J4 {joints[3]:.2f}°",

@@ -366,7 +366,7 @@ class RunContext:
         async def look() -> None:
             if self._stood is not None and self._control.waits != self._waits_then:
                 self._require_place(await self._devices.robot.joints(), self._stood)
-            await self._gate.require(*targets)
+            await self._gate.require(*targets, here=self._stood)
 
         async def moved() -> None:
             self._stood = None

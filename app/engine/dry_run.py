@@ -11,11 +11,12 @@ from app.engine.arm_model import AT_REST, ArmModel, Hit, Speeds
 from app.engine.gate import JointLimits
 from app.engine.measuring import dwell_interval_s
 from app.engine.operator import fault_of
-from app.errors import MeasurementRejectedError
+from app.errors import LimitError, MeasurementRejectedError
 from app.store.rows import encode
 from procedures.bench import Bench
 from procedures.context import Json, Live, Location, MeasuredPoint, Measurement, Prompt, Row, Table
 from procedures.devices import Joints
+from procedures.motion.clear_way import legs_refusal
 from procedures.motion.motion_time import way_time_s
 
 _EPOCH = datetime(1970, 1, 1, tzinfo=UTC)
@@ -113,6 +114,7 @@ class DryRunContext:
     _zeroed: Hit | None = None
     _way_miss_mm: float | None = None
     _questions: int = 0
+    _driven: list[tuple[Joints, ...]] = field(default_factory=list)
 
     def __post_init__(self) -> None:
         """Make the ideal arm."""
@@ -197,11 +199,24 @@ class DryRunContext:
         account = self._account
         account.time_s += way_time_s(self.bench.arm, stops)
         account.moves += len(way)
+        self._driven.append((self.pose, *way))
         account.speeds = account.speeds.faster(self._model.speeds(self.pose, way))
         self._watch_beam(way)
         self.motions += pairwise((self.pose, *way))
         self.pose = way[-1]
         self._questions = 0
+
+    def require_clear_ways(self) -> None:
+        """Check the bodies of the arm over all that was driven: at once, which is much faster than way by way.
+
+        Raises:
+            LimitError: names the bodies and the first target on the way to which they come too near.
+        """
+        if (
+            self._driven
+            and (blocked := legs_refusal(self._driven[0][0], self._driven, self.bench)) is not None
+        ):
+            raise LimitError(blocked)
 
     def _watch_beam(self, way: Sequence[Joints]) -> None:
         """Note by how much the beam misses on a way the reflector that it was zeroed on."""

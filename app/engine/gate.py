@@ -1,4 +1,4 @@
-"""The one gate that every motion passes: limits, controller state, speed override."""
+"""The one gate that every motion passes: limits, bodies, controller state, speed override."""
 
 import math
 from collections.abc import Callable, Sequence
@@ -12,6 +12,9 @@ from procedures.devices import ControllerStatus, Joints, Robot
 
 # Rounding of a controller that keeps the override as a whole number or as text.
 _OVERRIDE_TOLERANCE_PERCENT = 0.01
+
+WayCheck = Callable[[Sequence[Joints]], str | None]
+"""Returns why bodies come too near on a way, which begins where the arm stands; None when they do not."""
 
 WHOLE_PERCENT = 1.0
 """What a controller may round an override down by."""
@@ -65,6 +68,7 @@ class MotionGate:
     Args:
         robot: the controller.
         limits: ranges of the cell.
+        blocked: tells why bodies are in the way of a motion.
         override_cap_percent: highest speed override that the cell allows.
         conditions: of the surroundings: door, air.
 
@@ -78,12 +82,14 @@ class MotionGate:
         self,
         robot: Robot,
         limits: JointLimits,
+        blocked: WayCheck,
         override_cap_percent: float,
         conditions: Sequence[Condition] = (),
     ) -> None:
         self._conditions = conditions
         self._robot = robot
         self._limits = limits
+        self._blocked = blocked
         self._cap_percent = override_cap_percent
         self._wanted_percent = override_cap_percent
         self._read_percent = override_cap_percent
@@ -124,17 +130,23 @@ class MotionGate:
         self._read_percent = percent
         return percent
 
-    async def require(self, *targets: Joints) -> None:
+    async def require(self, *targets: Joints, here: Joints | None = None) -> None:
         """Check that a motion through targets may begin; the controller is looked at afresh for every one.
 
+        Args:
+            targets: of the motion, in order.
+            here: where the arm stands, if that is known; else it is asked.
+
         Raises:
-            LimitError: a target is outside the limits.
+            LimitError: a target is outside the limits, or a body is in the way there or between the targets.
             UnwalkedError: the motion has to be walked first.
             ConditionLostError: door or air forbid motion now.
             SafetyError: the controller's state or override forbid motion.
         """
         for target in targets:
             self._limits.require(target)
+        if targets:
+            self._require_clear((await self._robot.joints() if here is None else here, *targets))
         await self.require_conditions()
         status = await self._robot.status()
         require_ready(status)
@@ -154,6 +166,10 @@ class MotionGate:
         if self.walk_rule is None:
             raise error
         await self.walk_rule.waive(str(error), desk, store)
+
+    def _require_clear(self, way: Sequence[Joints]) -> None:
+        if (blocked := self._blocked(way)) is not None:
+            raise LimitError(f"{blocked}; the robot was not moved")
 
     async def require_conditions(self) -> None:
         """Check door and air afresh.
@@ -191,6 +207,16 @@ class MotionGate:
                 f"the controller's override reads {percent:g} % and the cell allows {self._cap_percent:g} %: "
                 "no motion; lower it on the controller or check who else sets it"
             )
+
+
+def unconfirmed_text(dimensions: Sequence[str]) -> str:
+    """Return what is said before a real arm moves whose bodies nobody has measured; empty when somebody has."""
+    if not dimensions:
+        return ""
+    return (
+        "the collision check works with dimensions that nobody has confirmed: "
+        f"{'; '.join(dimensions)}; measure them and set confirmed = true in the cell file ([[body]], [workspace])"
+    )
 
 
 def require_ready(status: ControllerStatus) -> None:

@@ -3,7 +3,7 @@
 import asyncio
 import logging
 import os
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from contextlib import nullcontext
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -14,6 +14,7 @@ from app.engine.compensation import AirRule, Compensation
 from app.engine.conditions import AirInRange, AirLimits, ClosedDoor, Condition, Watchman
 from app.engine.context import RunContext
 from app.engine.control import RunControl
+from app.engine.controller_limits import require_within_controller
 from app.engine.crash_points import arm, crash_point
 from app.engine.devices import (
     DeviceBuilder,
@@ -24,7 +25,14 @@ from app.engine.devices import (
     require_permission,
 )
 from app.engine.ending import COMPLETE, DeviceFaultError, Ending, EndStatus, ending_of, react
-from app.engine.gate import WHOLE_PERCENT, JointLimits, MotionGate, require_ready
+from app.engine.gate import (
+    WHOLE_PERCENT,
+    JointLimits,
+    MotionGate,
+    WayCheck,
+    require_ready,
+    unconfirmed_text,
+)
 from app.engine.halt import FAILURES, HaltLimits
 from app.engine.handle import OnOpen, RunHandle
 from app.engine.hands import Hands
@@ -88,6 +96,7 @@ class RunRequest:
         root: directory of all runs.
         cell: name of the cell.
         limits: ranges of the joints.
+        blocked: tells why bodies are in the way of a motion.
         override_cap_percent: highest speed override.
         meta: resolved configuration with origins, operator, parameters; stored with the run.
         arm: the cell's name as typed by the operator; None when nothing was typed.
@@ -100,6 +109,7 @@ class RunRequest:
         reserve_bytes: free disk space needed.
         halt_limits: how long a halt may take, real time.
         teardown_limit_s: how long the teardown, and the closing of the devices, may take, real s.
+        unconfirmed: dimensions of bodies that nobody has confirmed; they are named before a real arm moves.
         aim_simulated: whether the search that the plan aims with was made on emulated devices; None without one.
         clock_speed: bench seconds in one real second; anything but 1 is for emulated devices only.
         speed_deg_s: fastest J1, J2, J4 at 100 % override, as questions before a motion tell them.
@@ -112,6 +122,7 @@ class RunRequest:
     root: Path
     cell: str
     limits: JointLimits
+    blocked: WayCheck
     override_cap_percent: float
     meta: Mapping[str, Json] = field(default_factory=dict)
     arm: str | None = None
@@ -127,6 +138,7 @@ class RunRequest:
     clock_speed: float = 1.0
     speed_deg_s: tuple[float, float, float] | None = None
     aim_simulated: bool | None = None
+    unconfirmed: Sequence[str] = ()
     on_open: OnOpen | None = None
     walk_rule: WalkRule | None = None
 
@@ -264,13 +276,17 @@ class _Run:
         await self._describe(facts, simulated)
         self._handle.simulated = simulated
         self._control.attach(devices.robot)
+        if not simulated and (text := unconfirmed_text(self._request.unconfirmed)):
+            self._warn(text)
         if devices.io is not None:
             self._light = StackLight(devices.io, self._warn)
         conditions = self._conditions(devices)
-        gate = MotionGate(devices.robot, self._request.limits, self._request.override_cap_percent, conditions)
+        request = self._request
+        gate = MotionGate(
+            devices.robot, request.limits, request.blocked, request.override_cap_percent, conditions
+        )
         gate.on_override = self._override_lowered
         gate.permit = self._control.raise_ending
-        request = self._request
         operator = Operator(
             self._clock, request.answers, request.answerer, simulated=simulated, hands=request.hands
         )
@@ -376,6 +392,8 @@ class _Run:
 
     async def _ready(self, devices: Devices, gate: MotionGate) -> None:
         await gate.require_conditions()
+        if text := await require_within_controller(devices.robot, self._request.limits):
+            self._warn(text)
         percent = await gate.lower_override()
         await devices.robot.servo(on=True)
         require_ready(await devices.robot.status())

@@ -150,7 +150,8 @@ class Gaps:
     def _between_capsules(self, start: Floats, end: Floats) -> Floats:
         one, other = self._one, self._other
         apart = segment_to_segment_mm(start[one], end[one], start[other], end[other])
-        return apart - (self._radius[one] + self._radius[other])[:, None]
+        gaps: Floats = apart - (self._radius[one] + self._radius[other])[:, None]
+        return gaps
 
     def _levers(self, body: Capsule, base: int) -> list[float]:
         """Return how far the joints between two frames move a body as seen from the nearer frame."""

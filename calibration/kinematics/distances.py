@@ -62,7 +62,8 @@ def segment_to_box_mm(start: Floats, end: Floats, low: Floats, high: Floats) -> 
     share = np.clip(-slope[..., :-1] / np.where(rise > 0.0, rise, np.inf), 0.0, 1.0)
     lowest = at[..., :-1] + share * (at[..., 1:] - at[..., :-1])
     excess = _excess(np.concatenate([lowest, at[..., -1:]], axis=-1), start, along, low, high)
-    return np.sqrt(np.min(_dot(excess, excess), axis=-1))
+    nearest: Floats = np.min(_dot(excess, excess), axis=-1)
+    return np.sqrt(nearest)
 
 
 def depth_in_box_mm(start: Floats, end: Floats, low: Floats, high: Floats) -> Floats:

@@ -102,9 +102,9 @@ def _first_blocked(gaps: Gaps, way: Floats, needed: Floats, legs: Ints) -> tuple
         middle = start + (0.5 * (todo.low + todo.high))[:, None] * step
         bound = gaps.levers @ (np.abs(step) * (0.5 * (todo.high - todo.low))[:, None]).T
         spare = gaps.at(middle) - needed[:, todo.leg]
-        open_ = (spare < bound).any(axis=0)
-        shut = ((spare < bound) & (bound < RESOLUTION_MM)).any(axis=0)
-        hits = np.flatnonzero(shut | (spare < 0.0).any(axis=0))
+        open_: Bools = np.any(spare < bound, axis=0)
+        shut: Bools = np.any((spare < bound) & (bound < RESOLUTION_MM), axis=0)
+        hits = np.flatnonzero(shut | np.any(spare < 0.0, axis=0))
         if hits.size:
             # What comes later on the way does not matter any more; what comes before may be blocked too.
             first = int(hits[0])

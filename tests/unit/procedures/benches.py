@@ -8,7 +8,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from procedures.bench import Arm, Bench, Optics, Reflector, Timing
+from calibration.kinematics.bodies import Capsule
+from calibration.kinematics.chain import Chain, Joint
+from procedures.bench import Arm, Bench, Optics, Reflector, Timing, Workspace
 from procedures.context import Json, Live, Location, MeasuredPoint, Measurement, Prompt, Row, Table
 from procedures.devices import Joints
 from procedures.errors import MeasuredFileError
@@ -19,6 +21,29 @@ NODES2_DEG = tuple(20.0 * i for i in range(8))
 PLACES = {"P1": (650.0, -400.0), "P2": (680.0, 0.0), "P3": (640.0, 380.0)}
 
 Floats = NDArray[np.float64]
+
+
+CHAIN = Chain(
+    (
+        Joint("J1", "revolute", 0.0, 0.0, 0.0, 0.0, 1.0, -170.0, 170.0),
+        Joint("J2", "revolute", 0.0, LINK1_MM, 0.0, 0.0, 1.0, -145.0, 145.0),
+        Joint("J3", "prismatic", 0.0, LINK2_MM, 0.0, 200.0, 1.0, 0.0, 150.0),
+        Joint("J4", "revolute", 0.0, 0.0, 0.0, 0.0, 1.0, -360.0, 360.0),
+    )
+)
+WORKSPACE = Workspace(
+    chain=CHAIN,
+    bodies=(
+        Capsule("base column", 0, (0.0, 0.0, 0.0), (0.0, 0.0, 416.0), 110.0),
+        Capsule("link 1", 1, (0.0, 0.0, 416.0), (LINK1_MM, 0.0, 416.0), 60.0),
+        Capsule("link 2", 2, (0.0, 0.0, 416.0), (LINK2_MM, 0.0, 416.0), 60.0),
+        Capsule("quill", 3, (0.0, 0.0, 0.0), (0.0, 0.0, 300.0), 15.0),
+        Capsule("interferometer head", 4, (-30.0, 0.0, -50.0), (0.0, 0.0, -50.0), 30.0),
+    ),
+    table_z_mm=0.0,
+    stand_radius_mm=15.0,
+    clearance_mm=5.0,
+)
 
 
 def bench(
@@ -45,6 +70,7 @@ def bench(
             acceleration_deg_s2=(2000.0, 4000.0, 15000.0),
             override_percent=20.0,
         ),
+        workspace=WORKSPACE,
         optics=Optics(
             acceptance_mm=1.0,
             max_miss_mm=0.2,

@@ -1,7 +1,7 @@
 """What doctor says about a controller, from answers in the sheet's layouts."""
 
-from app.cell.model import Limits
 from app.commands.controller_look import look_at_controller
+from tests.unit.app.engine.fakes import LIMITS
 from tests.unit.drivers.test_melfa_controller import asked
 
 # Section 1.12 and 1.13 of the sheet `melfa`; MEJAR lists lower and upper limits in turn.
@@ -16,7 +16,7 @@ QUIET: dict[str, str | list[str]] = {
 
 async def test_a_controller_in_order_needs_nothing() -> None:
     async with asked(dict(QUIET)) as (_, controller):
-        facts, advice = await look_at_controller(controller, Limits())
+        facts, advice = await look_at_controller(controller, LIMITS)
     assert facts == [
         "encoder feedback J1 10.00°, J2 -20.00°, J3 1.50 mm, J4 30.25°",
         "stop signals: none",
@@ -32,7 +32,7 @@ async def test_sources_of_a_stop_and_limits_beyond_the_controller_call_for_somet
         "PNRMEJAR": "QoKMEJAR;-120.00, 170.00, -145.00, 145.00, 0.00, 150.00, -360.00, 360.00;8",
     }
     async with asked(dict(narrow)) as (_, controller):
-        facts, advice = await look_at_controller(controller, Limits())
+        facts, advice = await look_at_controller(controller, LIMITS)
     assert "stop signals: I/O signal, operating panel" in facts
     assert "emergency stop by: I/O signal" in facts
     assert len(advice) == 2
@@ -45,7 +45,7 @@ async def test_a_controller_that_does_not_answer_a_question_can_be_used() -> Non
         _,
         controller,
     ):
-        facts, advice = await look_at_controller(controller, Limits())
+        facts, advice = await look_at_controller(controller, LIMITS)
     assert "not told by this controller" in facts[1]
     assert facts[3] == "error log: empty"
     assert advice == []

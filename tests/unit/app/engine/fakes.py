@@ -1,7 +1,7 @@
 """Scripted instruments, a manual clock and a bench around them."""
 
 import asyncio
-from collections.abc import Awaitable, Callable, Iterator
+from collections.abc import Awaitable, Callable, Iterator, Sequence
 from contextlib import AbstractContextManager, contextmanager
 from dataclasses import dataclass, field, replace
 from datetime import UTC, datetime, timedelta
@@ -21,6 +21,11 @@ HOME: Joints = (0.0, 0.0, 0.0, 0.0)
 AWAY: Joints = (10.0, 20.0, 0.0, 30.0)
 
 _SHORT_S = 0.99
+
+
+def free_way(_way: Sequence[Joints]) -> str | None:
+    """Let every motion pass: what bodies do is shown elsewhere."""
+    return None
 
 
 class ManualClock:
@@ -247,6 +252,7 @@ class FakeBench:
             root=self.root,
             cell="lab-1",
             limits=LIMITS,
+            blocked=free_way,
             override_cap_percent=20.0,
             reserve_bytes=0,
             halt_limits=HaltLimits(standstill_s=0.5),

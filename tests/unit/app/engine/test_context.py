@@ -32,7 +32,7 @@ from app.store.run_store import RunStore
 from drivers.readings import CounterStatus, Joints, RobotStatus
 from procedures.context import Context, Json, Live, Prompt, Row
 from procedures.errors import MeasuredFileError
-from tests.unit.app.engine.fakes import AWAY, HOME, LIMITS, FakeBench, FakeRobot, Script, point
+from tests.unit.app.engine.fakes import AWAY, HOME, LIMITS, FakeBench, FakeRobot, Script, free_way, point
 
 READY = RobotStatus(True, False, True, False, False, 20.0, 0, "")
 
@@ -64,7 +64,7 @@ async def parts(tmp_path: Path) -> AsyncIterator[Parts]:
     bench.robot.state = READY
     announcer = Announcer(store.path.name, bench.clock, bench.publish, lambda: None)
     devices = Devices(bench.robot, bench.counter, bench.air)
-    gate = MotionGate(bench.robot, LIMITS, 20.0)
+    gate = MotionGate(bench.robot, LIMITS, free_way, 20.0)
     operator = Operator(bench.clock, {}, None, simulated=True, hands=Willing("tcp://127.0.0.1:1"))
     speeds = (420.0, 720.0, 3000.0)
     ctx = RunContext(devices, store, control, bench.clock, gate, operator, announcer, speed_deg_s=speeds)
@@ -228,7 +228,7 @@ class WayFakeRobot(FakeRobot):
 async def test_a_way_is_one_motion_where_the_robot_can_pass_targets(parts: Parts) -> None:
     robot = WayFakeRobot(parts.bench.clock, state=READY)
     parts.control.attach(robot)
-    gate = MotionGate(robot, LIMITS, 20.0)
+    gate = MotionGate(robot, LIMITS, free_way, 20.0)
     parts.ctx._gate = gate  # noqa: SLF001  # the fixture's own context, with another robot
     parts.ctx._devices = replace(parts.ctx._devices, robot=robot)  # noqa: SLF001  # as above
     await parts.ctx.follow((HOME, AWAY, HOME))

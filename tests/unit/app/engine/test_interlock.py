@@ -15,7 +15,7 @@ from app.exitcode import ExitCode
 from drivers.errors import LinkTimeoutError
 from drivers.readings import Identity
 from procedures.context import Context
-from tests.unit.app.engine.fakes import AWAY, HOME, LIMITS, FakeBench, Script, identity
+from tests.unit.app.engine.fakes import AWAY, HOME, LIMITS, FakeBench, Script, free_way, identity
 
 
 class Block:
@@ -67,7 +67,7 @@ def bench(tmp_path: Path) -> GuardedBench:
 async def test_an_open_or_unknown_door_forbids_motion(bench: GuardedBench) -> None:
     await bench.robot.servo(on=True)
     await bench.robot.set_override(20.0)
-    gate = MotionGate(bench.robot, LIMITS, 20.0, [ClosedDoor(bench.block)])
+    gate = MotionGate(bench.robot, LIMITS, free_way, 20.0, [ClosedDoor(bench.block)])
     await gate.require(HOME)
     bench.block.closed = False
     with pytest.raises(SafetyError, match="door is open: no motion; close it"):

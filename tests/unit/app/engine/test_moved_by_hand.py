@@ -17,7 +17,7 @@ from app.engine.states import State
 from app.store.run_store import RunStore
 from procedures.devices import Joints
 from procedures.errors import ArmMovedError
-from tests.unit.app.engine.fakes import LIMITS, FakeBench
+from tests.unit.app.engine.fakes import LIMITS, FakeBench, free_way
 
 WAY: tuple[Joints, ...] = tuple((float(n), 2.0 * n, 0.0, 3.0 * n) for n in range(1, 9))
 
@@ -66,7 +66,7 @@ async def ready(store: RunStore, tmp_path: Path, *doors: Door) -> tuple[RunConte
     announcer = Announcer(store.path.name, bench.clock, bench.publish, lambda: None)
     devices = Devices(bench.robot, bench.counter, bench.air)
     operator = Operator(bench.clock, {}, None, simulated=True)
-    gate = MotionGate(bench.robot, LIMITS, 20.0, doors)
+    gate = MotionGate(bench.robot, LIMITS, free_way, 20.0, doors)
     ctx = RunContext(devices, store, control, bench.clock, gate, operator, announcer)
     return ctx, control, bench
 

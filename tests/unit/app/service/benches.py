@@ -19,7 +19,7 @@ from app.service.hub import Hub
 from app.service.messages import MAX_LINE_BYTES, Message
 from app.service.server import Server
 from procedures.context import Json
-from tests.unit.app.engine.fakes import LIMITS, FakeRobot, ManualClock
+from tests.unit.app.engine.fakes import LIMITS, FakeRobot, ManualClock, free_way
 
 Streams = tuple[asyncio.StreamReader, asyncio.StreamWriter]
 
@@ -70,7 +70,7 @@ class ServiceBench:
         self.robot.state = replace(self.robot.state, servo_on=True, override_percent=20.0)
         self.control = RunControl(self.clock, self._state_changed, HaltLimits(standstill_s=0.5))
         self.control.attach(self.robot)
-        self.gate = MotionGate(self.robot, LIMITS, 20.0)
+        self.gate = MotionGate(self.robot, LIMITS, free_way, 20.0)
         self.handle = RunHandle(
             Path("run-1"),
             "script",

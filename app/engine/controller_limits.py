@@ -1,0 +1,65 @@
+"""The controller's own joint limits against those that motions are planned with."""
+
+from typing import Protocol, runtime_checkable
+
+from app.engine.gate import JointLimits
+from app.errors import LimitError
+from drivers.errors import ProtocolError, RefusedError
+from procedures.devices import Robot
+
+_SAME = 0.01
+"""Controllers tell their limits with two decimals, deg or mm."""
+
+OwnLimits = tuple[tuple[float, float], ...]
+
+
+@runtime_checkable
+class LimitedRobot(Protocol):
+    """A robot whose controller tells its own limits."""
+
+    async def joint_limits(self) -> OwnLimits:
+        """Return lowest and highest of J1 … J4, deg or mm."""
+        ...
+
+
+def beyond(limits: JointLimits, own: OwnLimits) -> list[str]:
+    """Return which of the cell's ranges go beyond the controller's, and the remedy.
+
+    Args:
+        limits: ranges of the cell.
+        own: the controller's lowest and highest of J1 … J4, deg or mm.
+    """
+    wanted = (
+        ("limits_deg.j1", limits.j1_deg, own[0]),
+        ("limits_deg.j2", limits.j2_deg, own[1]),
+        ("j3_mm or j3_range_mm", limits.j3_mm, own[2]),
+        ("limits_deg.j4", limits.j4_deg, own[3]),
+    )
+    return [
+        f"robot.{key} = [{wish[0]:g}, {wish[1]:g}] goes beyond the controller's own limits {low:g}…{high:g} "
+        "(parameter MEJAR), where it refuses to move: narrow it in the cell file"
+        for key, wish, (low, high) in wanted
+        if wish is not None and (wish[0] < low - _SAME or wish[1] > high + _SAME)
+    ]
+
+
+async def require_within_controller(robot: Robot, limits: JointLimits) -> str:
+    """Check a cell's ranges against those of the controller; return why that could not be done, empty when it could.
+
+    Raises:
+        LimitError: a range goes beyond the controller's.
+        DeviceError: the link is lost.
+    """
+    # What observes a robot shows its driver, which alone knows what it can do beyond the usual.
+    driver = getattr(robot, "driver", robot)
+    if not isinstance(driver, LimitedRobot):
+        return ""
+    try:
+        own = await driver.joint_limits()
+    except (RefusedError, ProtocolError) as error:
+        return (
+            f"the controller does not tell its joint limits (MEJAR), so the cell's were not compared: {error}"
+        )
+    if troubles := beyond(limits, own):
+        raise LimitError(f"{'; '.join(troubles)}: nothing was moved")
+    return ""
