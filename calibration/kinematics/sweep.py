@@ -15,8 +15,9 @@ from calibration.types import Bools, Floats, Ints
 RESOLUTION_MM = 0.1
 """Where the bound is below this, a pair that cannot be shown to be clear counts as too near."""
 
-_LOOKS = 33
-"""Poses of the refused leg at which the distance that is told is looked for."""
+_LOOK_MM = 2.0
+_MOST_LOOKS = 1000
+"""Of the rest of a refused leg, for the least distance, which is told."""
 
 _MOST_AT_ONCE = 4096
 """Intervals that are looked at together: memory stays bounded on the longest ways."""
@@ -27,8 +28,8 @@ class Contact:
     """Where a way comes too near.
 
     Attributes:
-        pair: names of the two bodies.
-        distance_mm: least distance that was seen on the leg, negative where they overlap.
+        pair: names of the two bodies that come too near first.
+        distance_mm: their least distance on the rest of the leg, negative where they overlap.
         leg: number of the leg, from 0; leg k leads to target k + 1 of the way.
         pose: joints there, deg or mm.
         clear_share: share 0...1 of the leg, from its start, over which everything is clear.
@@ -83,13 +84,15 @@ def first_contact(
     if len(way) == 1:
         way, passed = np.repeat(way, 2, axis=0), None
     steps = np.diff(way, axis=0)
-    cut = np.zeros((len(gaps.pairs), len(steps))) if passed is None else _cut_mm(gaps, way, passed)
+    needed = np.full((len(gaps.pairs), len(steps)), clearance_mm)
+    if passed is not None:
+        needed += _cut_mm(gaps, way, passed)
     for first in range(0, len(steps), _MOST_AT_ONCE):
         legs = np.arange(first, min(first + _MOST_AT_ONCE, len(steps)))
-        found = _first_blocked(gaps, way, clearance_mm + cut, legs)
+        found = _first_blocked(gaps, way, needed, legs)
         if found is not None:
             leg, share = found
-            return _told(gaps, way[leg], steps[leg], leg, share)
+            return _told(gaps, way[leg], steps[leg], needed[:, leg], leg, share)
     return None
 
 
@@ -124,11 +127,13 @@ def _cut_mm(gaps: Gaps, way: Floats, passed: Bools) -> Floats:
     return np.asarray(gaps.levers @ np.maximum(bend[:-1], bend[1:]).T, dtype=np.float64)
 
 
-def _told(gaps: Gaps, start: Floats, step: Floats, leg: int, share: float) -> Contact:
+def _told(gaps: Gaps, start: Floats, step: Floats, needed: Floats, leg: int, share: float) -> Contact:
     """Return what there is to say about a leg that is blocked beyond a share."""
-    shares = np.linspace(share, 1.0, _LOOKS)
+    first = int(np.argmin(gaps.at((start + share * step)[None])[:, 0] - needed))
+    looks = float(gaps.levers[first] @ np.abs(step)) * (1.0 - share) / _LOOK_MM
+    shares = np.linspace(share, 1.0, min(_MOST_LOOKS, 2 + int(looks)))
     poses = start + shares[:, None] * step
-    distances = gaps.at(poses)
-    pair, look = np.unravel_index(int(np.argmin(distances)), distances.shape)
-    pose = tuple(float(q) for q in poses[look])
-    return Contact(gaps.pairs[pair], float(distances[pair, look]), int(leg), pose, share)
+    distances = gaps.at(poses)[first]
+    nearest = int(np.argmin(distances))
+    pose = tuple(float(q) for q in poses[nearest])
+    return Contact(gaps.pairs[first], float(distances[nearest]), int(leg), pose, share)

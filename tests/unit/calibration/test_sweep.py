@@ -1,0 +1,77 @@
+"""A way is clear or not between its targets too."""
+
+import numpy as np
+import pytest
+
+from calibration.kinematics.bodies import Box, Capsule, Gaps, Scene, Table
+from calibration.kinematics.chain import Chain, Joint
+from calibration.kinematics.sweep import RESOLUTION_MM, first_contact
+
+SLIDE = Chain(
+    (
+        Joint("X", "prismatic", 90.0, 0.0, 0.0, 0.0, 1.0, -1000.0, 1000.0),
+        Joint("Z", "prismatic", -90.0, 0.0, 0.0, 0.0, 1.0, -1000.0, 1000.0),
+    )
+)
+"""Its second frame is at (0, -X, Z)."""
+
+BALL = Capsule("ball", 2, (0.0, 0.0, 0.0), (0.0, 0.0, 0.0), 10.0)
+PIN = Capsule("pin", 0, (0.0, 0.0, 0.0), (0.0, 0.0, 1.0), 0.5)
+
+
+def gaps(**around: object) -> Gaps:
+    return Gaps(Scene(SLIDE, (BALL,), **around))  # type: ignore[arg-type]  # each test says what it adds
+
+
+def way(*targets: tuple[float, float]) -> np.ndarray[tuple[int, ...], np.dtype[np.float64]]:
+    return np.array(targets)
+
+
+def test_a_thin_pin_between_two_far_targets_is_found() -> None:
+    contact = first_contact(gaps(stands=(PIN,)), way((-900.0, 0.0), (813.0, 0.0)), 1.0)
+    assert contact is not None
+    assert contact.pair == ("ball", "pin")
+    assert -900.0 + contact.clear_share * 1713.0 == pytest.approx(-11.5, abs=1.5 * RESOLUTION_MM)
+    assert contact.distance_mm < 0.0
+
+
+@pytest.mark.parametrize(("height_mm", "clear"), [(13.0, True), (11.9, False)])
+def test_the_clearance_decides(height_mm: float, clear: bool) -> None:
+    contact = first_contact(gaps(stands=(PIN,)), way((-900.0, height_mm), (800.0, height_mm)), 1.0)
+    assert (contact is None) is clear
+
+
+def test_the_first_of_two_contacts_is_told_with_its_leg() -> None:
+    pins = (Capsule("later", 0, (0.0, -500.0, 0.0), (0.0, -500.0, 1.0), 0.5), PIN)
+    contact = first_contact(gaps(stands=pins), way((-300.0, 0.0), (-200.0, 0.0), (900.0, 0.0)), 1.0)
+    assert contact is not None
+    assert (contact.leg, contact.pair) == (1, ("ball", "pin"))
+
+
+def test_a_table_boxes_and_walls_stop_a_body() -> None:
+    low = first_contact(gaps(table=Table("table", 0.0)), way((0.0, 50.0), (0.0, 14.0)), 5.0)
+    box = Box("box", (-5.0, -60.0, -5.0), (5.0, -50.0, 5.0))
+    hit = first_contact(gaps(keep_out=(box,)), way((0.0, 0.0), (200.0, 0.0)), 5.0)
+    fence = Box("fence", (-100.0, -100.0, -100.0), (100.0, 100.0, 100.0))
+    out = first_contact(gaps(keep_in=(fence,)), way((0.0, 0.0), (86.0, 0.0)), 5.0)
+    assert [None if one is None else one.pair[1] for one in (low, hit, out)] == ["table", "box", "fence"]
+    assert first_contact(gaps(keep_in=(fence,)), way((0.0, 0.0), (84.0, 0.0)), 5.0) is None
+
+
+def test_a_corner_that_may_be_cut_keeps_clear_of_what_is_inside() -> None:
+    corner = way((-100.0, 0.0), (0.0, 0.0), (0.0, 100.0))
+    inside = Capsule("post", 0, (0.0, 24.0, 24.0), (0.0, 24.0, 24.0), 1.0)
+    passed = np.array([False, True, False])
+    assert first_contact(gaps(stands=(inside,)), corner, 5.0) is None
+    assert first_contact(gaps(stands=(inside,)), corner, 5.0, passed) is not None
+
+
+def test_an_arm_that_stands_is_judged_where_it_stands() -> None:
+    assert first_contact(gaps(stands=(PIN,)), way((0.0, 0.0)), 1.0) is not None
+    assert first_contact(gaps(stands=(PIN,)), way((0.0, 40.0)), 1.0) is None
+
+
+def test_neighbours_are_not_compared() -> None:
+    carriage = Capsule("carriage", 1, (0.0, 0.0, 0.0), (0.0, 0.0, 0.0), 50.0)
+    rail = Capsule("rail", 0, (0.0, 0.0, 0.0), (0.0, 0.0, 0.0), 10.0)
+    assert Gaps(Scene(SLIDE, (rail, carriage, BALL))).pairs == [("ball", "rail")]
