@@ -37,7 +37,7 @@ KeepOut = Annotated[
     typer.Option(
         metavar="MM",
         min=0.0,
-        help="radius about J1 kept free of reflectors [the arm's reach and the shortest beam]",
+        help="radius about J1 kept free of reflectors [the arm's reach and what turns with J4]",
     ),
 ]
 Apart = Annotated[float, typer.Option(metavar="MM", min=0.0, help="smallest distance between two reflectors")]

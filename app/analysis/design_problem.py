@@ -1,5 +1,6 @@
 """A cell file as a problem of optimal design: what is measured, seen from where, and what shall be small."""
 
+import math
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -48,7 +49,7 @@ class Wish:
         criterion: what is made small.
         path: commands on which the uncertainty counts; None for the paper's path or the whole workspace.
         floor_mm: x from, to, y from, to; None for a ring around the arm.
-        keep_out_mm: radius about the J1 axis that is kept free; None for the arm's reach and the shortest beam.
+        keep_out_mm: radius about the J1 axis that is kept free; None for the arm's reach and what turns with J4.
         apart_mm: smallest distance between two reflectors.
         breaks: how often the beam to a reflector may be given up.
         systematic: the criterion includes what does not average out.
@@ -156,18 +157,29 @@ def with_reflectors(bench: Bench, sights: tuple[Sight, ...]) -> Bench:
 def _rules(bench: Bench, wish: Wish) -> Rules:
     arm, optics = bench.arm, bench.optics
     low, high = np.deg2rad(arm.j4_limits_deg)
-    reach = arm.link1_mm + arm.link2_mm
+    free_mm = arm.link1_mm + arm.link2_mm + max(optics.beam_min_mm, _beside_the_axis_mm(bench))
     return Rules(
         column_radius_mm=optics.column_radius_mm + optics.column_margin_mm,
         field_half_angle_rad=float(np.deg2rad(optics.field_half_angle_deg)),
         beam_range_mm=(optics.beam_min_mm, optics.beam_max_mm),
         j4_limits_rad=(float(low), float(high)),
         theta40_rad=float(np.deg2rad(optics.theta40_deg)),
-        keep_out_mm=reach + optics.beam_min_mm if wish.keep_out_mm is None else wish.keep_out_mm,
+        keep_out_mm=free_mm if wish.keep_out_mm is None else wish.keep_out_mm,
         apart_mm=wish.apart_mm,
         fewest_seen=_FEWEST_SEEN,
         most_breaks=wish.breaks,
     )
+
+
+def _beside_the_axis_mm(bench: Bench) -> float:
+    """Return how near to the J4 axis a reflector can stand whichever way the interferometer is turned."""
+    workspace = bench.workspace
+    turning = [body for body in workspace.bodies if body.frame == len(workspace.chain.joints)]
+    farthest = max(
+        (math.hypot(*end[:2]) + body.radius_mm for body in turning for end in (body.start_mm, body.end_mm)),
+        default=0.0,
+    )
+    return farthest + workspace.stand_radius_mm + workspace.clearance_mm
 
 
 def _floor(bench: Bench, wish: Wish) -> Floor:

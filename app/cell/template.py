@@ -18,9 +18,9 @@ link1_mm = 325.0                        # nominal, from the catalogue
 link2_mm = 225.0
 j3_mm = 50.0                            # height at which everything is measured: the beam at the reflectors' height
 j3_range_mm = [40.0, 60.0]              # heights that the levelling of the beam may drive J3 to
-override_cap_percent = 20               # the program never drives faster
+override_cap_percent = 20               # the program never drives faster; above 30 say why in override_cap_reason
 
-[robot.limits_deg]                      # make these narrower than the controller's own, cables included
+[robot.limits_deg]                      # the arm's own ranges and no wider; make these narrower than the controller's own, cables included
 j1 = [-170.0, 170.0]
 j2 = [-145.0, 145.0]
 j4 = [-360.0, 360.0]
@@ -91,6 +91,38 @@ y_mm = 0.0
 name = "P3"
 x_mm = 640.0
 y_mm = 380.0
+
+# What the bodies of the arm keep clear of: the table, a stand under each reflector, boxes. Links, quill, column and
+# interferometer head are those of the arm's description. All dimensions are ESTIMATES until you measure them and say
+# confirmed = true; before a real arm moves every one that is not confirmed is named. The frame is that of the arm's
+# base: z = 0 at its foot.
+[workspace]
+clearance_mm = 5.0                      # kept between any two bodies
+
+[workspace.table]
+z_mm = 0.0
+confirmed = false
+
+[workspace.stands]                      # reflectors with what carries them, up to the flange
+radius_mm = 15.0
+confirmed = false
+
+[workspace.flange]                      # its height at J3 = 0
+z_mm = 200.0
+confirmed = false
+
+# [[workspace.keep_out]]                # nothing of the arm may enter; [[workspace.keep_in]]: nothing may leave
+# name = "cabinet"
+# min_mm = [-700.0, 300.0, 0.0]
+# max_mm = [-400.0, 700.0, 900.0]
+
+# [[body]]                              # replaces the arm's body of that name (base column, link 1, link 2, quill,
+# name = "interferometer head"          # interferometer head), or adds one: a capsule in the frame of its joint
+# joint = "J4"                          # "base", or J1 … J4; x along the beam at theta40_deg = 0, z upwards
+# from_mm = [-30.0, 0.0, -50.0]
+# to_mm = [0.0, 0.0, -50.0]
+# radius_mm = 30.0
+# confirmed = true
 
 [measurement]                           # nodes of the maps, visited upwards then downwards: 22 x 16 = 352 commands
 theta1_deg = [-140.0, -120.0, -100.0, -80.0, -60.0, -40.0, -20.0, 0.0, 20.0, 40.0, 60.0]

@@ -37,7 +37,7 @@ class DesignOptions:
         seed: of the exchange's starts.
         workers: processes that share the work; 0 takes one a core.
         dask: address of a scheduler whose machines share it.
-        keep_out_mm: radius about the J1 axis that is kept free; None for the reach and the shortest beam.
+        keep_out_mm: radius about the J1 axis that is kept free; None for the reach and what turns with J4.
         apart_mm: smallest distance between two reflectors.
         breaks: how often the beam to a reflector may be given up.
         random_only: the criterion leaves out what does not average out.

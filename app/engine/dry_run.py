@@ -114,6 +114,7 @@ class DryRunContext:
     _zeroed: Hit | None = None
     _way_miss_mm: float | None = None
     _questions: int = 0
+    _start: Joints | None = None
     _driven: list[tuple[Joints, ...]] = field(default_factory=list)
 
     def __post_init__(self) -> None:
@@ -195,11 +196,12 @@ class DryRunContext:
             return
         for target in way:
             self.limits.require(target)
+        self._start = self._start or self.pose
         stops = np.array([self.pose, *way])[:, [0, 1, 3]]
         account = self._account
         account.time_s += way_time_s(self.bench.arm, stops)
         account.moves += len(way)
-        self._driven.append((self.pose, *way))
+        self._driven.append(tuple(way))
         account.speeds = account.speeds.faster(self._model.speeds(self.pose, way))
         self._watch_beam(way)
         self.motions += pairwise((self.pose, *way))
