@@ -12,7 +12,7 @@ _SAME_LINK_MM = 5.0
 _LARGEST_TAKE_UP_DEG = 10.0
 _LARGEST_SPREAD_UM = 1000.0
 _SAME_COLUMN_MM = 1.0
-_LONGEST_RUN_DAYS = 7.0
+_LONGEST_RUN_DAYS = 2.0
 
 
 def implausible(cell: Cell) -> list[str]:
@@ -50,7 +50,7 @@ def _timing(cell: Cell) -> Iterator[str]:
     points = 4 * len(timing.theta1_deg) * len(timing.theta2_deg) * len(cell.reflector)
     days = points * (timing.settle_time_s + timing.dwell_time_s) / 86_400.0
     if days > _LONGEST_RUN_DAYS:
-        yield f"[measurement] waits for {days:.0f} days at {points} points: fewer nodes, or shorter times?"
+        yield f"[measurement] waits for {days:.1f} days at {points} points: fewer nodes, or shorter times?"
     if timing.take_up_deg > _LARGEST_TAKE_UP_DEG:
         yield f"measurement.take_up_deg = {timing.take_up_deg:g}: usual are 0.5 … 2 deg"
     if timing.spread_limit_um > _LARGEST_SPREAD_UM:

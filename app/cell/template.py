@@ -18,9 +18,10 @@ link1_mm = 325.0                        # nominal, from the catalogue
 link2_mm = 225.0
 j3_mm = 50.0                            # height at which everything is measured: the beam at the reflectors' height
 j3_range_mm = [40.0, 60.0]              # heights that the levelling of the beam may drive J3 to
-override_cap_percent = 20               # the program never drives faster; above 30 say why in override_cap_reason
+override_cap_percent = 20               # the program never drives faster
+# override_cap_reason = ""              # why, for a cap above 30
 
-[robot.limits_deg]                      # the arm's own ranges and no wider; make these narrower than the controller's own, cables included
+[robot.limits_deg]                      # within the arm's and the controller's own; narrower for the cables
 j1 = [-170.0, 170.0]
 j2 = [-145.0, 145.0]
 j4 = [-360.0, 360.0]

@@ -214,10 +214,9 @@ class DryRunContext:
         Raises:
             LimitError: names the bodies and the first target on the way to which they come too near.
         """
-        if (
-            self._driven
-            and (blocked := legs_refusal(self._driven[0][0], self._driven, self.bench)) is not None
-        ):
+        if self._start is None:
+            return
+        if (blocked := legs_refusal(self._start, self._driven, self.bench)) is not None:
             raise LimitError(blocked)
 
     def _watch_beam(self, way: Sequence[Joints]) -> None:
