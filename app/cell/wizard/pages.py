@@ -4,6 +4,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Final
 
+from app.cell.model import CAP_WITHOUT_REASON_PERCENT
 from app.cell.wizard.drivers import drivers_of, setting_questions
 from app.cell.wizard.question import Choice, Question
 
@@ -42,6 +43,13 @@ def _file(_answer: Answer) -> list[Question]:
             "you type it to arm real hardware: letters, digits, _ . + -, at most 40",
         ),
     ]
+
+
+def _needs_reason(cap_percent: str) -> bool:
+    try:
+        return float(cap_percent) > CAP_WITHOUT_REASON_PERCENT
+    except ValueError:
+        return False
 
 
 def _robot(answer: Answer) -> list[Question]:
@@ -89,6 +97,11 @@ def _robot(answer: Answer) -> list[Question]:
             "Override at most, %",
             "the program never drives faster; begin with 5 … 20",
             "number",
+        ),
+        *(
+            [Question("robot.override_cap_reason", "Reason for that", "why the arm is let go so fast")]
+            if _needs_reason(answer("robot.override_cap_percent"))
+            else []
         ),
         *(
             Question(

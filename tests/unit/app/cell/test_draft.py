@@ -85,6 +85,18 @@ def test_faults_are_the_models_own_words() -> None:
     assert draft.page_faults(PAGE["robot"], faults).keys() == {"robot.link1_mm", "robot.limits_deg.j1"}
 
 
+def test_a_high_cap_is_asked_for_its_reason() -> None:
+    draft = answered()
+    reason = "robot.override_cap_reason"
+    assert reason not in [question.key for question in draft.questions(PAGE["robot"])]
+    draft.give("robot.override_cap_percent", "45")
+    assert reason in [question.key for question in draft.questions(PAGE["robot"])]
+    assert "say why in override_cap_reason" in draft.faults()["robot"]
+    draft.give(reason, "empty cell")
+    assert draft.faults() == {}
+    assert read_back(draft.written()[0]).robot.override_cap_reason == "empty cell"
+
+
 def test_a_drivers_own_settings_are_asked_and_judged_by_its_model() -> None:
     draft = answered({"interferometer.driver": "attocube-ids"})
     draft.give("interferometer.endpoint", "tcp://192.168.1.1:9090")
