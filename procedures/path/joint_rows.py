@@ -54,7 +54,9 @@ def plan_joint_rows(
     stops = with_take_up(commands, bench.take_up_deg)
     theta = np.array([[stop.theta1_deg, stop.theta2_deg] for stop in stops])
     require_path_limits(theta, bench)
-    require_clear_way([(stop.theta1_deg, stop.theta2_deg, bench.arm.j3_mm, 0.0) for stop in stops], bench)
+    # Every pass begins with the take-up of the first row.
+    way = [(stop.theta1_deg, stop.theta2_deg, bench.arm.j3_mm, 0.0) for stop in (*stops, stops[0])]
+    require_clear_way(way, bench)
     rest_s = hold_time_s if chosen == "file" else bench.timing.settle_time_s
     duration_s = passes * path_duration_s(theta, rest_s, bench)
     first, *_ = come_from = _come_from(stops)
