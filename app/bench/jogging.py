@@ -7,8 +7,9 @@ from typing import Final
 from app.bench.hand_arm import HandArm
 from app.bench.jog_gate import JogGate
 from app.bench.lending import HandBench
+from app.engine.before_motion import unconfirmed_text
 from app.engine.devices import Devices, require_permission
-from app.engine.gate import WHOLE_PERCENT, require_ready, unconfirmed_text
+from app.engine.gate import WHOLE_PERCENT, require_ready
 from app.engine.halt import HaltLimits, halt
 from app.engine.waiting import uncancelled, within
 from app.errors import InterruptedRunError, SafetyError

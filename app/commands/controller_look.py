@@ -2,7 +2,7 @@
 
 from collections.abc import Awaitable, Callable
 
-from app.engine.controller_limits import beyond
+from app.engine.before_motion import beyond
 from app.engine.gate import JointLimits
 from drivers.errors import ProtocolError, RefusedError
 from drivers.melfa.controller import MelfaController

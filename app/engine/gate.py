@@ -209,16 +209,6 @@ class MotionGate:
             )
 
 
-def unconfirmed_text(dimensions: Sequence[str]) -> str:
-    """Return what is said before a real arm moves whose bodies nobody has measured; empty when somebody has."""
-    if not dimensions:
-        return ""
-    return (
-        "the collision check works with dimensions that nobody has confirmed: "
-        f"{'; '.join(dimensions)}; measure them and set confirmed = true in the cell file ([[body]], [workspace])"
-    )
-
-
 def require_ready(status: ControllerStatus) -> None:
     """Check that a controller may move.
 

@@ -10,11 +10,11 @@ from pathlib import Path
 from typing import Any, Protocol
 
 from app.engine.announcer import Announcer, Publish
+from app.engine.before_motion import require_within_controller, unconfirmed_text
 from app.engine.compensation import AirRule, Compensation
 from app.engine.conditions import AirInRange, AirLimits, ClosedDoor, Condition, Watchman
 from app.engine.context import RunContext
 from app.engine.control import RunControl
-from app.engine.controller_limits import require_within_controller
 from app.engine.crash_points import arm, crash_point
 from app.engine.devices import (
     DeviceBuilder,
@@ -25,14 +25,7 @@ from app.engine.devices import (
     require_permission,
 )
 from app.engine.ending import COMPLETE, DeviceFaultError, Ending, EndStatus, ending_of, react
-from app.engine.gate import (
-    WHOLE_PERCENT,
-    JointLimits,
-    MotionGate,
-    WayCheck,
-    require_ready,
-    unconfirmed_text,
-)
+from app.engine.gate import WHOLE_PERCENT, JointLimits, MotionGate, WayCheck, require_ready
 from app.engine.halt import FAILURES, HaltLimits
 from app.engine.handle import OnOpen, RunHandle
 from app.engine.hands import Hands

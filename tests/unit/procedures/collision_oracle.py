@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from calibration.kinematics.bodies import Box, Capsule
-from procedures.bench import Bench, Reflector, Workspace
+from procedures.bench import Bench, Following, Reflector, Workspace
 from procedures.devices import Joints
 from tests.unit.procedures.benches import LINK1_MM, LINK2_MM, WORKSPACE, bench
 
@@ -140,7 +140,7 @@ def _scene(rng: np.random.Generator) -> Bench:
         keep_in=tuple(fence),
     )
     base = bench(places=places)
-    following = "blended" if rng.random() < 0.3 else "stops"
+    following: Following = "blended" if rng.random() < 0.3 else "stops"
     arm = replace(base.arm, j3_mm=float(rng.uniform(0.0, 150.0)), following=following)
     return replace(base, arm=arm, workspace=workspace)
 

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from app.engine.controller_limits import beyond
+from app.engine.before_motion import beyond
 from app.engine.dry_run import DryRunContext
 from app.engine.gate import MotionGate
 from app.errors import LimitError

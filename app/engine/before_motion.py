@@ -1,5 +1,6 @@
-"""The controller's own joint limits against those that motions are planned with."""
+"""What is looked at before anything moves: the controller's own limits, dimensions that nobody has confirmed."""
 
+from collections.abc import Sequence
 from typing import Protocol, runtime_checkable
 
 from app.engine.gate import JointLimits
@@ -63,3 +64,13 @@ async def require_within_controller(robot: Robot, limits: JointLimits) -> str:
     if troubles := beyond(limits, own):
         raise LimitError(f"{'; '.join(troubles)}: nothing was moved")
     return ""
+
+
+def unconfirmed_text(dimensions: Sequence[str]) -> str:
+    """Return what is said before a real arm moves whose bodies nobody has measured; empty when somebody has."""
+    if not dimensions:
+        return ""
+    return (
+        "the collision check works with dimensions that nobody has confirmed: "
+        f"{'; '.join(dimensions)}; measure them and set confirmed = true in the cell file ([[body]], [workspace])"
+    )
