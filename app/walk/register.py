@@ -43,6 +43,7 @@ _NO_GEOMETRY: Final = (
     "mxt_endpoint",
     "settings",
     "override_cap_percent",
+    "override_cap_reason",
     "speed_deg_s",
     "j3_speed_mm_s",
     "acceleration_deg_s2",
