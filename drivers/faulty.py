@@ -144,20 +144,35 @@ class FaultyTransport:
             LinkError: the link is closed.
         """
         fault = self._next("tx")
-        kind = fault.kind if fault else ""
+        kind: Kind | Literal[""] = fault.kind if fault else ""
         if fault and kind == "delay":
             await asyncio.sleep(fault.amount_s)
-        self._stalled |= kind == "stall"
-        if self._stalled or kind == "drop":
+        if self._swallows(kind):
             return
         half = len(data) // 2 if kind == "split" else 0
         if half:
             await self._inner.write(data[:half])
         await self._inner.write(data[half:])
-        now_s = asyncio.get_running_loop().time()
-        for chunk in self._chunks:
-            if math.isinf(chunk.due_s):
-                chunk.due_s = now_s
+        self._release_late()
+
+    def send_urgent(self, data: bytes, *, cut: bytes = b"") -> None:
+        """Send bytes past what waits; a fault may lose them, and neither splits nor delays them.
+
+        Raises:
+            LinkError: the link is closed or takes no bytes.
+        """
+        fault = self._next("tx")
+        if not self._swallows(fault.kind if fault else ""):
+            self._inner.send_urgent(data, cut=cut)
+            self._release_late()
+
+    def fileno(self) -> int:
+        """Return the descriptor of the link inside.
+
+        Raises:
+            LinkError: the link is closed.
+        """
+        return self._inner.fileno()
 
     async def read(self) -> bytes:
         """Return the next chunk.
@@ -199,6 +214,17 @@ class FaultyTransport:
         at = self._counts[direction]
         self._counts[direction] += 1
         return self._faults.get((direction, at))
+
+    def _swallows(self, kind: Kind | Literal[""]) -> bool:
+        self._stalled |= kind == "stall"
+        return self._stalled or kind == "drop"
+
+    def _release_late(self) -> None:
+        """Let come what a fault keeps until the next request."""
+        now_s = asyncio.get_running_loop().time()
+        for chunk in self._chunks:
+            if math.isinf(chunk.due_s):
+                chunk.due_s = now_s
 
     def _due(self) -> bytes:
         """Return the oldest chunk if its time has come."""

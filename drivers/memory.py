@@ -53,10 +53,27 @@ class MemoryTransport:
         Raises:
             LinkError: one of the ends is closed.
         """
+        self.send_urgent(data)
+
+    def send_urgent(self, data: bytes, *, cut: bytes = b"") -> None:
+        """Send all bytes as one chunk; nothing ever waits here, so nothing is cut.
+
+        Raises:
+            LinkError: one of the ends is closed.
+        """
+        del cut
         if not self._is_open or not self._peer or not self._peer.is_open:
             raise LinkError(f"{self._endpoint}: the link is closed: open both ends first")
         if data:
             self._peer._inbox.put_nowait(data)  # noqa: SLF001  # the other end of the same pipe
+
+    def fileno(self) -> int:
+        """Refuse: there is none.
+
+        Raises:
+            LinkError: always.
+        """
+        raise LinkError(f"{self._endpoint}: a pipe in memory has no descriptor")
 
     async def read(self) -> bytes:
         """Return the next chunk.

@@ -51,6 +51,23 @@ class RecordingTransport:
         self._sink("tx", data)
         await self._inner.write(data)
 
+    def send_urgent(self, data: bytes, *, cut: bytes = b"") -> None:
+        """Send bytes past what waits.
+
+        Raises:
+            LinkError: the link is closed or takes no bytes.
+        """
+        self._sink("tx", data)
+        self._inner.send_urgent(data, cut=cut)
+
+    def fileno(self) -> int:
+        """Return the descriptor of the link inside.
+
+        Raises:
+            LinkError: the link is closed.
+        """
+        return self._inner.fileno()
+
     async def read(self) -> bytes:
         """Return the next chunk, at least one byte.
 

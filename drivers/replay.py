@@ -71,6 +71,24 @@ class ReplayTransport:
             DeviationError: other bytes, or more of them; the text shows both, aligned.
             LinkError: the link is closed.
         """
+        self.send_urgent(data)
+
+    def fileno(self) -> int:
+        """Refuse: there is none.
+
+        Raises:
+            LinkError: always.
+        """
+        raise LinkError(f"{self._endpoint}: a transcript has no descriptor")
+
+    def send_urgent(self, data: bytes, *, cut: bytes = b"") -> None:
+        """Compare with what was sent then; nothing ever waits here, so nothing is cut.
+
+        Raises:
+            DeviationError: other bytes, or more of them; the text shows both, aligned.
+            LinkError: the link is closed.
+        """
+        del cut
         self._require_open()
         rest = data
         while rest:

@@ -1,29 +1,29 @@
 """The transport over a serial line.
 
-pyserial waits in threads, never on the loop: one thread reads, another one opens, writes and closes.
+pyserial opens and closes the port, in a thread, since a driver of the operating system may hang there. Bytes go
+through its descriptor on the loop.
 """
 
 import asyncio
 import errno
 import os
 import termios
-import threading
 from concurrent.futures import Future, ThreadPoolExecutor
 from dataclasses import dataclass
 from typing import Literal
 
 import serial
 
+from drivers.channel import Channel
 from drivers.errors import LinkError
-from drivers.inbox import Inbox
 
 Parity = Literal["N", "E", "O"]
 StopBits = Literal["1", "1.5", "2"]
 Handshake = Literal["none", "xonxoff", "rtscts"]
 
-_MOST_BYTES = 1 << 20
 _KERNEL_BYTES = 4096
 _CLOSE_TIMEOUT_S = 2.0
+_PLUG_IN = "check that the adapter is plugged in, cable and power"
 _PSEUDO_TERMINALS = "/dev/pts/"
 
 
@@ -51,16 +51,6 @@ class LineSettings:
         handshake = "" if self.handshake == "none" else f"&handshake={self.handshake}"
         line = f"baud={self.baud}&parity={self.parity}&bits={self.bits}&stopbits={self.stopbits}"
         return line + handshake
-
-
-@dataclass(frozen=True)
-class _Opened:
-    """An open port with its threads."""
-
-    port: serial.Serial
-    reader: threading.Thread
-    worker: ThreadPoolExecutor
-    closing: threading.Event
 
 
 def is_pseudo_terminal(device: str) -> bool:
@@ -91,8 +81,8 @@ class SerialTransport:
         self._open_timeout_s = open_timeout_s
         # The kernel's buffer may be full of bytes that the line still has to carry.
         self._write_timeout_s = write_timeout_s + 12 * _KERNEL_BYTES / settings.baud
-        self._opened: _Opened | None = None
-        self._inbox = Inbox(_MOST_BYTES)
+        self._port: serial.Serial | None = None
+        self._channel: Channel | None = None
 
     @property
     def endpoint(self) -> str:
@@ -105,41 +95,42 @@ class SerialTransport:
         Raises:
             LinkError: missing, not permitted, held by another program, or wrong settings for it.
         """
-        if self._opened:
+        if self._channel and self._channel.is_open:
             return
+        await self.close()
         worker = ThreadPoolExecutor(1, thread_name_prefix="serial-line")
         work = worker.submit(self._open_port)
         try:
             async with asyncio.timeout(self._open_timeout_s):
-                port = await asyncio.wrap_future(work)
+                self._port = await asyncio.wrap_future(work)
         except BaseException as exc:
             work.add_done_callback(_close_late)
-            worker.shutdown(wait=work.done())
             if isinstance(exc, OSError | ValueError | termios.error):
                 raise self._not_opened(exc) from None
             raise
-        self._inbox = Inbox(_MOST_BYTES)
-        closing = threading.Event()
-        arguments = (port, self._inbox, asyncio.get_running_loop(), closing)
-        reader = threading.Thread(target=self._read_on, args=arguments, name="serial-read", daemon=True)
-        self._opened = _Opened(port, reader, worker, closing)
-        reader.start()
+        finally:
+            worker.shutdown(wait=work.done())
+        self._channel = Channel(
+            self._port.fileno(),
+            self.endpoint,
+            ended=f"the serial port broke (it is gone): {_PLUG_IN}",
+            broken=_broken,
+        )
 
     async def close(self) -> None:
         """Close the port within a bounded time; may be called any number of times."""
-        if not self._opened:
+        if self._channel:
+            self._channel.close(LinkError(f"{self.endpoint}: the link was closed: connect again"))
+        port, self._port = self._port, None
+        if not port:
             return
-        opened, self._opened = self._opened, None
-        self._inbox.end(LinkError(f"{self.endpoint}: the link was closed: connect again"))
-        opened.closing.set()
-        opened.port.cancel_write()
-        opened.port.cancel_read()
-        closing = opened.worker.submit(_shut, opened)
+        worker = ThreadPoolExecutor(1, thread_name_prefix="serial-line")
+        closing = worker.submit(port.close)
         try:
             await asyncio.wait({asyncio.wrap_future(closing)}, timeout=_CLOSE_TIMEOUT_S)
         finally:
             # A driver of the operating system that does not let go keeps its thread, not this program.
-            opened.worker.shutdown(wait=closing.done())
+            worker.shutdown(wait=closing.done())
 
     async def write(self, data: bytes) -> None:
         """Send all bytes.
@@ -147,17 +138,30 @@ class SerialTransport:
         Raises:
             LinkError: the link is closed or broken, or the line takes no bytes.
         """
-        opened = self._require_open()
+        channel = self._require_opened()
         try:
-            count = await asyncio.wrap_future(opened.worker.submit(opened.port.write, data))
-        except serial.SerialTimeoutException:
-            count = 0
-        except OSError as exc:
-            raise self._broken(exc) from None
-        if count != len(data):
+            async with asyncio.timeout(self._write_timeout_s):
+                await channel.write(data)
+        except TimeoutError:
             raise LinkError(
                 f"{self.endpoint}: the line does not take bytes: check cable, power and the instrument's handshake"
-            )
+            ) from None
+
+    def send_urgent(self, data: bytes, *, cut: bytes = b"") -> None:
+        """Hand bytes to the operating system past what waits; see `Transport.send_urgent`.
+
+        Raises:
+            LinkError: the link is closed or broken, or takes no bytes now.
+        """
+        self._require_opened().send_urgent(data, cut)
+
+    def fileno(self) -> int:
+        """Return the descriptor.
+
+        Raises:
+            LinkError: the link is closed or broken.
+        """
+        return self._require_opened().fileno()
 
     async def read(self) -> bytes:
         """Return the next chunk.
@@ -165,7 +169,7 @@ class SerialTransport:
         Raises:
             LinkError: the link is closed or broken.
         """
-        return self.waiting() or await self._inbox.read()
+        return await self._require_opened().read()
 
     def waiting(self) -> bytes:
         """Return a chunk that has come, empty bytes when nothing has.
@@ -173,9 +177,7 @@ class SerialTransport:
         Raises:
             LinkError: the link is closed or broken.
         """
-        chunk = self._inbox.take()
-        self._require_open()
-        return chunk
+        return self._require_opened().waiting()
 
     def _open_port(self) -> serial.Serial:
         s = self._settings
@@ -189,30 +191,15 @@ class SerialTransport:
             stopbits=float(s.stopbits),
             xonxoff=s.handshake == "xonxoff",
             rtscts=s.handshake == "rtscts",
-            write_timeout=self._write_timeout_s,
+            # VMIN 1 and VTIME 0: reading nothing then means that the port is gone, not that nothing has come.
+            inter_byte_timeout=0,
             exclusive=True,
         )
 
-    def _read_on(
-        self, port: serial.Serial, inbox: Inbox, loop: asyncio.AbstractEventLoop, closing: threading.Event
-    ) -> None:
-        """Hand over what comes until the port is closed or breaks; runs in a thread of its own."""
-        try:
-            # Under a steady stream the cancellation of a read may be swallowed by the one that takes the rest.
-            while (first := port.read(1)) and not closing.is_set():
-                loop.call_soon_threadsafe(self._arrived, inbox, first + port.read(port.in_waiting))
-        except OSError as exc:
-            if not closing.is_set():
-                loop.call_soon_threadsafe(inbox.end, self._broken(exc))
-
-    def _arrived(self, inbox: Inbox, data: bytes) -> None:
-        if not inbox.put(data):
-            inbox.end(LinkError(f"{self.endpoint}: bytes keep coming that nobody reads: connect again"))
-
-    def _require_open(self) -> _Opened:
-        if not self._opened:
-            raise LinkError(str(self._inbox.ended or f"{self.endpoint}: the link is not open: connect first"))
-        return self._opened
+    def _require_opened(self) -> Channel:
+        if not self._channel:
+            raise LinkError(f"{self.endpoint}: the link is not open: connect first")
+        return self._channel
 
     def _not_opened(self, exc: BaseException) -> LinkError:
         number = getattr(exc, "errno", None)
@@ -228,18 +215,12 @@ class SerialTransport:
             "other program holds it"
         )
 
-    def _broken(self, exc: OSError) -> LinkError:
-        return LinkError(
-            f"{self.endpoint}: the serial port broke ({exc}): check that the adapter is plugged in, cable and power"
-        )
+
+def _broken(exc: OSError) -> str:
+    return f"the serial port broke ({exc.strerror or exc}): {_PLUG_IN}"
 
 
 def _close_late(work: "Future[serial.Serial]") -> None:
     """Close a port that was opened after nobody waited for it any more."""
     if not work.cancelled() and work.exception() is None:
         work.result().close()
-
-
-def _shut(opened: _Opened) -> None:
-    opened.reader.join(_CLOSE_TIMEOUT_S)
-    opened.port.close()

@@ -5,14 +5,17 @@ what has come unasked is seen without any.
 """
 
 import asyncio
+import contextlib
 import os
 import socket
 
+from drivers.channel import Channel
 from drivers.errors import LinkError
-from drivers.inbox import Inbox
 
-_CHUNK_BYTES = 65_536
-_MOST_BYTES = 1 << 24
+_ENDED = (
+    "the other side has closed the connection: check the instrument and whether another program has "
+    "connected to it"
+)
 
 
 class TcpTransport:
@@ -29,9 +32,7 @@ class TcpTransport:
         self._port = port
         self._connect_timeout_s = connect_timeout_s
         self._socket: socket.socket | None = None
-        self._inbox = Inbox(_MOST_BYTES)
-        self._unsent = bytearray()
-        self._sent: asyncio.Future[None] | None = None
+        self._channel: Channel | None = None
 
     @property
     def endpoint(self) -> str:
@@ -45,11 +46,12 @@ class TcpTransport:
         Raises:
             LinkError: unreachable; the text names the endpoint and what to check.
         """
-        if self._socket:
+        if self._channel and self._channel.is_open:
             return
+        await self.close()
         try:
             async with asyncio.timeout(self._connect_timeout_s):
-                self._socket = await self._connected()
+                link = await self._connected()
         except TimeoutError:
             raise LinkError(
                 f"{self.endpoint}: no connection within {self._connect_timeout_s:g} s: check that the "
@@ -62,13 +64,19 @@ class TcpTransport:
                 f"{self.endpoint}: cannot connect ({why}): check that the instrument is switched on, its address "
                 "and port, and that no other program holds its connection"
             ) from None
-        self._inbox = Inbox(_MOST_BYTES)
-        asyncio.get_running_loop().add_reader(self._socket, self._receive)
+        self._socket = link
+        self._channel = Channel(link.fileno(), self.endpoint, ended=_ENDED, broken=_broken)
 
     async def close(self) -> None:
         """Disconnect; may be called any number of times."""
-        if self._socket:
-            self._give_up(LinkError(f"{self.endpoint}: the link was closed: connect again"))
+        if self._channel:
+            self._channel.close(LinkError(f"{self.endpoint}: the link was closed: connect again"))
+        link, self._socket = self._socket, None
+        if link:
+            # Somebody may hold a duplicate of the descriptor, which would keep the connection.
+            with contextlib.suppress(OSError):
+                link.shutdown(socket.SHUT_RDWR)
+            link.close()
 
     async def write(self, data: bytes) -> None:
         """Send all bytes.
@@ -76,13 +84,23 @@ class TcpTransport:
         Raises:
             LinkError: the link is closed or broken.
         """
-        link = self._require_open()
-        self._unsent += data
-        if len(self._unsent) == len(data):
-            self._flush(link)
-        if self._unsent:
-            await self._all_sent(link)
-        self._require_open()
+        await self._require_opened().write(data)
+
+    def send_urgent(self, data: bytes, *, cut: bytes = b"") -> None:
+        """Hand bytes to the operating system past what waits; see `Transport.send_urgent`.
+
+        Raises:
+            LinkError: the link is closed or broken, or takes no bytes now.
+        """
+        self._require_opened().send_urgent(data, cut)
+
+    def fileno(self) -> int:
+        """Return the descriptor.
+
+        Raises:
+            LinkError: the link is closed or broken.
+        """
+        return self._require_opened().fileno()
 
     async def read(self) -> bytes:
         """Return the next chunk.
@@ -90,7 +108,7 @@ class TcpTransport:
         Raises:
             LinkError: the link is closed, broken or the other side has closed it.
         """
-        return self.waiting() or await self._inbox.read()
+        return await self._require_opened().read()
 
     def waiting(self) -> bytes:
         """Return a chunk that has come, empty bytes when nothing has.
@@ -98,12 +116,7 @@ class TcpTransport:
         Raises:
             LinkError: the link is closed, broken or the other side has closed it.
         """
-        chunk = self._inbox.take()
-        if not chunk:
-            self._require_open()
-            self._receive()
-            chunk = self._inbox.take()
-        return chunk
+        return self._require_opened().waiting()
 
     async def _connected(self) -> socket.socket:
         loop = asyncio.get_running_loop()
@@ -130,75 +143,11 @@ class TcpTransport:
                 return link
         raise failure
 
-    async def _all_sent(self, link: socket.socket) -> None:
-        loop = asyncio.get_running_loop()
-        if self._sent is None or self._sent.done():
-            self._sent = loop.create_future()
-            loop.add_writer(link, self._flush, link)
-        # Another writer may wait for the same bytes: a cancellation must not take the future from it.
-        await asyncio.shield(self._sent)
+    def _require_opened(self) -> Channel:
+        if not self._channel:
+            raise LinkError(f"{self.endpoint}: the link is not open: connect first")
+        return self._channel
 
-    def _receive(self) -> None:
-        """Take what has come from the socket."""
-        if not self._socket:
-            return
-        try:
-            data = self._socket.recv(_CHUNK_BYTES)
-        except (BlockingIOError, InterruptedError):
-            return
-        except OSError as exc:
-            self._give_up(self._broken(exc))
-            return
-        if not data:
-            self._hear_no_more(
-                "the other side has closed the connection: check the instrument and whether another program has "
-                "connected to it"
-            )
-        elif not self._inbox.put(data):
-            self._hear_no_more("bytes keep coming that nobody reads: check that this is the right instrument")
 
-    def _hear_no_more(self, why: str) -> None:
-        """End what can be read; a STOP may still be written to a peer that has closed one direction only."""
-        self._inbox.end(LinkError(f"{self.endpoint}: {why}"))
-        if self._socket:
-            asyncio.get_running_loop().remove_reader(self._socket)
-
-    def _flush(self, link: socket.socket) -> None:
-        """Send what the socket takes."""
-        try:
-            count = link.send(self._unsent)
-        except (BlockingIOError, InterruptedError):
-            return
-        except OSError as exc:
-            self._give_up(self._broken(exc))
-            return
-        del self._unsent[:count]
-        if not self._unsent:
-            self._end_writing()
-
-    def _end_writing(self) -> None:
-        if self._sent is not None and not self._sent.done():
-            self._sent.set_result(None)
-            if self._socket:
-                asyncio.get_running_loop().remove_writer(self._socket)
-
-    def _give_up(self, error: LinkError) -> None:
-        """Close the socket; whoever reads or writes learns why."""
-        self._inbox.end(error)
-        self._unsent.clear()
-        self._end_writing()
-        if self._socket:
-            asyncio.get_running_loop().remove_reader(self._socket)
-            self._socket.close()
-            self._socket = None
-
-    def _require_open(self) -> socket.socket:
-        if not self._socket:
-            why = self._inbox.ended or f"{self.endpoint}: the link is not open: connect first"
-            raise LinkError(str(why))
-        return self._socket
-
-    def _broken(self, exc: OSError) -> LinkError:
-        return LinkError(
-            f"{self.endpoint}: the connection broke ({exc.strerror or exc}): check cable and power"
-        )
+def _broken(exc: OSError) -> str:
+    return f"the connection broke ({exc.strerror or exc}): check cable and power"

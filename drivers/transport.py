@@ -39,8 +39,33 @@ class Transport(Protocol):
         """
         ...
 
+    def send_urgent(self, data: bytes, *, cut: bytes = b"") -> None:
+        """Hand bytes to the operating system at once, past everything that waits to be sent; never waits itself.
+
+        What the operating system had not taken before is dropped, and its writer gets an error.
+
+        Args:
+            data: what is urgent.
+            cut: goes in front when something is dropped, so that the other side takes what it has of it as ended:
+                the protocol's terminator.
+
+        Raises:
+            LinkError: the link is closed, or takes not all bytes now.
+        """
+        ...
+
+    def fileno(self) -> int:
+        """Return the descriptor of the open link, for somebody who duplicates it.
+
+        Raises:
+            LinkError: the link is closed, or has none.
+        """
+        ...
+
     def waiting(self) -> bytes:
         """Return a chunk that has come and was not read, empty bytes when there is none; never waits.
+
+        Within one turn of the event loop it returns no more than one link's share of it.
 
         Raises:
             LinkError: the other side has closed the link.

@@ -77,11 +77,28 @@ class UdpTransport:
         Raises:
             LinkError: the link is closed, or the network takes no datagram.
         """
+        self.send_urgent(data)
+
+    def send_urgent(self, data: bytes, *, cut: bytes = b"") -> None:
+        """Send one datagram; none ever waits here, so nothing is cut.
+
+        Raises:
+            LinkError: the link is closed, or the network takes no datagram.
+        """
+        del cut
         link = self._require_open()
         try:
             link.send(data)
         except OSError as exc:
             raise self._refused(exc) from None
+
+    def fileno(self) -> int:
+        """Return the descriptor.
+
+        Raises:
+            LinkError: the link is closed.
+        """
+        return self._require_open().fileno()
 
     async def read(self) -> bytes:
         """Return the next datagram.
@@ -98,7 +115,7 @@ class UdpTransport:
             LinkError: the link is closed, or nobody listens there.
         """
         datagram = self._inbox.take()
-        if not datagram:
+        if not datagram and not self._inbox.spent:
             self._require_open()
             self._receive()
             datagram = self._inbox.take()

@@ -61,6 +61,13 @@ class Wire:
     def waiting(self) -> bytes:
         return b""
 
+    def send_urgent(self, data: bytes, *, cut: bytes = b"") -> None:
+        del cut
+        self.sink("tx", data)
+
+    def fileno(self) -> int:
+        raise LinkError("a wire of a test has no descriptor")
+
 
 class Engine:
     """An engine with two clients, of which Ada holds control."""
