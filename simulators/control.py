@@ -10,6 +10,7 @@ positive} · `place_reflector` {reflector: its nest, the others are empty then; 
 `block_beam` {duration_s, null for ever} · `clear_faults` · `alarm` {number} · `emergency_stop` {on} ·
 `teach_mode` {on} · `servo_off` · `move_reflector` {reflector, dx_mm, dy_mm} · `air` {nan, temperature_k,
 pressure_hpa, humidity_percent} · `door` {open} · `stall` {device, duration_s} · `drop` {device} · `mute` {device} ·
+`lossy` {device, share of its answers that are lost, doubled or garbled, seed} ·
 `overspeed` · `vibration` {amplitude_um, duration_s} · `laser` {ready} · `weaken` {factor} · `slip` {joint, deg}.
 Durations are bench time. `clear_faults` ends what goes on: screws, reflectors and a lost count stay as they are.
 """
@@ -23,6 +24,7 @@ from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
 from simulators.air_probe import AirFault
 from simulators.errors import EmulatorError
+from simulators.lossy import Lossy
 from simulators.ports.port import Port
 from simulators.serving import Answer, Session
 from simulators.tracker import Tracker
@@ -222,6 +224,7 @@ class _ClearFaults(_Request):
         desk.world.door.closed = True
         for port in chain.from_iterable(desk.ports.values()):
             port.muted = False
+            port.lossy = None
             port.stalled_until_s = 0.0
         desk.world.keeper.changed()
         return {}
@@ -315,6 +318,17 @@ class _Mute(_Request):
         return {}
 
 
+class _Lossy(_Request):
+    device: str
+    share: float = Field(ge=0.0, le=1.0)
+    seed: int = Field(default=0, ge=0)
+
+    def carry_out(self, desk: Desk) -> Said:
+        for number, port in enumerate(desk.ports_of(self.device)):
+            port.lossy = Lossy(self.share, self.seed + number)
+        return {}
+
+
 _OPERATIONS: dict[str, type[_Request]] = {
     "identify": _Identify,
     "truth": _Truth,
@@ -339,6 +353,7 @@ _FAULTS: dict[str, type[_Request]] = {
     "stall": _Stall,
     "drop": _Drop,
     "mute": _Mute,
+    "lossy": _Lossy,
     "overspeed": _Overspeed,
     "vibration": _Vibration,
     "laser": _Laser,

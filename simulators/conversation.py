@@ -3,6 +3,7 @@
 import asyncio
 from typing import Protocol
 
+from simulators.lossy import Lossy
 from simulators.serving import Answer, Pending, Session
 from simulators.timekeeper import TimeKeeper
 
@@ -19,6 +20,7 @@ class Faults:
     def __init__(self, keeper: TimeKeeper) -> None:
         self.keeper = keeper
         self.muted = False
+        self.lossy: Lossy | None = None
         self.stalled_until_s = 0.0
 
     def stall(self) -> Pending | None:
@@ -82,7 +84,7 @@ class Conversation:
         if self._faults.stall() is None:
             self._session.overtake()
         self._backlog += len(data)
-        if self._backlog > _BACKLOG_BYTES:
+        if self._backlog > _BACKLOG_BYTES or self._session.deaf:
             self._wire.pause()
 
     def end(self) -> None:
@@ -118,8 +120,11 @@ class Conversation:
         self._answer()
 
     def _send(self, answer: bytes) -> None:
-        if answer and not self._ended and not self._faults.muted:
-            self._wire.send(answer)
+        if not answer or self._ended or self._faults.muted:
+            return
+        lossy = self._faults.lossy
+        if arrives := lossy.passed(answer) if lossy else answer:
+            self._wire.send(arrives)
 
     def _set_timers(self) -> None:
         if self._ended:

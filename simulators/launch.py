@@ -10,6 +10,7 @@ from simulators.control import ControlSession, Desk
 from simulators.errors import EmulatorError
 from simulators.journal import Journal
 from simulators.melfa.controller import Controller
+from simulators.options import whole
 from simulators.ports.port import Port
 from simulators.protocols import session_maker
 from simulators.timekeeper import TimeKeeper
@@ -107,7 +108,10 @@ class EmulatedBench:
         new_session = session_maker(
             self.world, device, lambda text: self.journal.add(device.name, "request", text)
         )
-        return Port(device.name, device.protocol, device.endpoint, self.keeper, new_session)
+        most = whole(device, "clients", 0, 0, 100) or None
+        return Port(
+            device.name, device.protocol, device.endpoint, self.keeper, new_session, most_clients=most
+        )
 
 
 def _check(config: EmulationConfig) -> None:

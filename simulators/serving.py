@@ -36,6 +36,11 @@ class Session:
         """Take what the client sent."""
         raise NotImplementedError
 
+    @property
+    def deaf(self) -> bool:
+        """Nothing more is read while an earlier request waits for its answer."""
+        return False
+
     def overtake(self) -> None:
         """Look at what was fed last while an earlier request still waits for its answer."""
 

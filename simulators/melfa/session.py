@@ -59,9 +59,14 @@ class MelfaSession(Session):
         self._buffer.end_request()
         self._requests.extend(self._buffer.take())
 
+    @property
+    def deaf(self) -> bool:
+        """A controller that is not chosen to let STOP overtake reads nothing while EXEC2 waits."""
+        return not self._controller.choices.stop_overtakes
+
     def overtake(self) -> None:
-        """Let a STOP stop the motion that EXEC2 waits for; its own answer comes in its turn."""
-        if any(map(_is_stop, (*self._latest, self._buffer.rest))):
+        """Let a STOP stop the motion that EXEC2 waits for, if so chosen; its own answer comes in its turn."""
+        if not self.deaf and any(map(_is_stop, (*self._latest, self._buffer.rest))):
             self._controller.stop()
 
     def answer(self) -> Answer | None:

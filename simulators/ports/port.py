@@ -48,16 +48,25 @@ class Port(Faults):
         endpoint: where to listen, in one of the three forms of `parse_address`.
         keeper: bench time.
         session: makes the session of a new client.
+        most_clients: more at once are dropped, over TCP; None takes any number.
     """
 
     def __init__(
-        self, device: str, protocol: str, endpoint: str, keeper: TimeKeeper, session: Callable[[], Session]
+        self,
+        device: str,
+        protocol: str,
+        endpoint: str,
+        keeper: TimeKeeper,
+        session: Callable[[], Session],
+        *,
+        most_clients: int | None = None,
     ) -> None:
         super().__init__(keeper)
         self.device = device
         self.protocol = protocol
         self._asked = endpoint
         self._new_session = session
+        self._most_clients = most_clients
         self._listener: Listener | None = None
 
     @property
@@ -96,8 +105,9 @@ class Port(Faults):
         address = parse_address(self.device, self._asked)
         if isinstance(address, LineAddress):
             return LineListener(address, self.device, self.keeper, self._converse)
-        kind = TcpListener if address.kind == "tcp" else UdpListener
-        return kind(address, self._converse)
+        if address.kind == "udp":
+            return UdpListener(address, self._converse)
+        return TcpListener(address, self._converse, self._most_clients)
 
     def _converse(self, wire: Wire) -> Conversation:
         return Conversation(self._new_session(), wire, self)

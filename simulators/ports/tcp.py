@@ -18,13 +18,20 @@ class TcpListener:
     Args:
         address: where to listen.
         converse: starts the conversation with a new client.
+        most_clients: more at once are dropped; None takes any number.
     """
 
-    def __init__(self, address: SocketAddress, converse: Callable[[Wire], Conversation]) -> None:
+    def __init__(
+        self,
+        address: SocketAddress,
+        converse: Callable[[Wire], Conversation],
+        most_clients: int | None = None,
+    ) -> None:
         self.converse = converse
         self.closing = False
         self.connections: set[Connection] = set()
         self._address = address
+        self._most_clients = most_clients
         self._port = address.port
         self._server: asyncio.Server | None = None
 
@@ -43,6 +50,11 @@ class TcpListener:
         address = self._address
         self._server = await loop.create_server(lambda: Connection(self), address.host, address.port)
         self._port = self._server.sockets[0].getsockname()[1]
+
+    @property
+    def full(self) -> bool:
+        """Whether there are more clients than are served at once."""
+        return self._most_clients is not None and len(self.connections) > self._most_clients
 
     def drop(self) -> None:
         """Close all connections; new ones are welcome."""
@@ -85,7 +97,7 @@ class Connection(asyncio.Protocol):
         """Take the client in."""
         if isinstance(transport, asyncio.Transport):
             self._transport = transport
-        if self._listener.closing:
+        if self._listener.closing or self._listener.full:
             self.abort()
 
     def data_received(self, data: bytes) -> None:
