@@ -23,6 +23,10 @@ class LinkError(DeviceError):
     """The link cannot be opened, was refused or has been closed."""
 
 
+class UnreachableError(LinkError):
+    """The other side cannot be connected to, or floods the link: asking again does not help."""
+
+
 class LinkTimeoutError(LinkError):
     """No answer in time; the link is poisoned until it has been healed."""
 

@@ -4,7 +4,8 @@ import asyncio
 from collections.abc import Awaitable, Callable, Coroutine
 from typing import Any, Protocol, TypeVar
 
-from drivers.errors import DeviceError, LinkError, LinkTimeoutError, ProtocolError
+from drivers.errors import DeviceError, LinkError, LinkTimeoutError, ProtocolError, UnreachableError
+from drivers.healing import Losses, Repeat, repeated
 from drivers.transport import Transport
 
 T = TypeVar("T")
@@ -12,6 +13,11 @@ T_co = TypeVar("T_co", covariant=True)
 
 _SHOWN_BYTES = 80
 _DRAIN_TIMEOUT_S = 2.0
+_FLOOD_BYTES = 65_536
+"""So much without being an answer, or without having been asked for, is a flood."""
+
+_MOST_HARMLESS_BYTES = 4096
+_ATTEMPTS_IN_PLACE = 2
 
 
 class Decoder(Protocol[T_co]):
@@ -49,15 +55,20 @@ class RequestLink:
 
     An answer that does not come leaves the link out of step: it may still come, and would then be taken for
     the answer to the next question. So after a time-out, a cancellation, garbage or bytes that nobody asked
-    for, the link is healed before anything else is sent: closed, opened again, drained until it is quiet and
-    checked by `greet`, which asks who is there.
+    for, the link is healed before anything else is sent: drained until it is quiet and checked by `identify`, or,
+    where that is not possible, closed, opened again, drained and checked by `greet`, which asks who is there.
 
     Args:
         transport: where the bytes go.
         name: what is behind it, for texts.
         greet: runs after each opening, with the link held; asks by `exchange` who is there.
+        identify: asks by `exchange` something on the open connection whose answer cannot be mistaken for that to
+            another question; None: the protocol has no such question, and a link out of step is opened again.
         quiet_s: silence that ends an answer without terminator and a drain, real s.
         harmless: bytes that may stand between two answers, such as a late terminator.
+        stays_writable: a link that floods is no longer read but stays open, so that something urgent can be written;
+            otherwise it is closed.
+        now_s: real time for the count of losses, s; that of the event loop by default.
     """
 
     def __init__(
@@ -66,18 +77,26 @@ class RequestLink:
         *,
         name: str,
         greet: Callable[[], Awaitable[None]],
+        identify: Callable[[], Awaitable[None]] | None = None,
         quiet_s: float = 0.02,
         harmless: bytes = b"\r\n",
+        stays_writable: bool = False,
+        now_s: Callable[[], float] | None = None,
     ) -> None:
         self._transport = transport
         self._name = name
         self._greet = greet
+        self._identify = identify
         self._quiet_s = quiet_s
         self._harmless = harmless
+        self._stays_writable = stays_writable
+        self._losses = Losses(now_s)
         self._lock = asyncio.Lock()
         self._is_open = False
         self._doubt = ""
         self._received = b""
+        self._floods = False
+        self._ended = False
         self.discarded_bytes = 0
         self.heal_count = 0
         self.greeting = b""
@@ -105,6 +124,7 @@ class RequestLink:
         """
         async with self._lock:
             self._is_open = True
+            self._losses.forget()
             try:
                 await self._connect()
             except (DeviceError, asyncio.CancelledError):
@@ -121,8 +141,7 @@ class RequestLink:
         decoder: Callable[[], Decoder[T]],
         timeout_s: float,
         *,
-        retry: bool = False,
-        heal: bool = True,
+        repeat: Repeat = Repeat.NEVER,
         permit: Callable[[], None] | None = None,
     ) -> T:
         """Send a request and return its answer.
@@ -131,28 +150,36 @@ class RequestLink:
             data: the request as sent.
             decoder: makes the decoder of the answer.
             timeout_s: for sending and answer, real s; waiting for the turn is not counted.
-            retry: ask once more after healing when the answer does not come or is garbage. For questions
-                only: a command must not be given twice.
-            heal: False refuses to send when the link is out of step, for a request that builds on what was
-                said on this very connection.
-            permit: is asked when the request's turn has come; what it raises keeps it from being sent.
+            repeat: what may be done when the answer does not come or is garbage.
+            permit: is asked when the request's turn has come, and again after a healing; what it raises keeps it
+                from being sent.
 
         Raises:
             LinkTimeoutError: no answer; the link is out of step until the next request heals it.
-            LinkError: not open, lost or not to be healed.
+            LinkError: not open, lost, given up or not to be healed.
             ProtocolError: garbage came.
         """
-        async with self._lock:
-            await self._get_in_step(heal=heal)
-            if permit is not None:
-                permit()
-            try:
+
+        async def once() -> T:
+            async with self._lock:
+                if permit is not None:
+                    # A stop may have left the link out of step, and is the reason that counts.
+                    permit()
+                await self._get_in_step(heal=repeat is not Repeat.BOUND)
+                if permit is not None:
+                    permit()
                 return await self.exchange(data, decoder(), timeout_s)
-            except (LinkError, ProtocolError):
-                if not retry:
-                    raise
-            await self._get_in_step(heal=True)
-            return await self.exchange(data, decoder(), timeout_s)
+
+        return await self.repeated(once) if repeat is Repeat.HARMLESS else await once()
+
+    async def repeated(self, work: Callable[[], Awaitable[T]]) -> T:
+        """Do something harmless with this link; do it again from its beginning when an answer is lost or garbage.
+
+        Raises:
+            LinkError: unreachable, given up or lost too often.
+            ProtocolError: garbage came too often.
+        """
+        return await repeated(work, self._losses, self.where)
 
     async def ensure(self) -> None:
         """Heal the link if it is out of step.
@@ -178,17 +205,32 @@ class RequestLink:
             await self._get_in_step(heal=True)
             await self._bounded(self._transport.write(data), data, timeout_s)
 
-    async def shout(self, data: bytes) -> None:
+    def send_urgent(self, data: bytes, *, cut: bytes) -> None:
         """Write past the request in flight. Its answer and this one cannot be told apart afterwards.
 
+        Args:
+            data: the request as sent.
+            cut: ends a request that is half written.
+
         Raises:
-            LinkError: the link is closed.
+            LinkError: the link is closed or takes no bytes.
         """
         self._doubt = f"{data!r} was put in past a request in flight"
-        await self._transport.write(data)
+        self._transport.send_urgent(data, cut=cut)
+
+    @property
+    def floods(self) -> bool:
+        """Whether bytes keep coming that nobody asked for; such a link is out of step and may still be written to."""
+        return self._floods
+
+    async def end_flood(self) -> None:
+        """Close a link that floods; the next request heals it."""
+        if self._floods:
+            await self._transport.close()
 
     def distrust(self, why: str) -> None:
         """Have the link healed before the next request, since an answer made no sense."""
+        self._losses.lost()
         self._doubt = why
 
     async def exchange(self, data: bytes, decoder: Decoder[T], timeout_s: float) -> T:
@@ -206,8 +248,14 @@ class RequestLink:
         outstanding = f"the answer to {data!r} is outstanding"
         self._doubt = outstanding
         self._received = b""
-        reply = await self._bounded(self._ask(data, decoder), data, timeout_s)
-        # `shout` puts another text here meanwhile; then the doubt stays.
+        try:
+            reply = await self._bounded(self._ask(data, decoder), data, timeout_s)
+        except (LinkError, ProtocolError) as exc:
+            self._losses.lost()
+            self._ended |= isinstance(exc, LinkError) and not isinstance(exc, LinkTimeoutError)
+            raise
+        self._losses.answered()
+        # `send_urgent` puts another text here meanwhile; then the doubt stays.
         if self._doubt is outstanding:
             self._doubt = self._surplus(decoder.rest)
         return reply
@@ -215,11 +263,15 @@ class RequestLink:
     async def _ask(self, data: bytes, decoder: Decoder[T]) -> T:
         await self._transport.write(data)
         reply: T | None = None
+        count = 0
         while reply is None:
+            if count > _FLOOD_BYTES:
+                raise await self._flooded()
             try:
                 chunk = await (self._soon() if decoder.may_end else self._transport.read())
             except TimeoutError:
                 return decoder.end()
+            count += len(chunk)
             self._received = (self._received + chunk)[-_SHOWN_BYTES:]
             reply = self._feed(decoder, chunk)
         return reply
@@ -254,12 +306,35 @@ class RequestLink:
         if not heal:
             raise LinkError(f"{self.where}: the link is out of step ({self._doubt}): nothing was sent")
         self.heal_count += 1
-        await self._connect()
+        if not await self._heals_in_place():
+            await self._connect()
+
+    async def _heals_in_place(self) -> bool:
+        """Get in step on the open connection: answers come in order, so behind that to `identify` none is owed."""
+        if self._identify is None or not self._can_be_read():
+            return False
+        for _ in range(_ATTEMPTS_IN_PLACE):
+            try:
+                await self._drain()
+                await self._identify()
+            except (LinkError, ProtocolError):
+                if not self._can_be_read():
+                    return False
+            else:
+                return not self._doubt
+        return False
+
+    def _can_be_read(self) -> bool:
+        return not (self._ended or self._floods)
 
     async def _connect(self) -> None:
         self._doubt = "the greeting is not finished"
+        self._floods = self._ended = False
         await self._transport.close()
-        await self._transport.open()
+        try:
+            await self._transport.open()
+        except LinkError as exc:
+            raise UnreachableError(str(exc)) from None
         if not self._is_open:
             # `close` came while the transport was being opened and found nothing to close.
             await self._transport.close()
@@ -275,29 +350,45 @@ class RequestLink:
     async def _drain(self) -> bytes:
         """Read until nothing comes for the quiet time; return the first bytes."""
         first = b""
+        count = 0
         try:
             async with asyncio.timeout(_DRAIN_TIMEOUT_S) as whole:
-                while True:
+                while count <= _FLOOD_BYTES:
                     async with asyncio.timeout(self._quiet_s):
                         chunk = await self._transport.read()
                     first = (first + chunk)[:_SHOWN_BYTES]
+                    count += len(chunk)
                     self.discarded_bytes += len(chunk)
         except TimeoutError:
-            if whole.expired():
-                raise LinkError(
-                    f"{self.where}: bytes keep coming without a request, first {first!r}: check that the "
-                    "endpoint belongs to this device and that no other program talks to it"
-                ) from None
-        return first
+            if not whole.expired():
+                return first
+        self._received = first
+        raise await self._flooded()
+
+    async def _flooded(self) -> UnreachableError:
+        """Note that bytes keep coming; return the error."""
+        self._floods = True
+        self._doubt = "bytes keep coming without a request"
+        if not self._stays_writable:
+            await self._transport.close()
+        return UnreachableError(
+            f"{self.where}: bytes keep coming without a request, such as {self._received!r}: the link is no longer "
+            "read; check that the endpoint belongs to this device and that no other program talks to it"
+        )
 
     def _unasked(self) -> str:
         """Return what came that nobody asked for, or that the other side is gone; empty when all is well."""
         why = ""
+        count = 0
         try:
             while not why and (chunk := self._transport.waiting()):
                 why = self._surplus(chunk)
+                count += len(chunk)
         except LinkError as exc:
+            self._ended = True
             why = str(exc)
+        if not why and count > _MOST_HARMLESS_BYTES:
+            why = f"{count} bytes came that nobody asked for"
         return why
 
     def _surplus(self, data: bytes) -> str:

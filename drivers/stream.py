@@ -6,6 +6,7 @@ from typing import Generic, Protocol, TypeVar
 
 from drivers.clock import Clock
 from drivers.errors import DeviceError, LinkError, LinkTimeoutError
+from drivers.healing import Losses, repeated
 from drivers.transport import Transport
 
 T = TypeVar("T")
@@ -17,6 +18,9 @@ ValueHook = Callable[[float, float], None]
 A driver of a stream has an attribute `on_value` for one, None at first; it is called as values come and must neither
 block nor raise."""
 
+MOST_BYTES_A_SECOND = 4_000_000
+"""Of a stream; more is a flood, real time."""
+
 _SHOWN_BYTES = 80
 
 
@@ -26,6 +30,22 @@ class FrameDecoder(Protocol[T_co]):
     def feed(self, data: bytes) -> Sequence[T_co]:
         """Take a chunk; return the frames that are complete now."""
         ...
+
+
+class Flow:
+    """Adds up what comes within a second of the event loop's time."""
+
+    def __init__(self) -> None:
+        self._began_s = asyncio.get_running_loop().time()
+        self._count = 0
+
+    def floods(self, count: int) -> bool:
+        """Add bytes; return whether they are more than any instrument sends."""
+        now_s = asyncio.get_running_loop().time()
+        if now_s - self._began_s >= 1.0:
+            self._began_s, self._count = now_s, 0
+        self._count += count
+        return self._count > MOST_BYTES_A_SECOND
 
 
 class StreamLink(Generic[T]):
@@ -64,6 +84,7 @@ class StreamLink(Generic[T]):
         self._failure: DeviceError | None = None
         self._is_open = False
         self._last_bytes = b""
+        self._losses = Losses()
         self.heal_count = 0
 
     @property
@@ -131,6 +152,38 @@ class StreamLink(Generic[T]):
             LinkTimeoutError: it does not come; the link is opened again by the next `ensure`.
             LinkError: the link broke.
         """
+        if not await self._came(arrived, timeout_s):
+            self._failure = self._silence(what, timeout_s)
+            raise self._failure
+
+    async def order(self, data: bytes, arrived: Callable[[], bool], timeout_s: float, what: str) -> None:
+        """Send something harmless and wait until it is acknowledged; send it again when it is not.
+
+        Args:
+            data: the order as sent.
+            arrived: whether it is acknowledged.
+            timeout_s: how long to wait for each acknowledgement, real s.
+            what: is waited for, for texts.
+
+        Raises:
+            LinkTimeoutError: it is never acknowledged; the link is opened again by the next `ensure`.
+            LinkError: the link broke, or loses too much.
+        """
+
+        async def once() -> None:
+            await self.send(data)
+            if not await self._came(arrived, timeout_s):
+                self._losses.lost()
+                raise self._silence(what, timeout_s)
+            self._losses.answered()
+
+        try:
+            await repeated(once, self._losses, self.where)
+        except LinkError as exc:
+            self._failure = exc
+            raise
+
+    async def _came(self, arrived: Callable[[], bool], timeout_s: float) -> bool:
         try:
             async with asyncio.timeout(timeout_s):
                 while not arrived():
@@ -139,12 +192,15 @@ class StreamLink(Generic[T]):
                     self._news.clear()
                     await self._news.wait()
         except TimeoutError:
-            came = f"last bytes {self._last_bytes!r}" if self._last_bytes else "no byte came"
-            self._failure = LinkTimeoutError(
-                f"{self.where}: no {what} within {timeout_s:g} s, {came}: check that the instrument is switched on "
-                "and sends, and the line's settings; the link is opened again before the next request"
-            )
-            raise self._failure from None
+            return False
+        return True
+
+    def _silence(self, what: str, timeout_s: float) -> LinkTimeoutError:
+        came = f"last bytes {self._last_bytes!r}" if self._last_bytes else "no byte came"
+        return LinkTimeoutError(
+            f"{self.where}: no {what} within {timeout_s:g} s, {came}: check that the instrument is switched on "
+            "and sends, and the line's settings; the link is opened again before the next request"
+        )
 
     async def _connect(self) -> None:
         await self._hang_up()
@@ -172,10 +228,17 @@ class StreamLink(Generic[T]):
         self._news.set()
 
     async def _take_in(self, decoder: FrameDecoder[T]) -> None:
+        flow = Flow()
         try:
             while True:
                 data = await self._transport.read()
                 time_s = self._clock.monotonic_s()
+                if flow.floods(len(data)):
+                    await self._transport.close()
+                    raise LinkError(
+                        f"{self.where}: more than {MOST_BYTES_A_SECOND} bytes come within a second, such as "
+                        f"{data[:_SHOWN_BYTES]!r}: the link was closed; check that this is the instrument meant"
+                    )
                 self._last_bytes = (self._last_bytes + data)[-_SHOWN_BYTES:]
                 for frame in decoder.feed(data):
                     self._take(frame, time_s)

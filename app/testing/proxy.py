@@ -1,7 +1,8 @@
 """What can happen to a TCP link, between a driver and whatever it talks to."""
 
 import asyncio
-from collections.abc import AsyncIterator, Iterator
+import contextlib
+from collections.abc import AsyncIterator, Callable, Iterator
 from contextlib import asynccontextmanager, contextmanager
 
 from app.testing.loop_thread import LoopThread
@@ -22,6 +23,9 @@ class Proxy:
         stalled: what the device says is held back, and comes late when this is taken back.
         muted: what the device says is lost; what a stall has held back comes nevertheless.
         one_by_one: what the device says comes a byte at a time.
+        flood: comes again and again beside what the device says, as fast as it is taken; empty: none.
+        flooded_bytes: so much of it has been sent.
+        spoil: what arrives of a piece that the device says; None changes nothing.
         connections: how many are open.
     """
 
@@ -29,17 +33,31 @@ class Proxy:
         self.stalled = False
         self.muted = False
         self.one_by_one = False
+        self.flood = b""
+        self.flooded_bytes = 0
+        self.spoil: Callable[[bytes], bytes] | None = None
         self.connections = 0
         self.endpoint = ""
         self._device = device
         self._says = says
         self._writers: set[asyncio.StreamWriter] = set()
+        self._to_clients: set[asyncio.StreamWriter] = set()
         self._tasks: set[asyncio.Task[None]] = set()
         self._loop = asyncio.get_running_loop()
 
     def drop(self) -> None:
         """Reset all connections; may be called from another thread."""
         self._loop.call_soon_threadsafe(self._reset)
+
+    def half_close(self) -> None:
+        """Say no more to any client; what clients say is still passed on. May be called from another thread."""
+        self._loop.call_soon_threadsafe(self._end_ways_back)
+
+    def _end_ways_back(self) -> None:
+        self.muted = True
+        for writer in self._to_clients:
+            with contextlib.suppress(OSError):
+                writer.write_eof()
 
     @asynccontextmanager
     async def serving(self) -> AsyncIterator["Proxy"]:
@@ -91,10 +109,12 @@ class Proxy:
     ) -> None:
         from_device, to_device = await asyncio.open_connection(*device)
         self._writers.add(to_device)
+        self._to_clients.add(writer)
         try:
             ways = [
                 asyncio.ensure_future(self._forth(reader, to_device)),
                 asyncio.ensure_future(self._back(from_device, writer)),
+                asyncio.ensure_future(self._gush(writer)),
             ]
             try:
                 await asyncio.wait(ways, return_when=asyncio.FIRST_COMPLETED)
@@ -104,6 +124,7 @@ class Proxy:
                 await asyncio.gather(*ways, return_exceptions=True)
         finally:
             self._writers.discard(to_device)
+            self._to_clients.discard(writer)
             to_device.transport.abort()
 
     async def _forth(self, reader: asyncio.StreamReader, to_device: asyncio.StreamWriter) -> None:
@@ -115,8 +136,18 @@ class Proxy:
             held = self.stalled
             while self.stalled:  # noqa: ASYNC110  # the flag is set by another thread
                 await asyncio.sleep(0.002)
-            if held or not self.muted:
-                await self._say(data, writer)
+            arrives = self.spoil(data) if self.spoil else data
+            if arrives and (held or not self.muted):
+                await self._say(arrives, writer)
+
+    async def _gush(self, writer: asyncio.StreamWriter) -> None:
+        while True:
+            flood = self.flood * (_CHUNK_BYTES // len(self.flood)) if self.flood else b""
+            if flood:
+                writer.write(flood)
+                await writer.drain()
+                self.flooded_bytes += len(flood)
+            await asyncio.sleep(0 if flood else 0.002)
 
     async def _say(self, data: bytes, writer: asyncio.StreamWriter) -> None:
         size = 1 if self.one_by_one else len(data)

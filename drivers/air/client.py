@@ -12,7 +12,15 @@ from pymodbus.pdu import ModbusPDU
 from pymodbus.pdu.mei_message import ReadDeviceInformationResponse
 
 from drivers.endpoint import SerialEndpoint, TcpEndpoint
-from drivers.errors import LinkError, LinkTimeoutError, ProtocolError, RefusedError, WrongDeviceError
+from drivers.errors import (
+    LinkError,
+    LinkTimeoutError,
+    ProtocolError,
+    RefusedError,
+    UnreachableError,
+    WrongDeviceError,
+)
+from drivers.healing import Losses, repeated
 from drivers.record import Sink
 from drivers.serial_line import is_pseudo_terminal
 
@@ -79,6 +87,8 @@ class RegisterClient:
         self._received = b""
         self._lock = asyncio.Lock()
         self._in_doubt = False
+        self._answered = False
+        self._losses = Losses()
 
     @property
     def endpoint(self) -> str:
@@ -101,7 +111,7 @@ class RegisterClient:
                 if isinstance(self._target, SerialEndpoint)
                 else "that it is switched on, address and port (502 is usual), and how many clients it serves at once"
             )
-            raise LinkError(
+            raise UnreachableError(
                 f"{self._name} at {self.endpoint}: cannot connect within {self._timeout_s:g} s: check {advice}"
             )
         self._client = client
@@ -153,7 +163,7 @@ class RegisterClient:
             await asyncio.sleep(0)
 
     async def read(self, function: int, address: int, count: int) -> list[int]:
-        """Return registers, on a new connection if the old one was lost.
+        """Return registers, on a new connection if the old one was lost; asked again when the answer is.
 
         Args:
             function: 3 for holding, 4 for input registers.
@@ -171,7 +181,9 @@ class RegisterClient:
             read = client.read_holding_registers if function == 3 else client.read_input_registers
             return read(address, count=count, device_id=self._device_id)
 
-        answer = await self._ask(what, call)
+        answer = await repeated(
+            lambda: self._ask(what, call), self._losses, f"{self._name} at {self.endpoint}"
+        )
         if len(answer.registers) != count:
             raise ProtocolError(
                 f"{self._name} at {self.endpoint}: {len(answer.registers)} registers came for {what}; "
@@ -241,8 +253,11 @@ class RegisterClient:
             try:
                 answer = await _cancellable(call(client))
             except ModbusException as exc:
+                self._losses.lost()
                 raise await self._lost(what, exc) from None
             self._in_doubt = False
+            self._answered = True
+            self._losses.answered()
         self._check(what, answer)
         return answer
 
@@ -260,9 +275,14 @@ class RegisterClient:
                 f"{self._name} at {self.endpoint} refused {what}: exception {code}, {meaning}", code
             )
 
-    async def _lost(self, what: str, cause: ModbusException) -> LinkError | WrongDeviceError:
+    async def _lost(self, what: str, cause: ModbusException) -> LinkError | ProtocolError | WrongDeviceError:
         """Close the link, so that the next request opens it anew, and return the error."""
         await self.close()
+        if self._received and self._answered:
+            return ProtocolError(
+                f"{self._name} at {self.endpoint}: garbage in place of an answer to {what}: {self._received!r}: "
+                f"check the line; {cause}"
+            )
         if self._received:
             return WrongDeviceError(
                 f"{self._name} at {self.endpoint}: no Modbus answer to {what}, but the bytes {self._received!r}: "

@@ -112,9 +112,10 @@ class VaisalaAscii:
             ProtocolError: the line cannot be read.
             LinkError: lost or silent.
         """
-        line = await self._link.request(
-            b"SEND\r", partial(TextDecoder, "SEND"), self._settings.timeout_s, retry=True
-        )
+        return await self._link.repeated(self._sampled)
+
+    async def _sampled(self) -> AirSample:
+        line = await self._link.request(b"SEND\r", partial(TextDecoder, "SEND"), self._settings.timeout_s)
         time_s = self._clock.monotonic_s()
         try:
             values = parse_values(checked(line) if self._own_format else line)

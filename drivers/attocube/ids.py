@@ -9,6 +9,7 @@ from drivers.attocube import codec
 from drivers.clock import Clock
 from drivers.endpoint import open_transport
 from drivers.errors import LinkError, LinkTimeoutError, ProtocolError, RefusedError, WrongDeviceError
+from drivers.healing import Repeat
 from drivers.latches import Latches
 from drivers.link import RequestLink
 from drivers.readings import CounterReading, CounterStatus, Identity
@@ -75,7 +76,13 @@ class AttocubeIds:
         self._corrects = False
         self._tells_reference = False
         self._reference_pm: float | None = None
-        self._link = RequestLink(transport, name=MODEL, greet=self._greet, quiet_s=self._settings.quiet_s)
+        self._link = RequestLink(
+            transport,
+            name=MODEL,
+            greet=self._greet,
+            identify=self._recognise,
+            quiet_s=self._settings.quiet_s,
+        )
 
     @classmethod
     def at(cls, endpoint: str, clock: Clock, sink: Sink | None = None, **settings: Any) -> Self:
@@ -269,7 +276,7 @@ class AttocubeIds:
             )
 
     async def _require(self, method: str, *params: object) -> codec.Answer:
-        answer = await self._ask(method, *params, retry=False)
+        answer = await self._ask(method, *params, repeat=Repeat.NEVER)
         if answer.error:
             raise await self._refused(method, answer.error)
         return answer
@@ -278,11 +285,11 @@ class AttocubeIds:
         text = (await self._ask("com.attocube.system.errorNumberToString", 1, number)).text()
         return RefusedError(f"{self._link.where}: {method} gave error {number}: {text}", number)
 
-    async def _ask(self, method: str, *params: object, retry: bool = True) -> codec.Answer:
+    async def _ask(self, method: str, *params: object, repeat: Repeat = Repeat.HARMLESS) -> codec.Answer:
         self._number += 1
         data = codec.encode(self._full(method), params, self._number, self._settings.dialect)
         decoder = partial(codec.AnswerDecoder, self._number)
-        return await self._link.request(data, decoder, self._settings.timeout_s, retry=retry)
+        return await self._link.request(data, decoder, self._settings.timeout_s, repeat=repeat)
 
     def _full(self, method: str) -> str:
         if method.startswith("com."):
@@ -305,6 +312,11 @@ class AttocubeIds:
             )
         self._type, self._firmware = kind, firmware
         self._latches.greeted()
+
+    async def _recognise(self) -> None:
+        """Check on the open link that the next answer belongs to the next question: the count goes on."""
+        if (await self._exchange("system.getDeviceType")).text() != self._type:
+            raise ProtocolError(f"{self._link.where}: the instrument does not tell its type")
 
     async def _exchange(self, method: str) -> codec.Answer:
         self._number += 1

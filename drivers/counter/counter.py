@@ -2,8 +2,9 @@
 
 import contextlib
 import re
+from collections.abc import Callable
 from functools import partial
-from typing import Any, ClassVar, Literal
+from typing import Any, ClassVar, Literal, TypeVar
 
 from pydantic import BaseModel, ConfigDict, Field
 
@@ -13,11 +14,14 @@ from drivers.counter.profile import CounterProfile, Status, load_profile
 from drivers.counter.streamed import StreamedCounter
 from drivers.endpoint import open_transport
 from drivers.errors import DeviceError, LinkError, ProtocolError, RefusedError, WrongDeviceError
+from drivers.healing import Repeat
 from drivers.latches import Latches
 from drivers.link import RequestLink
 from drivers.readings import CounterReading, CounterStatus, Identity
 from drivers.record import Sink
 from drivers.transport import Transport
+
+T = TypeVar("T")
 
 
 class CounterSettings(BaseModel):
@@ -57,7 +61,11 @@ class LineCounter:
     ) -> None:
         self._clock = clock
         self._profile = profile
-        self._link = RequestLink(transport, name=profile.title, greet=self._greet, quiet_s=quiet_s)
+        # A name cannot be mistaken for a reading that comes late.
+        identify = self._recognise if profile.identify else None
+        self._link = RequestLink(
+            transport, name=profile.title, greet=self._greet, identify=identify, quiet_s=quiet_s
+        )
         self._model: str | None = None
         self._latches = Latches()
         self._offset_mm = 0.0
@@ -139,7 +147,7 @@ class LineCounter:
             await self._pause()
             await self._link.send(self._encode(zero.command), self._profile.line.timeout_s)
         else:
-            text = await self._ask(zero.command, retry=False)
+            text = await self._ask(zero.command, Repeat.NEVER)
             if not re.search(zero.reply, text):
                 raise self._unfit(zero.command, text, ProtocolError(f"no match for {zero.reply!r}"))
         if zero.mode == "device":
@@ -155,9 +163,8 @@ class LineCounter:
             ProtocolError: garbage came, or another unit than the profile's.
         """
         query, scale = self._profile.query, self._profile.scale
-        text = await self._ask(query.command)
+        number, text = await self._told(query.command, partial(self._number, query.reply))
         time_s = self._clock.monotonic_s()
-        number = self._number(query.command, query.reply, text)
         if scale.wrap_bits:
             self._last_count = codec.unwrap(round(number), self._last_count, scale.wrap_bits)
             number = float(self._last_count)
@@ -194,19 +201,14 @@ class LineCounter:
             except RefusedError:
                 return {"beam_lost": True}
             return {"beam_lost": False}
-        text = await self._ask(status.command)
-        try:
-            return codec.parse_bits(status, text)
-        except ProtocolError as exc:
-            raise self._unfit(status.command, text, exc) from None
+        return (await self._told(status.command, partial(codec.parse_bits, status)))[0]
 
     async def _signal(self, default: float) -> float:
         signal = self._profile.signal
         if not signal:
             return default
-        text = await self._ask(signal.command)
-        level = self._number(signal.command, signal.reply, text) / signal.full_scale
-        return min(max(level, 0.0), 1.0)
+        level, _ = await self._told(signal.command, partial(self._number, signal.reply))
+        return min(max(level / signal.full_scale, 0.0), 1.0)
 
     def _encode(self, command: str) -> bytes:
         return (command + self._profile.line.terminator).encode("ascii")
@@ -218,11 +220,23 @@ class LineCounter:
         if self._profile.line.gap_s:
             await self._clock.sleep(self._profile.line.gap_s)
 
-    async def _ask(self, command: str, *, retry: bool = True) -> str:
+    async def _told(self, command: str, parse: Callable[[str], T]) -> tuple[T, str]:
+        """Ask; return what the answer says, and its text. Asked again when the answer is lost or does not fit."""
+
+        async def once() -> tuple[T, str]:
+            text = await self._ask(command, Repeat.NEVER)
+            try:
+                return parse(text), text
+            except ProtocolError as exc:
+                raise self._unfit(command, text, exc) from None
+
+        return await self._link.repeated(once)
+
+    async def _ask(self, command: str, repeat: Repeat) -> str:
         await self._pause()
         timeout_s = self._profile.line.timeout_s
         text = await self._link.request(
-            self._encode(command), partial(self._decoder, command), timeout_s, retry=retry
+            self._encode(command), partial(self._decoder, command), timeout_s, repeat=repeat
         )
         self._check_error(command, text)
         return text
@@ -246,12 +260,9 @@ class LineCounter:
         asked = (profile.query, profile.zero, profile.status, profile.signal, profile.identify)
         return any(a and a.command == command and a.reply and re.search(a.reply, text) for a in asked)
 
-    def _number(self, command: str, reply: str, text: str) -> float:
-        try:
-            value, unit = codec.parse_value(reply, text)
-            codec.check_unit(unit, self._profile.scale)
-        except ProtocolError as exc:
-            raise self._unfit(command, text, exc) from None
+    def _number(self, reply: str, text: str) -> float:
+        value, unit = codec.parse_value(reply, text)
+        codec.check_unit(unit, self._profile.scale)
         return value
 
     def _unfit(self, command: str, text: str, cause: ProtocolError) -> ProtocolError:
@@ -265,15 +276,11 @@ class LineCounter:
         """Ask who is there and for a value, which a stranger does not know."""
         self._latches.greeting()
         profile = self._profile
-        model = ""
         try:
             for command in profile.start.init:
                 await self._pause()
                 await self._link.exchange(self._encode(command), codec.QuietDecoder(), profile.line.timeout_s)
-            if profile.identify:
-                text = await self._greet_ask(profile.identify.command)
-                match = re.search(profile.identify.reply, text)
-                model = match["model"] if match else ""
+            model = await self._name()
             if self._model not in {None, model}:
                 raise WrongDeviceError(
                     f"{self._link.where}: after the link was opened again {model!r} answers instead of "
@@ -282,11 +289,27 @@ class LineCounter:
             text = await self._greet_ask(profile.query.command)
             # A counter that has told its name may have no value to show, as without a beam.
             if not model or not self._is_error(text):
-                self._number(profile.query.command, profile.query.reply, text)
+                try:
+                    self._number(profile.query.reply, text)
+                except ProtocolError as exc:
+                    raise self._unfit(profile.query.command, text, exc) from None
         except (LinkError, ProtocolError) as exc:
             raise self._stranger(exc) from None
         self._model = model
         self._latches.greeted()
+
+    async def _name(self) -> str:
+        """Return the instrument's name, empty when it tells none."""
+        identify = self._profile.identify
+        if not identify:
+            return ""
+        match = re.search(identify.reply, await self._greet_ask(identify.command))
+        return match["model"] if match else ""
+
+    async def _recognise(self) -> None:
+        """Check on the open connection that the next answer belongs to the next question: the count goes on."""
+        if not (name := await self._name()) or name != self._model:
+            raise ProtocolError(f"{self._link.where}: {name!r} instead of the name {self._model!r}")
 
     async def _greet_ask(self, command: str) -> str:
         await self._pause()

@@ -7,6 +7,7 @@ from pydantic import BaseModel, ConfigDict, Field
 from drivers.clock import Clock
 from drivers.endpoint import open_transport
 from drivers.errors import LinkTimeoutError, ProtocolError, RefusedError, WrongDeviceError
+from drivers.healing import Repeat
 from drivers.heidenhain import codec
 from drivers.latches import Latches
 from drivers.link import RequestLink
@@ -64,7 +65,13 @@ class HeidenhainNd:
         self._latches = Latches()
         self._offset_mm = 0.0
         self._identity: tuple[str, str, str] | None = None
-        self._link = RequestLink(transport, name=MODEL, greet=self._greet, quiet_s=self._settings.quiet_s)
+        self._link = RequestLink(
+            transport,
+            name=MODEL,
+            greet=self._greet,
+            identify=self._recognise,
+            quiet_s=self._settings.quiet_s,
+        )
 
     @classmethod
     def at(cls, endpoint: str, clock: Clock, sink: Sink | None = None, **settings: Any) -> Self:
@@ -173,7 +180,10 @@ class HeidenhainNd:
 
     async def _position(self) -> tuple[float, str]:
         """Return the position, growing with the beam, mm, and its text."""
-        text = await self._ask("A0200")
+        return await self._link.repeated(self._parsed_position)
+
+    async def _parsed_position(self) -> tuple[float, str]:
+        text = await self._ask("A0200", Repeat.NEVER)
         try:
             value_mm = codec.parse_position(text, self._settings.decimals)
         except ProtocolError as exc:
@@ -186,13 +196,13 @@ class HeidenhainNd:
         return text
 
     async def _press(self, key: str) -> None:
-        reply = await self._ask(key, retry=False)
+        reply = await self._ask(key, Repeat.NEVER)
         if reply != codec.ACK:
             raise self._garbage(key, ProtocolError(f"{reply[:32]!r} instead of an acknowledgement"))
 
-    async def _ask(self, command: str, *, retry: bool = True) -> str:
+    async def _ask(self, command: str, repeat: Repeat = Repeat.HARMLESS) -> str:
         data = codec.command(command)
-        reply = await self._link.request(data, codec.ReplyDecoder, self._settings.timeout_s, retry=retry)
+        reply = await self._link.request(data, codec.ReplyDecoder, self._settings.timeout_s, repeat=repeat)
         if reply == (codec.NAK,):
             raise RefusedError(
                 f"{self._link.where} refused {command}: look at the display, and whether its keys are locked",
@@ -226,6 +236,11 @@ class HeidenhainNd:
         self._check_decimals(shown[0])
         self._identity = (identity[0], identity[1], identity[2])
         self._latches.greeted()
+
+    async def _recognise(self) -> None:
+        """Check on the open line that the next answer belongs to the next question: the count goes on."""
+        if await self._exchange("A0000", lines=3) != self._identity:
+            raise ProtocolError(f"{self._link.where}: the display does not tell its name")
 
     def _check_decimals(self, shown: str) -> None:
         """Compare with the displayed value; with an error on the display there is none."""

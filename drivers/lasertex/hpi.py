@@ -185,11 +185,12 @@ class LasertexHpi:
         return self._newest
 
     async def _order(self, code: int) -> bytes:
-        """Send a command; return the data of its acknowledgement."""
+        """Send a command, which does no harm when it is given again; return the data of its acknowledgement."""
         self._acknowledged.pop(code, None)
-        await self._link.send(codec.command(code))
         what = f"acknowledgement of {code:04X}"
-        await self._link.wait(lambda: code in self._acknowledged, self._settings.timeout_s, what)
+        await self._link.order(
+            codec.command(code), lambda: code in self._acknowledged, self._settings.timeout_s, what
+        )
         return self._acknowledged.pop(code)
 
     async def _greet(self) -> None:

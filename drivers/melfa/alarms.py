@@ -58,7 +58,7 @@ _SINGLE: dict[int, Alarm] = {
         "L", "the slot does not hold the mechanism", "use slot 1 or release the mechanism in the other slot"
     ),
     3700: Alarm("L", "undefined variable", "connect again, which declares the variable anew"),
-    3810: Alarm("L", "wrong type of argument", "check that no program uses the variable JCATSEYE"),
+    3810: Alarm("L", "wrong type of argument", "check that no program uses a variable JCATSEY1 to JCATSEY8"),
     3860: Alarm("L", "illegal position data", "check the values in the command"),
     4140: Alarm("L", "no such program", "select a program that exists"),
     4220: Alarm("L", "syntax error in a statement", "check that the firmware knows the statement"),

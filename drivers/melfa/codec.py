@@ -28,6 +28,7 @@ MAX_ANSWER_BYTES = 4096
 
 _PREFIX = re.compile(r"Q(?:o(?P<ok>K)|e(?P<rejected>R))", re.IGNORECASE)
 _PREFIX_BYTES = 3
+_ANOTHER = re.compile(rb"Q(?:o[Kk]|e[Rr])")
 _BEGINNINGS = tuple("qok"[:n] for n in range(4)) + tuple("qer"[:n] for n in range(4))
 _REJECTION = re.compile(r"(?P<number>\d{4})(?P<detail>\d{0,5})(?:;.*)?", re.DOTALL)
 _REJECTION_DIGITS = 9
@@ -217,7 +218,17 @@ class AnswerDecoder:
             return parse_answer(line, terminated=True)
         if len(self._buffer) > MAX_ANSWER_BYTES:
             raise ProtocolError(f"an answer longer than {MAX_ANSWER_BYTES} bytes does not end")
-        return None if self._terminated or not self._verdict() else self.end()
+        if self._terminated:
+            return None
+        if another := _ANOTHER.search(self._buffer, _PREFIX_BYTES):
+            # Two in one piece, as when a STOP is answered right behind the motion that it ended.
+            whole, head = self._buffer, self._buffer[: another.start()]
+            self._buffer = head
+            if self._verdict() is not False:
+                self.rest = whole[len(head) :]
+                return self.end()
+            self._buffer = whole
+        return self.end() if self._verdict() else None
 
     def end(self) -> Answer:
         """Return the answer that has come so far.

@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 from typing import Self, TypeVar
 
 from drivers.errors import DeviceError, ProtocolError, RefusedError
+from drivers.healing import Repeat
 from drivers.melfa import codec, texts
 from drivers.melfa.jog import Direction, Jog, jogging
 from drivers.melfa.session import Session
@@ -88,10 +89,10 @@ class MelfaController:
         _check(_VARIABLE, name, "a variable")
         text = f"{name}={texts.value_text(value)}"
         if program is None:
-            await self._order(f"VAL={text}")
+            await self._order(f"VAL={text}", Repeat.HARMLESS)
         else:
             _check(_PROGRAM, program, "a program")
-            await self._order(f"HOT{program};{text}")
+            await self._order(f"HOT{program};{text}", Repeat.HARMLESS)
 
     async def feedback(self) -> Joints:
         """Return the joints from the encoders (J_Fbc), J1 deg, J2 deg, J3 mm, J4 deg.
@@ -106,10 +107,10 @@ class MelfaController:
 
     async def programs(self) -> list[ProgramEntry]:
         """Return the programs in the controller's memory."""
-        answer = await self._session.ask("PDIRTOP", codec.free_text, retry=True)
-        if not answer.payload:
+        top = await self._ask("PDIRTOP", lambda payload: texts.parse_directory(payload) if payload else None)
+        if top is None:
             return []
-        first, count = texts.parse_directory(answer.payload)
+        first, count = top
         further = [
             (await self._ask(f"PDIR{place}", texts.parse_directory))[0] for place in range(2, count + 1)
         ]
@@ -151,13 +152,12 @@ class MelfaController:
             )
         async with self._editing(name):
             for order in ("ECLR", *orders, "SAVE"):
-                await self._order(order, heal=False)
+                await self._order(order, Repeat.BOUND)
 
     async def has_program(self, name: str) -> bool:
         """Tell whether there is a program of that name."""
         _check(_PROGRAM, name, "a program")
-        answer = await self._session.ask(f"FCHECK{name}", codec.free_text, retry=True)
-        return answer.payload == "N"
+        return await self._ask(f"FCHECK{name}", lambda payload: payload == "N")
 
     async def read_parameter(self, name: str) -> tuple[str, ...]:
         """Return a parameter's values as text."""
@@ -262,15 +262,15 @@ class MelfaController:
             yield jog
 
     async def _ask(self, command: str, parse: Callable[[str], T]) -> T:
-        answer = await self._session.ask(command, codec.free_text, retry=True)
-        return self._session.parsed(command, parse, answer)
+        return await self._session.question(command, codec.free_text, parse)
 
-    async def _order(self, command: str, *, heal: bool = True) -> None:
-        await self._session.ask(command, codec.bare, heal=heal)
+    async def _order(self, command: str, repeat: Repeat = Repeat.NEVER) -> None:
+        await self._session.ask(command, codec.bare, repeat=repeat)
 
     async def _log_entry(self, place: str) -> LogEntry | None:
         # A step depends on the one before on this very connection, so it is never asked twice.
-        answer = await self._session.ask(f"ERRORLOG{place}", codec.free_text, heal=place in {"TOP", "END"})
+        repeat = Repeat.NEVER if place in {"TOP", "END"} else Repeat.BOUND
+        answer = await self._session.ask(f"ERRORLOG{place}", codec.free_text, repeat=repeat)
         return self._session.parsed("ERRORLOG", texts.parse_log, answer)
 
     @asynccontextmanager
@@ -281,12 +281,12 @@ class MelfaController:
         finally:
             # After SAVE nothing is open, and on a lost link the controller closes by itself.
             with contextlib.suppress(DeviceError):
-                await self._order("NEW", heal=False)
+                await self._order("NEW", Repeat.BOUND)
 
     async def _listed(self, command: str) -> AsyncIterator[str]:
         place = "TOP"
         for _ in range(_MOST_ENTRIES):
-            answer = await self._session.ask(f"{command}{place}", codec.free_text, heal=False)
+            answer = await self._session.ask(f"{command}{place}", codec.free_text, repeat=Repeat.BOUND)
             if not answer.payload:
                 return
             yield answer.payload

@@ -11,6 +11,7 @@ from contextlib import asynccontextmanager
 from typing import Literal
 
 from drivers.errors import DeviceError, RefusedError
+from drivers.healing import Repeat
 from drivers.link import uninterrupted
 from drivers.melfa.motion import JOINT_NAMES
 from drivers.melfa.session import Session
@@ -67,7 +68,7 @@ class Jog:
             while (begun_s := self._loop.time()) < self._fed_until_s and not self._over:
                 # A late answer is worth nothing: the robot has stopped by then.
                 await self._session.command(
-                    self._command, timeout_s=DEAD_MAN_S, heal=False, permit=self._require_going_on
+                    self._command, timeout_s=DEAD_MAN_S, repeat=Repeat.BOUND, permit=self._require_going_on
                 )
                 await asyncio.sleep(max(0.0, begun_s + PERIOD_S - self._loop.time()))
 

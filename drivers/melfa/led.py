@@ -88,8 +88,8 @@ def parted(settings: Mapping[str, Any], model: type[MelfaSettings]) -> tuple[dic
         model: of the driver.
     """
     own = model.model_fields.keys() - MelfaSettings.model_fields.keys()
-    stop = {"stop_endpoint", "stop_sink"}
+    of_connections = {"stop_endpoint", "status_endpoint", "stop_sink"}
     return (
         {key: value for key, value in settings.items() if key not in own},
-        {key: value for key, value in settings.items() if key not in stop},
+        {key: value for key, value in settings.items() if key not in of_connections},
     )

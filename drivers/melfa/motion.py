@@ -15,16 +15,26 @@ from drivers.errors import (
 )
 from drivers.melfa.session import Session
 from drivers.melfa.settings import MelfaSettings
-from drivers.readings import Joints
+from drivers.readings import Joints, RobotStatus
 
-VARIABLE = "JCATSEYE"
-"""Joint variable that carries the target in the controller."""
+VARIABLES = tuple(f"JCATSEY{number}" for number in range(1, 9))
+"""Joint variables that may carry the target in the controller. A session takes one of them: what another program
+assigns is not where this one drives, and the controller, which keeps its variables, is not filled with names."""
 
 JOINT_NAMES = ("J1", "J2", "J3", "J4")
 LOOK_WHY = "look for a collision, a stop by another source or an alarm before moving again"
 
 STILL_POLLS = 3
 """Equal positions in a row that count as standstill."""
+
+LOOK_S = 0.2
+"""Between two looks at an arm whose motion is not answered yet, real s."""
+
+_STILL_LOOKS = 5
+"""Equal looks in a row after which an answer counts as lost: a second, within the two that it may take to notice."""
+
+_TELL_S = 3.0
+"""For one look at an arm whose motion's answer is lost, real s; then it is stopped."""
 
 _JOINT_UNITS = ("deg", "deg", "mm", "deg")
 
@@ -34,10 +44,10 @@ _POLL_BYTES = 130
 _FEWEST_POLLS = 4
 
 
-def assignment(target: Joints) -> str:
-    """Return the statement that sets the variable: four decimals, never a negative zero (sheet 4.2)."""
+def assignment(variable: str, target: Joints) -> str:
+    """Return the statement that sets a variable: four decimals, never a negative zero (sheet 4.2)."""
     values = ",".join(f"{round(value, 4) + 0.0:.4f}" for value in target)
-    return f"{VARIABLE}=({values})"
+    return f"{variable}=({values})"
 
 
 def off_target(reached: Joints, target: Joints, settings: MelfaSettings) -> str:
@@ -69,6 +79,7 @@ async def standstill(
     timeout_s: float,
     still_polls: int,
     target: Joints | None = None,
+    before_look: Callable[[], Awaitable[None]] | None = None,
 ) -> Joints:
     """Poll until nothing runs and the joints stay the same, or stand at the target.
 
@@ -81,6 +92,7 @@ async def standstill(
         timeout_s: for all polls together, real s.
         still_polls: equal positions in a row that count as standstill.
         target: of the motion, if one was started.
+        before_look: is called before each poll.
 
     Returns:
         The joints at standstill.
@@ -95,6 +107,8 @@ async def standstill(
     try:
         async with asyncio.timeout(timeout_s):
             while True:
+                if before_look is not None:
+                    await before_look()
                 running = (await session.state()).running
                 joints = await session.joints()
                 if target and not running and not off_target(joints, target, settings):
@@ -115,6 +129,48 @@ async def standstill(
         ) from None
 
 
+async def until_answered(answer: "asyncio.Future[None]", asker: Session) -> None:
+    """Wait for the answer of a motion; look meanwhile whether the arm stands without one.
+
+    Args:
+        answer: of the motion; its error is raised.
+        asker: a session that the motion does not block.
+
+    Raises:
+        LinkTimeoutError: the arm stands and no answer has come.
+    """
+    await asyncio.wait({answer}, timeout=LOOK_S)
+    if answer.done():
+        return answer.result()
+    looking = asyncio.create_task(_stands(answer, asker))
+    try:
+        await asyncio.wait({answer, looking}, return_when=asyncio.FIRST_COMPLETED)
+        # A look under way is let to its end, so that its link stays in step.
+        await asyncio.wait({looking}, timeout=LOOK_S)
+    finally:
+        looking.cancel()
+        await asyncio.wait({looking})
+    if answer.done():
+        return answer.result()
+    raise LinkTimeoutError(f"{asker.where}: the arm stands and the motion is not answered")
+
+
+async def _stands(answer: "asyncio.Future[None]", asker: Session) -> None:
+    """Look until the arm has stood for a while, or the answer is there."""
+    last: Joints | None = None
+    still = 0
+    while still < _STILL_LOOKS and not answer.done():
+        try:
+            running, joints = (await asker.state()).running, await asker.joints()
+        except DeviceError:
+            # What cannot be seen now is no reason to give up a motion whose answer may come.
+            still, last = 0, None
+        else:
+            still = still + 1 if joints == last and not running else 0
+            last = joints
+        await asyncio.wait({answer}, timeout=LOOK_S)
+
+
 async def account_for(
     session: Session,
     clock: Clock,
@@ -122,8 +178,12 @@ async def account_for(
     target: Joints,
     lost: DeviceError,
     stop: Callable[[], Awaitable[None]],
+    *,
+    still_polls: int,
 ) -> None:
     """Ask where the robot is after the answer to a motion was lost; go on only if it stands at the target.
+
+    An arm that still approaches its target is waited for.
 
     Args:
         session: where to ask.
@@ -132,40 +192,58 @@ async def account_for(
         target: of the motion.
         lost: how the answer was lost.
         stop: stops the robot.
+        still_polls: equal positions in a row that count as standstill elsewhere.
 
     Raises:
         AlarmError: an alarm is the reason.
-        NotArrivedError: the robot stands somewhere else; it was told to stop.
+        NotArrivedError: the robot stands somewhere else or leaves its way; it was told to stop.
         LinkError: the controller does not tell; the robot was told to stop.
     """
     try:
-        status, joints = await session.status(), await session.joints()
-        off = off_target(joints, target, settings)
-        # A program that waits for the next way counts as running too: then only the joints tell.
-        if not off and (not status.running or await _rests(session, clock, settings)):
-            return
-    except DeviceError as exc:
+        async with asyncio.timeout(settings.move_timeout_s):
+            status, off = await _followed(session, clock, settings, target, still_polls)
+    except (DeviceError, TimeoutError) as exc:
         await stop()
+        why = str(exc) or "no answer in time, or it moves for too long"
         raise LinkError(
             f"{session.where}: the answer to the motion is lost ({lost}) and the controller does not tell "
-            f"where the robot is ({exc}): the robot was told to stop; {LOOK_WHY}"
+            f"where the robot is ({why}): the robot was told to stop; {LOOK_WHY}"
         ) from lost
+    if not off and not status.alarm_number:
+        return
     await stop()
     if status.alarm_number:
         raise AlarmError(f"{session.where}: {status.alarm_text}", status.alarm_number) from lost
-    was = "was still moving" if status.running else f"stands elsewhere ({off})"
-    slow = "raise move_timeout_s or the override if the motion is only slow; "
     raise NotArrivedError(
-        f"{session.where}: the answer to the motion is lost ({lost}); the robot {was} and was told to stop: "
-        f"{slow if isinstance(lost, LinkTimeoutError) else ''}{LOOK_WHY}"
+        f"{session.where}: the answer to the motion is lost ({lost}); the robot "
+        f"{'moves' if status.running else 'stands'} elsewhere ({off}) and was told to stop: {LOOK_WHY}"
     ) from lost
 
 
-async def _rests(session: Session, clock: Clock, settings: MelfaSettings) -> bool:
-    """Return whether the joints stay the same over some polls."""
-    first = await session.joints()
-    for _ in range(STILL_POLLS - 1):
+async def _followed(
+    session: Session, clock: Clock, settings: MelfaSettings, target: Joints, still_polls: int
+) -> tuple[RobotStatus, str]:
+    """Look until the arm stands, or no longer approaches its target; return its state and what is off."""
+    last: Joints | None = None
+    still = 1
+    while True:
+        async with asyncio.timeout(_TELL_S):
+            status, joints = await session.status(), await session.joints()
+        off = off_target(joints, target, settings)
+        still = still + 1 if joints == last else 1
+        # A program that waits for the next way counts as running too: then only the joints tell.
+        stands = not off and (not status.running or still >= STILL_POLLS)
+        leaves = last is not None and _leaves(last, joints, target, settings)
+        if status.alarm_number or stands or leaves or still >= still_polls:
+            return status, off
+        last = joints
         await clock.sleep(settings.poll_s)
-        if await session.joints() != first:
-            return False
-    return True
+
+
+def _leaves(before: Joints, now: Joints, target: Joints, settings: MelfaSettings) -> bool:
+    """Return whether a joint has gone away from its target: all of them go straight to theirs."""
+    limits = (settings.tolerance_deg, settings.tolerance_deg, settings.tolerance_mm, settings.tolerance_deg)
+    return any(
+        abs(at - to) > abs(was - to) + limit
+        for was, at, to, limit in zip(before, now, target, limits, strict=True)
+    )

@@ -1,13 +1,15 @@
 """A MELFA SCARA over the R-protocol of its controller.
 
-Two connections are held. The first one takes the operation right when something is to move and waits for the end of
-each motion; the second one is for STOP, which must not queue behind that wait and needs no right (sheet 1.7). A
-serial line has one connection: there motions are started and polled, and STOP goes between two polls.
+Three connections are held. The first one takes the operation right when something is to move and waits for the end
+of each motion; the second one is for STOP, which must not queue behind that wait and needs no right (sheet 1.7); the
+third one is for questions while the arm moves, so that STOP does not queue behind those either. A serial line has one
+connection: there motions are started and polled, and STOP goes between two polls.
 """
 
 import asyncio
 import contextlib
 import math
+import random
 from collections.abc import Awaitable, Callable, Mapping
 from contextlib import AbstractAsyncContextManager
 from functools import partial
@@ -24,22 +26,26 @@ from drivers.errors import (
     ProtocolError,
     RefusedError,
 )
+from drivers.healing import Repeat
 from drivers.link import uninterrupted
 from drivers.melfa import codec
 from drivers.melfa.alarms import STOP_IS_ON
 from drivers.melfa.codec import Answer, Layout
+from drivers.melfa.connections import Connections
 from drivers.melfa.controller import MelfaController
+from drivers.melfa.halt import Halt
 from drivers.melfa.jog import Direction, Jog
 from drivers.melfa.motion import (
     LOOK_WHY,
-    STILL_POLLS,
-    VARIABLE,
+    VARIABLES,
     account_for,
     assignment,
     off_target,
     standstill,
     unstarted_polls,
+    until_answered,
 )
+from drivers.melfa.servo import servo_is
 from drivers.melfa.session import Session, byte_time_s
 from drivers.melfa.settings import MelfaSettings
 from drivers.melfa.stops import Stops, StopWatch
@@ -49,7 +55,6 @@ from drivers.transport import Transport
 
 _DUPLICATE_DEFINITION = 4350
 _CLOSE_TIMEOUT_S = 3.0
-_PRESS = "PRESS THE EMERGENCY STOP if the robot moves"
 
 _Ask = Callable[[str, Layout], Awaitable[Answer]]
 
@@ -63,6 +68,8 @@ class MelfaR3:
         clock: time of the polls.
         settings: see there.
         byte_s: time of one byte on a serial line, real s; 0 on a network.
+        status_transport: connection for questions while the arm moves; None: the stop connection serves them.
+        variable: of the controller that carries targets, one of `VARIABLES`; by default each connection takes any.
     """
 
     Settings: ClassVar[type[MelfaSettings]] = MelfaSettings
@@ -75,21 +82,26 @@ class MelfaR3:
         settings: MelfaSettings | None = None,
         *,
         byte_s: float = 0.0,
+        status_transport: Transport | None = None,
+        variable: str | None = None,
     ) -> None:
         self._settings = settings or MelfaSettings()
         self._clock = clock
         self._main = Session(transport, self._settings, name="robot", set_up=self._take_over, byte_s=byte_s)
-        self._aside: Session | None = None
-        if stop_transport is not None:
-            self._aside = Session(stop_transport, self._settings, name="robot (stop connection)")
+        stop, status = (
+            Session(further, self._settings, name=f"robot ({use} connection)") if further else None
+            for further, use in ((stop_transport, "stop"), (status_transport, "status"))
+        )
+        self._connections = Connections(self._main, stop, status)
+        self._given_variable = variable
+        self._variable = variable or VARIABLES[0]
+        self._waits = False
         self._unstarted_polls = unstarted_polls(byte_s)
-        self._has_aside = False
         self._declared = False
         self._has_right = False
         self._override_percent: int | None = None
         self._stops = Stops()
         self._right_note = ""
-        self._aside_note = ""
 
     @classmethod
     def at(
@@ -99,6 +111,7 @@ class MelfaR3:
         sink: Sink | None = None,
         *,
         stop_endpoint: str | None = None,
+        status_endpoint: str | None = None,
         stop_sink: Sink | None = None,
         **settings: Any,
     ) -> Self:
@@ -109,7 +122,8 @@ class MelfaR3:
             clock: time of the polls.
             sink: is shown all bytes of the first connection.
             stop_endpoint: of the stop connection, for controllers that serve one client a port.
-            stop_sink: is shown all bytes of the stop connection; `sink` by default.
+            status_endpoint: of the connection for questions while the arm moves; as `endpoint` by default.
+            stop_sink: is shown all bytes of the further connections; `sink` by default.
             settings: fields of `MelfaSettings`.
 
         Raises:
@@ -122,18 +136,19 @@ class MelfaR3:
         byte_s = byte_time_s(endpoint)
         if byte_s and not checked.terminator:
             raise LinkError(f"{endpoint}: on a serial line a request ends with CR: set terminator = '\\r'")
-        aside = None
         # A serial line carries one conversation; a second one would be the same port.
-        if stop_endpoint or not byte_s:
-            aside = open_transport(
-                stop_endpoint or endpoint, connect_timeout_s=timeout_s, sink=stop_sink or sink
-            )
-        return cls(main, aside, clock, checked, byte_s=byte_s)
+        stop_endpoint = stop_endpoint or (None if byte_s else endpoint)
+        status_endpoint = status_endpoint or (None if byte_s else endpoint)
+        aside, status = (
+            open_transport(place, connect_timeout_s=timeout_s, sink=stop_sink or sink) if place else None
+            for place in (stop_endpoint, status_endpoint)
+        )
+        return cls(main, aside, clock, checked, byte_s=byte_s, status_transport=status)
 
     @property
     def notes(self) -> tuple[str, ...]:
         """What an operator should know about this connection; empty when all is as it should be."""
-        return tuple(filter(None, (self._right_note, self._aside_note)))
+        return tuple(filter(None, (self._right_note, self._connections.note)))
 
     @property
     def controller(self) -> MelfaController:
@@ -141,7 +156,7 @@ class MelfaR3:
         return MelfaController(self._main, self.take_right, self.stop, self.watch_stops)
 
     async def connect(self) -> Identity:
-        """Open both connections and recognise the controller; nothing but questions is sent.
+        """Open all connections and recognise the controller; nothing but questions is sent.
 
         The operation right follows with the first command that needs it.
 
@@ -152,9 +167,10 @@ class MelfaR3:
         self._has_right = False
         self._right_note = ""
         self._override_percent = None
+        self._variable = self._given_variable or random.choice(VARIABLES)
         opened = await self._main.open()
         try:
-            await self._open_aside()
+            await self._connections.open_further()
         except BaseException:
             await uninterrupted(self.close())
             raise
@@ -167,15 +183,14 @@ class MelfaR3:
 
     async def close(self) -> None:
         """Give the right back if it was taken and disconnect; may be called any number of times."""
-        self._has_aside = False
         farewell = ("CNTLOFF",) if self._has_right else ()
         self._has_right = False
-        both = ((self._aside, ()), (self._main, farewell))
-        for session, commands in ((session, commands) for session, commands in both if session is not None):
-            # A request in flight holds the link until its own time-out; closing does not wait for it.
+        # A request in flight holds a link until its own time-out; closing does not wait for it.
+        for closing in (self._connections.shut, partial(self._main.close, *farewell)):
             with contextlib.suppress(TimeoutError):
                 async with asyncio.timeout(_CLOSE_TIMEOUT_S):
-                    await session.close(*commands)
+                    await closing()
+        for session in self._connections.every:
             await session.link.close()
 
     async def status(self) -> RobotStatus:
@@ -185,7 +200,7 @@ class MelfaR3:
             LinkError: lost or silent.
             ProtocolError: garbage came.
         """
-        return await self._main.status()
+        return await self._asker.status()
 
     async def servo(self, *, on: bool) -> None:
         """Switch the drives and return when STATE says that they are so.
@@ -198,29 +213,13 @@ class MelfaR3:
         """
         if on:
             await self.take_right()
-            await self._main.command("SRVON")
+            await self._main.command("SRVON", repeat=Repeat.HARMLESS)
         else:
             # Allowed in every state: neither an alarm nor a refused right may keep the drives on unasked.
             with contextlib.suppress(RefusedError):
                 await self.take_right()
-            await self._main.ask("SRVOFF", codec.bare)
-        timeout_s = self._settings.servo_timeout_s
-        status = await self._main.status()
-        try:
-            async with asyncio.timeout(timeout_s):
-                while status.servo_on != on:
-                    if on and status.alarm_number:
-                        raise AlarmError(f"{self._main.where}: {status.alarm_text}", status.alarm_number)
-                    await self._clock.sleep(self._settings.poll_s)
-                    status = await self._main.status()
-        except TimeoutError:
-            stop = "open" if status.emergency_stop else "closed"
-            raise RefusedError(
-                f"{self._main.where}: the servo is not {'on' if on else 'off'} after {timeout_s:g} s, "
-                f"emergency stop circuit {stop}, key at {'TEACH' if status.teach_mode else 'AUTO'}: check key "
-                "switch, emergency stop, door switch and that the pendant is disabled",
-                0,
-            ) from None
+            await self._main.ask("SRVOFF", codec.bare, repeat=Repeat.HARMLESS)
+        await servo_is(self._main, self._clock, self._settings, on=on)
 
     async def set_override(self, percent: float) -> float:
         """Set the speed override, rounded down to a whole percent; return what is read back.
@@ -239,12 +238,11 @@ class MelfaR3:
             raise ValueError(f"override_percent must be from 1 to 100, got {percent}")
         command = f"OVRD={int(percent)}"
         await self.take_right()
-        answer = await self._main.ask(command, codec.free_text)
+        answer = await self._main.ask(command, codec.free_text, repeat=Repeat.HARMLESS)
         if answer.alarm:
             await self._main.raise_alarm(command)
         self._override_percent = int(percent)
-        read_back = await self._main.ask("OVRD", codec.free_text, retry=True)
-        return codec.parse_number(read_back.payload, "the override")
+        return await self._main.question("OVRD", codec.free_text, _override)
 
     async def joints(self) -> Joints:
         """Return the reported joints (J1 deg, J2 deg, J3 mm, J4 deg), in steps of 0.01.
@@ -255,7 +253,7 @@ class MelfaR3:
             LinkError: lost or silent.
             ProtocolError: garbage came.
         """
-        return await self._main.joints()
+        return await self._asker.joints()
 
     async def joint_limits(self) -> tuple[tuple[float, float], ...]:
         """Return the controller's own limits of J1...J4 from the parameter MEJAR, deg or mm.
@@ -298,11 +296,9 @@ class MelfaR3:
             raise ValueError(f"joints of a motion must be finite numbers, got {target}")
         watch = StopWatch(self._stops, self._main.where)
         try:
-            await self._main.link.ensure()
+            await self._main.link.repeated(self._main.link.ensure)
             await self.take_right()
-            await self._declare()
-            # The motion takes its target from this very connection, so no healing from here on.
-            await self._main.command(f"EXEC{assignment(target)}", heal=False)
+            await self._main.link.repeated(partial(self._prepare, target))
             await self._go(target, watch.require_none)
         except asyncio.CancelledError:
             await self.stop()
@@ -326,7 +322,10 @@ class MelfaR3:
             LinkError: STOP could not be sent or the standstill is not confirmed: use the emergency stop.
         """
         with self._stops.one():
-            await uninterrupted(self._stop())
+            halt = Halt(self._connections, self._clock, self._settings)
+            # Before anything is waited for.
+            halt.send()
+            await uninterrupted(halt.confirm())
 
     def watch_stops(self) -> Callable[[], None]:
         """Return a check that raises RefusedError once a stop has begun: what it overtakes must not begin."""
@@ -341,9 +340,10 @@ class MelfaR3:
         """
         if self._has_right:
             return
-        await self._claim_right(self._main.ask)
+        ask = partial(self._main.ask, repeat=Repeat.HARMLESS)
+        await self._claim_right(ask)
         try:
-            await self._lower_override(self._main.ask)
+            await self._lower_override(ask)
         except DeviceError:
             # Healing tries it again, so that nothing moves faster than was set.
             self._main.link.distrust("the override could not be restored")
@@ -374,7 +374,15 @@ class MelfaR3:
             NotArrivedError: the robot stands somewhere else; it was told to stop.
             LinkError: the controller does not tell; the robot was told to stop.
         """
-        await account_for(self._side, self._clock, self._settings, target, lost, self.stop)
+        await account_for(
+            self._connections.side,
+            self._clock,
+            self._settings,
+            target,
+            lost,
+            self.stop,
+            still_polls=self._unstarted_polls,
+        )
 
     async def _take_over(self) -> None:
         """Restore what a new connection does not know: the variable, and the right if it had been taken."""
@@ -382,11 +390,16 @@ class MelfaR3:
         if not self._has_right:
             return
         self._has_right = False
-        # The state can be read without the right, which is what helps an operator now.
-        with contextlib.suppress(RefusedError):
+        try:
             await self._claim_right(self._main.greet_ask)
-        if self._has_right:
-            await self._lower_override(self._main.greet_ask)
+        except RefusedError:
+            # The state can be read without the right, which is what helps an operator now.
+            return
+        except BaseException:
+            # The next opening claims it again.
+            self._has_right = True
+            raise
+        await self._lower_override(self._main.greet_ask)
 
     async def _claim_right(self, ask: _Ask) -> None:
         try:
@@ -405,27 +418,18 @@ class MelfaR3:
         if codec.parse_number(answer.payload, "the override") > self._override_percent:
             await ask(f"OVRD={self._override_percent}", codec.free_text)
 
-    async def _open_aside(self) -> None:
-        if self._aside is None:
-            self._aside_note = "no second connection for STOP on this line: it goes between two polls"
-            return
-        try:
-            await self._aside.open()
-        except LinkError as exc:
-            self._aside_note = (
-                "no second connection for STOP: motions are polled and STOP goes between two polls; give "
-                f"stop_endpoint another port of the controller ({exc})"
-            )
-        else:
-            self._aside_note = ""
-            self._has_aside = True
+    async def _prepare(self, target: Joints) -> None:
+        """Give the controller the target: on the very connection from which the motion takes it."""
+        await self._main.link.ensure()
+        await self._declare()
+        await self._main.command(f"EXEC{assignment(self._variable, target)}", repeat=Repeat.BOUND)
 
     async def _declare(self) -> None:
         """Declare the joint variable once a connection; a definition that is there already is used."""
         if self._declared:
             return
         try:
-            await self._main.command(f"EXECDEF JNT {VARIABLE}", heal=False)
+            await self._main.command(f"EXECDEF JNT {self._variable}", repeat=Repeat.BOUND)
         except RefusedError as exc:
             if exc.number != _DUPLICATE_DEFINITION:
                 raise
@@ -434,17 +438,13 @@ class MelfaR3:
         self._declared = True
 
     async def _go(self, target: Joints, permit: Callable[[], None]) -> None:
-        # Asked here too: a stop may have left the link out of step, and is the reason that counts.
-        permit()
         timeout_s = self._settings.move_timeout_s
         try:
-            if self._settings.motion == "exec2" and self._has_aside:
-                await self._main.command(
-                    f"EXEC2=MOV {VARIABLE}", timeout_s=timeout_s, heal=False, permit=permit
-                )
+            if self._settings.motion == "exec2" and self._connections.has_side:
+                await self._moved(timeout_s, permit)
                 reached = await self._main.joints()
             else:
-                await self._main.command(f"EXECMOV {VARIABLE}", heal=False, permit=permit)
+                await self._main.command(f"EXECMOV {self._variable}", repeat=Repeat.BOUND, permit=permit)
                 reached = await standstill(
                     self._main,
                     self._clock,
@@ -458,40 +458,29 @@ class MelfaR3:
             return
         if off := off_target(reached, target, self._settings):
             await self._main.raise_alarm("MOV")
+            # STOP may have been answered before the motion that it ended.
+            permit()
             raise NotArrivedError(f"{self._main.where}: the motion is over, but {off}: {LOOK_WHY}")
 
+    async def _moved(self, timeout_s: float, permit: Callable[[], None]) -> None:
+        """Move and wait for the answer, which comes at the end of the motion."""
+        command = f"EXEC2=MOV {self._variable}"
+        answer = asyncio.ensure_future(
+            self._main.command(command, timeout_s=timeout_s, repeat=Repeat.BOUND, permit=permit)
+        )
+        self._waits = True
+        try:
+            await until_answered(answer, self._connections.side)
+        finally:
+            self._waits = False
+            answer.cancel()
+            await asyncio.wait({answer})
+
     @property
-    def _side(self) -> Session:
-        """The session that no motion blocks."""
-        return self._aside if self._aside is not None and self._has_aside else self._main
+    def _asker(self) -> Session:
+        """The session for questions: the first one unless a motion blocks it."""
+        return self._connections.side if self._waits else self._main
 
-    async def _stop(self) -> None:
-        session = self._side
-        try:
-            await session.ask("STOP", codec.bare, heal=False)
-        except DeviceError as exc:
-            await self._stop_any_way(exc)
-        timeout_s = self._settings.stop_timeout_s
-        try:
-            await standstill(
-                session, self._clock, self._settings, timeout_s=timeout_s, still_polls=STILL_POLLS
-            )
-        except DeviceError as exc:
-            raise LinkError(
-                f"{session.where}: STOP was sent, but the standstill is not confirmed: {_PRESS} ({exc})"
-            ) from exc
 
-    async def _stop_any_way(self, cause: DeviceError) -> None:
-        """Send STOP past whatever the first connection waits for, then again on a connection that is healed."""
-        failures = [cause]
-        # Healing takes as long as the network pleases; these bytes go at once.
-        for attempt in (partial(self._main.shout, "STOP"), partial(self._side.ask, "STOP", codec.bare)):
-            try:
-                await attempt()
-            except DeviceError as exc:
-                failures.append(exc)
-        if len(failures) > 2:
-            raise LinkError(
-                f"{self._main.where}: STOP could not be sent on any connection: {_PRESS} "
-                f"({'; '.join(map(str, failures))})"
-            ) from cause
+def _override(payload: str) -> float:
+    return codec.parse_number(payload, "the override")

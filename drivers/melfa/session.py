@@ -15,6 +15,7 @@ from drivers.errors import (
     RefusedError,
     WrongDeviceError,
 )
+from drivers.healing import Repeat
 from drivers.link import RequestLink
 from drivers.melfa import codec
 from drivers.melfa.alarms import NOT_READY, describe
@@ -47,6 +48,14 @@ async def _nothing() -> None:
     """Ask for nothing more than the identity."""
 
 
+def _scara_joints(payload: str) -> Joints:
+    axes = codec.parse_positions(payload)
+    try:
+        return axes["J1"], axes["J2"], axes["J3"], axes["J4"]
+    except KeyError as exc:
+        raise ProtocolError(f"axis {exc} is missing in {payload[:64]!r}") from None
+
+
 class Session:
     """An R-protocol session.
 
@@ -73,8 +82,9 @@ class Session:
         # On RS-232 every answer ends with CR (sheet 1.2): there silence ends none.
         self._terminated = byte_s > 0.0
         self._opened: Opened | None = None
+        self._cut = (settings.terminator or "\r").encode("ascii")
         quiet_s = settings.quiet_s + _QUIET_BYTES * byte_s
-        self.link = RequestLink(transport, name=name, greet=self._greet, quiet_s=quiet_s)
+        self.link = RequestLink(transport, name=name, greet=self._greet, quiet_s=quiet_s, stays_writable=True)
 
     @property
     def where(self) -> str:
@@ -98,7 +108,7 @@ class Session:
         for command in (*commands, "CLOSE"):
             # The connection is given up: what the controller has to say about it helps nobody any more.
             with contextlib.suppress(DeviceError):
-                await self.ask(command, codec.bare, heal=False)
+                await self.ask(command, codec.bare, repeat=Repeat.BOUND)
         await self.link.close()
 
     async def ask(
@@ -107,8 +117,7 @@ class Session:
         layout: Layout,
         *,
         timeout_s: float | None = None,
-        retry: bool = False,
-        heal: bool = True,
+        repeat: Repeat = Repeat.NEVER,
         permit: Callable[[], None] | None = None,
     ) -> Answer:
         """Send a request; return the accepted answer.
@@ -117,8 +126,7 @@ class Session:
             command: the command word with its argument.
             layout: of the answer.
             timeout_s: real s; the setting `answer_timeout_s` by default.
-            retry: ask twice if need be; for questions only.
-            heal: False refuses to send on a link that is out of step.
+            repeat: what may be done when the answer is lost.
             permit: is asked when the request's turn has come; what it raises keeps it from being sent.
 
         Raises:
@@ -133,8 +141,7 @@ class Session:
             data,
             partial(codec.AnswerDecoder, layout, terminated=self._terminated),
             self._timeout_s(data, timeout_s),
-            retry=retry,
-            heal=heal,
+            repeat=repeat,
             permit=permit,
         )
         self._terminated |= answer.terminated
@@ -147,7 +154,7 @@ class Session:
         command: str,
         *,
         timeout_s: float | None = None,
-        heal: bool = True,
+        repeat: Repeat = Repeat.NEVER,
         permit: Callable[[], None] | None = None,
     ) -> None:
         """Give a command that has no payload in its answer and must not be taken in an alarm; see `ask`.
@@ -158,11 +165,28 @@ class Session:
             LinkError: lost or silent.
             ProtocolError: garbage came.
         """
-        answer = await self.ask(command, codec.bare, timeout_s=timeout_s, heal=heal, permit=permit)
+        answer = await self.ask(command, codec.bare, timeout_s=timeout_s, repeat=repeat, permit=permit)
         if answer.payload:
             raise self._wrong(command, f"{answer.payload[:64]!r} came behind QoK")
         if answer.alarm:
             await self.raise_alarm(command)
+
+    async def question(self, command: str, layout: Layout, parse: Callable[[str], T]) -> T:
+        """Ask something harmless; return what the answer says. It is asked again when the answer is lost or garbage.
+
+        Raises:
+            RefusedError: rejected.
+            LinkError: lost or silent.
+            ProtocolError: garbage came.
+        """
+        return (await self._told(command, layout, parse))[0]
+
+    async def _told(self, command: str, layout: Layout, parse: Callable[[str], T]) -> tuple[T, Answer]:
+        async def once() -> tuple[T, Answer]:
+            answer = await self.ask(command, layout)
+            return self.parsed(command, parse, answer), answer
+
+        return await self.link.repeated(once)
 
     async def greet_ask(self, command: str, layout: Layout) -> Answer:
         """Ask while the link is being opened.
@@ -182,13 +206,11 @@ class Session:
 
     async def state(self) -> State:
         """Ask STATE."""
-        answer = await self.ask("STATE", codec.state_text, retry=True)
-        return self.parsed("STATE", codec.parse_state, answer)
+        return await self.question("STATE", codec.state_text, codec.parse_state)
 
     async def status(self) -> RobotStatus:
         """Ask STATE, and ERROR too when an alarm is flagged."""
-        answer = await self.ask("STATE", codec.state_text, retry=True)
-        state = self.parsed("STATE", codec.parse_state, answer)
+        state, answer = await self._told("STATE", codec.state_text, codec.parse_state)
         number, level = await self.alarm() if answer.alarm or state.error else (0, 0)
         number = number or state.error
         return RobotStatus(
@@ -204,17 +226,11 @@ class Session:
 
     async def joints(self) -> Joints:
         """Ask JPOSF: J1 deg, J2 deg, J3 mm, J4 deg."""
-        answer = await self.ask("JPOSF", codec.positions_text, retry=True)
-        axes = self.parsed("JPOSF", codec.parse_positions, answer)
-        try:
-            return axes["J1"], axes["J2"], axes["J3"], axes["J4"]
-        except KeyError as exc:
-            raise self._wrong("JPOSF", f"axis {exc} is missing in {answer.payload[:64]!r}") from None
+        return await self.question("JPOSF", codec.positions_text, _scara_joints)
 
     async def alarm(self) -> tuple[int, int]:
         """Ask ERROR: alarm number and level, both 0 when there is none; a caution stops nothing and is none."""
-        answer = await self.ask("ERROR", codec.error_text, retry=True)
-        number, level = self.parsed("ERROR", codec.parse_error, answer)
+        number, level = await self.question("ERROR", codec.error_text, codec.parse_error)
         return (number, level) if level != _CAUTION else (0, 0)
 
     async def raise_alarm(self, command: str) -> None:
@@ -238,9 +254,13 @@ class Session:
             command, robot=settings.robot_number, slot=settings.slot, terminator=settings.terminator
         )
 
-    async def shout(self, command: str) -> None:
-        """Write a command past the request in flight."""
-        await self.link.shout(self._encode(command))
+    def send_urgent(self, command: str) -> None:
+        """Hand a command to the operating system at once, past whatever is in flight; its answer is not waited for.
+
+        Raises:
+            LinkError: the link is closed or takes no bytes.
+        """
+        self.link.send_urgent(self._encode(command), cut=self._cut)
 
     async def _rejection(self, command: str, answer: Answer) -> RefusedError:
         """Return the error of a rejection: the active alarm if there is one, else the rejection itself."""

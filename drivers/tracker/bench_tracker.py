@@ -9,6 +9,7 @@ from pydantic import BaseModel, ConfigDict, Field
 from drivers.clock import Clock, SystemClock
 from drivers.endpoint import open_transport
 from drivers.errors import DeviceError, LinkError, ProtocolError, WrongDeviceError
+from drivers.healing import Repeat
 from drivers.link import RequestLink
 from drivers.readings import Identity
 from drivers.record import Sink
@@ -156,7 +157,9 @@ class BenchTracker:
             LinkError: the link is broken or silent.
         """
         timeout_s = self._settings.answer_timeout_s
-        answer = await self._link.request(_encode("tracker"), ObjectDecoder, timeout_s, retry=True)
+        answer = await self._link.request(
+            _encode("tracker"), ObjectDecoder, timeout_s, repeat=Repeat.HARMLESS
+        )
         try:
             return TrackerPosition(*(float(answer[key]) for key in ("x_mm", "y_mm", "u_mm")))
         except (KeyError, TypeError, ValueError):

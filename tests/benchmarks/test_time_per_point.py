@@ -47,9 +47,10 @@ def motions(run: Path) -> list[tuple[datetime, float]]:
         if row["device"] != "robot":
             continue
         at = datetime.fromisoformat(row["t"])
-        if row["direction"] == "tx":
-            sent = at if "EXEC2=" in row["text"] else None
-        elif sent is not None:
+        if "EXEC2=" in row["text"]:
+            sent = at
+        elif sent is not None and row["text"].strip() == "QoK":
+            # Looks at the moving arm, on a connection of their own, stand between.
             found.append((at, (at - sent).total_seconds()))
             sent = None
     return found

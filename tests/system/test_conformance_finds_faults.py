@@ -163,12 +163,11 @@ class NaNAir(ModbusAir):
 class Repeating(MelfaR3):
     """Commands a motion again when its answer is lost."""
 
-    async def move_joints(self, target: Joints) -> None:
-        """Move, and move again."""
-        try:
-            await super().move_joints(target)
-        except DeviceError:
-            await super().move_joints(target)
+    async def account_for(self, target: Joints, lost: DeviceError) -> None:
+        """Stop and move again."""
+        del lost
+        await self.stop()
+        await self.move_joints(target)
 
 
 class Coasting(MelfaR3):

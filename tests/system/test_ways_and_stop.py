@@ -32,7 +32,7 @@ DRIVERS = ["datalink", "mxt"]
 
 @asynccontextmanager
 async def ready(which: str) -> AsyncIterator[tuple[EmulatedBench, MelfaDatalink | MelfaMxt]]:
-    """Connect one of the drivers to a bench, drives on, override 20 %."""
+    """Connect one of the drivers to a bench, drives on; slow, so that a stop finds the arm on its way."""
     async with EmulatedBench(CONFIG) as bench:
         r3, link, stream, _control = (served.endpoint for served in bench.endpoints)
         clock = SystemClock(SPEED)
@@ -44,7 +44,7 @@ async def ready(which: str) -> AsyncIterator[tuple[EmulatedBench, MelfaDatalink 
         try:
             assert (await robot.connect()).simulated
             await robot.servo(on=True)
-            await robot.set_override(20.0)
+            await robot.set_override(5.0)
             yield bench, robot
         finally:
             await robot.close()

@@ -7,6 +7,7 @@ stands: it is started again before the next way, or an operator has to.
 
 import asyncio
 from collections.abc import Sequence
+from functools import partial
 from typing import Any, ClassVar, Self
 
 from pydantic import Field
@@ -21,6 +22,7 @@ from drivers.errors import (
     RefusedError,
     WrongDeviceError,
 )
+from drivers.healing import Repeat
 from drivers.link import RequestLink, uninterrupted
 from drivers.melfa.datalink import codec
 from drivers.melfa.datalink.codec import Record, RecordDecoder
@@ -143,7 +145,7 @@ class MelfaDatalink(LedArm):
         """
         if self._driving or self._halted:
             return await self._controller.joints()
-        return codec.joints_of(await self._ask(codec.TELL, retry=True))
+        return codec.joints_of(await self._link.repeated(partial(self._ask, codec.TELL)))
 
     async def follow(self, way: Sequence[Joints]) -> None:
         """Pass all targets and return when the robot stands at the last one; it stands at every 60th, too.
@@ -168,7 +170,7 @@ class MelfaDatalink(LedArm):
             for first in range(0, len(way), codec.MAX_POINTS):
                 part = way[first : first + codec.MAX_POINTS]
                 await self._ready()
-                await self._send(part)
+                await self._link.repeated(partial(self._send, part))
                 require_no_stop()
                 await self._drive(part[-1])
         except asyncio.CancelledError:
@@ -185,7 +187,7 @@ class MelfaDatalink(LedArm):
         """Have the program run, in a state in which it may move the arm."""
         if self._halted:
             await self._restart()
-        await self._link.ensure()
+        await self._link.repeated(self._link.ensure)
 
     async def _restart(self) -> None:
         if not self._settings.program:
@@ -254,16 +256,14 @@ class MelfaDatalink(LedArm):
         values: tuple[float, ...] = (),
         *,
         timeout_s: float | None = None,
-        retry: bool = False,
     ) -> Record:
         number = self._next_number()
-        data = codec.encode(number, command, values)
         answer = await self._link.request(
-            data,
+            codec.encode(number, command, values),
             RecordDecoder,
             timeout_s or self._settings.answer_timeout_s,
-            retry=retry,
-            heal=command != codec.DRIVE,
+            # Points belong to the list that was begun on this very connection.
+            repeat=Repeat.BOUND if command in {codec.ADD, codec.DRIVE} else Repeat.NEVER,
         )
         return await self._checked(answer, number, command)
 

@@ -164,15 +164,10 @@ class MelfaMxt(LedArm):
         """Stop now over the R-protocol; see MelfaR3.stop. The program that takes set points stands afterwards."""
         self._halted = True
         self._feedback = None
-        await uninterrupted(self._stop())
-
-    async def _stop(self) -> None:
-        try:
-            await self._controller.stop()
-        finally:
-            # Set points are over either way; the controller ends real-time control by its own time-out too.
-            with contextlib.suppress(LinkError):
-                await self._stream.end()
+        # A port that is not open leads nothing; the controller ends real-time control by its own time-out too.
+        with contextlib.suppress(LinkError):
+            self._stream.end()
+        await self._controller.stop()
 
     async def _ready(self) -> None:
         await self._controller.take_right()
@@ -200,10 +195,11 @@ class MelfaMxt(LedArm):
             points = WayProfile(start, way, bounds).set_points(self._settings.mxt_cycle_ms / 1e3)
             await self._stream.send(_until_a_stop(points, require_no_stop))
             reached = await self._rest(way[-1], require_no_stop)
-            await self._stream.end()
+            self._stream.end()
         except (LinkError, ProtocolError) as lost:
             self._halted = True
-            await self._end_quietly()
+            with contextlib.suppress(DeviceError):
+                self._stream.end()
             await self._controller.account_for(way[-1], lost)
             return
         if off := off_target(reached, way[-1], self._settings):
@@ -244,10 +240,6 @@ class MelfaMxt(LedArm):
                 f"{self._stream.where}: the arm does not come to rest within "
                 f"{self._settings.arrival_timeout_s:g} s, last feedback {last}: check what moves it"
             ) from None
-
-    async def _end_quietly(self) -> None:
-        with contextlib.suppress(DeviceError):
-            await self._stream.end()
 
 
 def _near(one: Joints, other: Joints) -> bool:

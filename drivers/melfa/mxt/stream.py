@@ -94,15 +94,15 @@ class SetPointStream:
             feedback = self._joints(reply, Kind.JOINT_FEEDBACK)
         return feedback
 
-    async def end(self) -> None:
-        """End the control; what the controller has to say about it helps nobody any more.
+    def end(self) -> None:
+        """End the control at once; what the controller has to say about it helps nobody any more.
 
         Raises:
             LinkError: the link is closed.
         """
         for _ in range(_END_SENDS):
             self._count += 1
-            await self._transport.write(codec.encode(Command.END, self._count))
+            self._transport.send_urgent(codec.encode(Command.END, self._count))
 
     async def close(self) -> None:
         """Close the link; may be called any number of times."""
@@ -130,7 +130,7 @@ class SetPointStream:
             await self._exchange(Command.NONE, None)
         cycle_ms = (self._clock.monotonic_s() - start_s) * 1e3 / _TIMED_CYCLES
         if cycle_ms < _SHORTEST * self._settings.mxt_cycle_ms:
-            await self.end()
+            self.end()
             raise WrongDeviceError(
                 f"{self.where}: the controller answers every {cycle_ms:.1f} ms and mxt_cycle_ms is "
                 f"{self._settings.mxt_cycle_ms:g}: the arm would move faster than it may; set mxt_cycle_ms in "

@@ -4,6 +4,7 @@ from collections.abc import AsyncIterator, Callable, Iterable
 from contextlib import asynccontextmanager
 from typing import Any
 
+from drivers.melfa.motion import VARIABLES
 from drivers.melfa.robot import MelfaR3
 from drivers.melfa.settings import MelfaSettings
 from tests.unit.drivers.peers import Peer, StepClock
@@ -33,6 +34,7 @@ class Controller:
         self.copyright = "COPYRIGHT(C) someone"
         self.suffix = ""
         self.arrives = True
+        self.owes = False
         self.replies: dict[str, Callable[[], Iterable[str]]] = {}
         self.target = START
 
@@ -40,6 +42,14 @@ class Controller:
         command = data.decode().strip().removeprefix("1;1;")
         replies = self.replies.get(command.partition("=")[0], lambda: self.usual(command))()
         return [(reply + self.suffix).encode() for reply in replies]
+
+    def answer_in_order(self, data: bytes) -> Iterable[bytes]:
+        """Answer on the first connection, where a STOP waits behind a request that is not answered yet."""
+        if data.endswith(b";STOP\r") and self.owes:
+            return []
+        answers = list(self.answer(data))
+        self.owes = not answers
+        return answers
 
     def usual(self, command: str) -> Iterable[str]:
         match command.partition("="):
@@ -56,13 +66,17 @@ class Controller:
                 return [f"QoK{percent}"]
             case "OVRD", _, _:
                 return [f"QoK{self.override}"]
-            case "EXECJCATSEYE", _, values:
+            case "EXECJCATSEY1", _, values:
                 self.target = tuple(float(v) for v in values.strip("()").split(","))  # type: ignore[assignment]  # four numbers
             case "EXEC2", _, _:
                 self.arrive()
-            case "EXECMOV JCATSEYE", _, _:
+            case "EXECMOV JCATSEY1", _, _:
                 self.arrive()
         return ["Qok" if self.alarm else "QoK"]
+
+    def hung_up(self) -> None:
+        """Forget what the lost connection owes."""
+        self.owes = False
 
     def halt(self) -> Iterable[str]:
         self.flags = "A0060"
@@ -80,7 +94,11 @@ class Bench:
         self.controller, self.main, self.aside = controller, main, aside
         self.clock = StepClock()
         self.robot = MelfaR3(
-            main.transport, aside.transport, self.clock, MelfaSettings(**{**QUICK, **settings})
+            main.transport,
+            aside.transport,
+            self.clock,
+            MelfaSettings(**{**QUICK, **settings}),
+            variable=VARIABLES[0],
         )
 
     @property
@@ -101,7 +119,7 @@ async def bench(
     """Run a controller with two connections, connect, close at the end."""
     controller = controller or Controller()
     async with (
-        Peer(controller.answer, endpoint="memory://robot") as main,
+        Peer(controller.answer_in_order, endpoint="memory://robot", on_hang_up=controller.hung_up) as main,
         Peer(controller.answer, endpoint="memory://stop") as aside,
     ):
         made = Bench(controller, main, aside, **settings)

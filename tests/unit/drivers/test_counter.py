@@ -292,8 +292,10 @@ async def test_a_lost_answer_is_asked_for_again_after_healing() -> None:
     device = Counter()
     device.lines["R"] = lambda: next(answers)
     async with connected(device, profile(line={"timeout_s": 0.1})) as (counter, _, peer, _):
-        assert (await counter.read()).displacement_mm == 3.0
-        assert peer.requests == [b"I\r\n", b"R\r\n", b"R\r\n", b"I\r\n", b"R\r\n", b"R\r\n"]
+        assert (await counter.read()).displacement_mm == 2.0
+        assert peer.requests == [b"I\r\n", b"R\r\n", b"R\r\n", b"I\r\n", b"R\r\n"]
+        # The instrument has told its name on the open link: its count has gone on.
+        assert not (await counter.status()).beam_lost
 
 
 async def test_a_count_that_lived_through_a_healed_link_is_not_trusted() -> None:
@@ -334,10 +336,12 @@ async def test_a_connection_that_failed_has_no_count_to_lose() -> None:
 
 
 async def test_a_link_that_heals_between_status_and_level_is_told_at_once() -> None:
+    """A counter that tells no name proves nothing on the open link: it is opened again."""
     answers = iter([[], ["87"]])
     device = Counter()
     device.lines["L"] = lambda: next(answers)
-    async with connected(device, profile(line={"timeout_s": 0.1})) as (counter, _, _, _):
+    nameless = profile(line={"timeout_s": 0.1}).model_copy(update={"identify": None})
+    async with connected(device, nameless) as (counter, _, _, _):
         assert (await counter.status()).beam_lost
 
 

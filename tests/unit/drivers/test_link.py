@@ -6,6 +6,7 @@ from collections.abc import Iterable
 import pytest
 
 from drivers.errors import LinkError, LinkTimeoutError, ProtocolError
+from drivers.healing import Repeat
 from drivers.link import RequestLink, uninterrupted
 from drivers.transport import Transport
 from tests.unit.drivers.peers import Peer, until
@@ -193,7 +194,7 @@ async def test_questions_may_be_asked_twice_when_told() -> None:
     async with Peer(lambda data: next(answers) if data == b"q?" else echo(data)) as peer:
         link = make(peer.transport)
         await link.open()
-        assert await link.request(b"q?", Line, SHORT_S, retry=True) == "second"
+        assert await link.request(b"q?", Line, SHORT_S, repeat=Repeat.HARMLESS) == "second"
         await link.close()
     assert peer.requests == [b"who?", b"q?", b"who?", b"q?"]
 
@@ -215,9 +216,9 @@ async def test_a_request_that_must_not_heal_is_not_sent_on_a_poisoned_link() -> 
         with pytest.raises(LinkTimeoutError):
             await link.request(b"slow?", Line, SHORT_S)
         with pytest.raises(LinkError, match="nothing was sent"):
-            await link.request(b"go", Line, LONG_S, heal=False)
+            await link.request(b"go", Line, LONG_S, repeat=Repeat.BOUND)
         await link.ensure()
-        assert await link.request(b"go", Line, LONG_S, heal=False) == "answer to go"
+        assert await link.request(b"go", Line, LONG_S, repeat=Repeat.BOUND) == "answer to go"
         await link.close()
     assert peer.requests == [b"who?", b"slow?", b"who?", b"go"]
 
@@ -242,7 +243,7 @@ async def test_a_shout_leaves_the_link_out_of_step_even_if_the_answer_comes() ->
         await link.open()
         task = asyncio.create_task(link.request(b"wait?", Line, LONG_S))
         await until(lambda: b"wait?" in peer.requests)
-        await link.shout(b"STOP")
+        link.send_urgent(b"STOP", cut=b"\n")
         assert await task == "answer to STOP"
         assert "STOP" in link.doubt
         await link.close()

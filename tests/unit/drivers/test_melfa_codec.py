@@ -381,3 +381,19 @@ def test_parameter_values() -> None:
     for wrong in ("MEPAR;1.0;1", "MEJAR", "MEJAR;a,b;2"):
         with pytest.raises(ProtocolError):
             codec.parse_parameter(wrong, "MEJAR")
+
+
+@pytest.mark.parametrize(
+    ("layout", "first"),
+    [
+        (codec.bare, b"QoK"),
+        (codec.bare, b"QeR561000000"),
+        (codec.free_text, b"QoK100"),
+        (codec.positions_text, b"QoKJ1;0.00;J2;0.00;;****,****;20;0.00;00000000"),
+    ],
+)
+def test_an_answer_without_terminator_ends_where_another_begins(layout: codec.Layout, first: bytes) -> None:
+    decoder = codec.AnswerDecoder(layout)
+    answer = decoder.feed(first + b"QoK")
+    assert answer == codec.parse_answer(first, terminated=False)
+    assert decoder.rest == b"QoK"

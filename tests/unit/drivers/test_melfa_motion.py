@@ -1,7 +1,7 @@
 """Motions of the robot driver against scripted controllers: commanded once, accounted for when the answer is lost."""
 
 import asyncio
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 
 import pytest
 
@@ -13,8 +13,11 @@ from drivers.errors import (
     NotReadyError,
     RefusedError,
 )
-from tests.unit.drivers.melfa_bench import STATE, TARGET, Controller, bench
-from tests.unit.drivers.peers import until
+from drivers.melfa.robot import MelfaR3
+from drivers.melfa.settings import MelfaSettings
+from tests.unit.drivers.melfa_bench import JPOS, QUICK, START, STATE, TARGET, Controller, bench
+from tests.unit.drivers.peers import Peer, until
+from tests.unit.drivers.virtual_time import run
 
 
 async def test_a_move_takes_two_requests_and_one_check() -> None:
@@ -23,8 +26,8 @@ async def test_a_move_takes_two_requests_and_one_check() -> None:
         before = len(b.said)
         await b.robot.move_joints((0.00004, -0.00004, 5.0, 1.23456))
     assert b.said[before : before + 3] == [
-        "EXECJCATSEYE=(0.0000,0.0000,5.0000,1.2346)",
-        "EXEC2=MOV JCATSEYE",
+        "EXECJCATSEY1=(0.0000,0.0000,5.0000,1.2346)",
+        "EXEC2=MOV JCATSEY1",
         "JPOSF",
     ]
 
@@ -32,7 +35,7 @@ async def test_a_move_takes_two_requests_and_one_check() -> None:
 async def test_a_definition_that_is_there_already_is_used() -> None:
     """Section 1.9: re-DEF gives 4350, which clients tolerate."""
     controller = Controller()
-    controller.replies["EXECDEF JNT JCATSEYE"] = lambda: ["QeR435000000"]
+    controller.replies["EXECDEF JNT JCATSEY1"] = lambda: ["QeR435000000"]
     async with bench(controller) as b:
         await b.robot.move_joints(TARGET)
         assert controller.at == TARGET
@@ -42,11 +45,11 @@ async def test_a_definition_that_is_there_already_is_used() -> None:
 async def test_a_definition_that_leaves_an_alarm_is_reset() -> None:
     controller = Controller()
     alarms = iter(["Qok4350;2", "QoK"])
-    controller.replies["EXECDEF JNT JCATSEYE"] = lambda: ["QeR435000000"]
+    controller.replies["EXECDEF JNT JCATSEY1"] = lambda: ["QeR435000000"]
     controller.replies["ERROR"] = lambda: [next(alarms)]
     async with bench(controller) as b:
         await b.robot.move_joints(TARGET)
-    assert b.said[2:6] == ["EXECDEF JNT JCATSEYE", "ERROR", "RSTALRM", "ERROR"]
+    assert b.said[2:6] == ["EXECDEF JNT JCATSEY1", "ERROR", "RSTALRM", "ERROR"]
 
 
 async def test_a_refused_motion_tells_meaning_and_remedy_and_moves_nothing() -> None:
@@ -78,8 +81,8 @@ async def test_drives_that_are_off_with_an_alarm_stay_an_alarm() -> None:
     controller = Controller()
     controller.alarm = "2000"
     controller.replies["EXEC2"] = lambda: ["QeR200000000"]
-    controller.replies["EXECDEF JNT JCATSEYE"] = lambda: ["QoK"]
-    controller.replies["EXECJCATSEYE"] = lambda: ["QoK"]
+    controller.replies["EXECDEF JNT JCATSEY1"] = lambda: ["QoK"]
+    controller.replies["EXECJCATSEY1"] = lambda: ["QoK"]
     async with bench(controller) as b:
         with pytest.raises(AlarmError, match="L2000"):
             await b.robot.move_joints(TARGET)
@@ -94,7 +97,7 @@ async def test_only_the_stop_of_this_program_is_no_matter_for_an_operator(
     controller.replies["EXEC2"] = list
     async with bench(controller) as b:
         moving = asyncio.create_task(b.robot.move_joints(TARGET))
-        await until(lambda: "EXEC2=MOV JCATSEYE" in b.said)
+        await until(lambda: "EXEC2=MOV JCATSEY1" in b.said)
         stopping = asyncio.create_task(b.robot.stop())
         await until(lambda: "STOP" in b.said_aside)
         await b.main.say(reply.encode())
@@ -106,10 +109,10 @@ async def test_only_the_stop_of_this_program_is_no_matter_for_an_operator(
 
 async def test_a_motion_that_a_stop_overtakes_does_not_begin() -> None:
     controller = Controller()
-    controller.replies["EXECJCATSEYE"] = list
+    controller.replies["EXECJCATSEY1"] = list
     async with bench(controller) as b:
         moving = asyncio.create_task(b.robot.move_joints(TARGET))
-        await until(lambda: any(said.startswith("EXECJCATSEYE=") for said in b.said))
+        await until(lambda: any(said.startswith("EXECJCATSEY1=") for said in b.said))
         await b.robot.stop()
         await b.main.say(b"QoK")
         with pytest.raises(RefusedError, match="stop overtook"):
@@ -187,9 +190,9 @@ async def test_a_lost_answer_to_a_motion_is_looked_up_and_not_sent_again() -> No
     controller.replies["EXEC2"] = moves_without_answer
     async with bench(controller, move_timeout_s=0.01) as b:
         await b.robot.move_joints(TARGET)
-        assert b.said.count("EXEC2=MOV JCATSEYE") == 1
+        assert b.said.count("EXEC2=MOV JCATSEY1") == 1
         assert b.said_aside[1:3] == ["STATE", "JPOSF"]
-        assert "STOP" not in b.said_aside
+        assert "STOP" not in b.said_aside + b.said
 
 
 async def test_a_lost_answer_of_a_robot_that_did_not_arrive_stops_and_raises() -> None:
@@ -200,20 +203,91 @@ async def test_a_lost_answer_of_a_robot_that_did_not_arrive_stops_and_raises() -
             NotArrivedError, match=r"answer to the motion is lost.*stands elsewhere.*J1 is at 0\.00"
         ):
             await b.robot.move_joints(TARGET)
-        assert b.said.count("EXEC2=MOV JCATSEYE") == 1
+        assert b.said.count("EXEC2=MOV JCATSEY1") == 1
         assert "STOP" in b.said_aside
 
 
-async def test_a_motion_that_takes_too_long_is_stopped() -> None:
+async def test_an_arm_that_still_approaches_its_target_is_waited_for() -> None:
+    controller = Controller()
+    controller.replies["EXEC2"] = lambda: ["\x02?"]
+    places = iter([(2.0 * k, -4.1 * k, 0.0, 6.05 * k) for k in range(6)])
+    controller.replies["JPOSF"] = lambda: [JPOS.format(*next(places, TARGET))]
+    controller.flags = "E0060"
+    async with bench(controller) as b:
+        await b.robot.move_joints(TARGET)
+        assert "STOP" not in b.said_aside + b.said
+
+
+async def test_an_arm_that_leaves_its_way_is_stopped() -> None:
+    controller = Controller()
+    controller.replies["EXEC2"] = lambda: ["\x02?"]
+    places = iter([(2.0, 0.0, 0.0, 0.0), (3.0, 0.0, 0.0, 0.0), (3.0, 0.1, 0.0, 0.0)])
+    controller.replies["JPOSF"] = lambda: [JPOS.format(*next(places, START))]
+    controller.flags = "E0060"
+    controller.replies["STOP"] = controller.halt
+    async with bench(controller) as b:
+        with pytest.raises(NotArrivedError, match=r"moves elsewhere .* was told to stop"):
+            await b.robot.move_joints(TARGET)
+        assert "STOP" in b.said_aside
+
+
+def test_a_motion_that_is_not_answered_is_noticed_within_two_seconds() -> None:
+    """The arm has long arrived, and nobody waits for the whole time that a motion may take."""
+
+    async def moved() -> float:
+        controller = Controller()
+
+        def arrives_unheard() -> Iterable[str]:
+            controller.arrive()
+            return []
+
+        controller.replies["EXEC2"] = arrives_unheard
+        async with bench(controller) as b:
+            loop = asyncio.get_running_loop()
+            began_s = loop.time()
+            await b.robot.move_joints(TARGET)
+            assert b.said.count("EXEC2=MOV JCATSEY1") == 1
+            return loop.time() - began_s
+
+    assert run(moved()) < 2.0
+
+
+async def test_a_motion_that_lasts_is_looked_at_beside_the_stop_connection() -> None:
     controller = Controller()
     controller.replies["EXEC2"] = list
-    states = iter(["E0060"])
-    controller.replies["STATE"] = lambda: [STATE.format(flags=next(states, "A0060"))]
-    async with bench(controller, move_timeout_s=0.01) as b:
-        with pytest.raises(
-            NotArrivedError, match="was still moving and was told to stop: raise move_timeout_s"
-        ):
-            await b.robot.move_joints(TARGET)
+    controller.flags = "E0060"
+    async with Peer(controller.answer, endpoint="memory://status") as third, bench(controller) as b:
+        robot = MelfaR3(
+            b.main.transport,
+            b.aside.transport,
+            b.clock,
+            MelfaSettings(**QUICK),
+            status_transport=third.transport,
+            variable="JCATSEY1",
+        )
+        await b.robot.close()
+        await robot.connect()
+        before = len(b.said_aside)
+        moving = asyncio.create_task(robot.move_joints(TARGET))
+        await until(lambda: "EXEC2=MOV JCATSEY1" in b.said)
+        assert (await robot.status()).running
+        controller.arrive()
+        await b.main.say(b"QoK")
+        await moving
+        assert third.requests == [b"1;1;OPEN=CATSEYE\r", b"1;1;STATE\r"]
+        assert len(b.said_aside) == before
+        await robot.close()
+
+
+async def test_a_lost_assignment_is_made_again() -> None:
+    controller = Controller()
+    lost: Iterator[Iterable[str]] = iter([[]])
+    controller.replies["EXECJCATSEY1"] = lambda: next(lost, ["QoK"])
+    controller.target = TARGET
+    async with bench(controller) as b:
+        await b.robot.move_joints(TARGET)
+        assert sum(said.startswith("EXECJCATSEY1") for said in b.said) == 2
+        assert b.said.count("EXEC2=MOV JCATSEY1") == 1
 
 
 async def test_garbage_instead_of_the_end_of_a_motion_is_looked_up_too() -> None:
@@ -226,7 +300,7 @@ async def test_garbage_instead_of_the_end_of_a_motion_is_looked_up_too() -> None
     controller.replies["EXEC2"] = garbles
     async with bench(controller) as b:
         await b.robot.move_joints(TARGET)
-        assert b.said.count("EXEC2=MOV JCATSEYE") == 1
+        assert b.said.count("EXEC2=MOV JCATSEY1") == 1
 
 
 async def test_a_lost_answer_and_a_silent_controller_is_an_error_of_the_link() -> None:
@@ -242,11 +316,11 @@ async def test_a_lost_answer_and_a_silent_controller_is_an_error_of_the_link() -
 
 async def test_a_lost_assignment_moves_nothing() -> None:
     controller = Controller()
-    controller.replies["EXECJCATSEYE"] = list
+    controller.replies["EXECJCATSEY1"] = list
     async with bench(controller) as b:
-        with pytest.raises(LinkTimeoutError, match="EXECJCATSEYE"):
+        with pytest.raises(LinkTimeoutError, match="EXECJCATSEY1"):
             await b.robot.move_joints(TARGET)
-        assert "EXEC2=MOV JCATSEYE" not in b.said
+        assert "EXEC2=MOV JCATSEY1" not in b.said
 
 
 async def test_motions_can_be_polled_for_controllers_without_exec2() -> None:
@@ -267,7 +341,7 @@ async def test_motions_can_be_polled_for_controllers_without_exec2() -> None:
     async with bench(controller, motion="exec") as b:
         await b.robot.move_joints(TARGET)
     assert polls == 3
-    assert "EXECMOV JCATSEYE" in b.said
+    assert "EXECMOV JCATSEY1" in b.said
 
 
 async def test_a_question_refused_during_a_polled_motion_is_accounted_for_and_the_motion_stays_one() -> None:

@@ -47,9 +47,9 @@ async def test_the_life_of_a_session(suffix: str) -> None:
         "OVRD",
         "SRVON",
         "STATE",
-        "EXECDEF JNT JCATSEYE",
-        "EXECJCATSEYE=(10.0000,-20.5000,0.0000,30.2500)",
-        "EXEC2=MOV JCATSEYE",
+        "EXECDEF JNT JCATSEY1",
+        "EXECJCATSEY1=(10.0000,-20.5000,0.0000,30.2500)",
+        "EXEC2=MOV JCATSEY1",
         "JPOSF",
         "JPOSF",
         "CNTLOFF",
@@ -166,8 +166,8 @@ async def test_reading_takes_no_operation_right() -> None:
             await b.robot.reset_alarm()
         await b.robot.joints()
     assert b.said == [
-        *["OPEN=CATSEYE", "STATE", "JPOSF", "PNRMEJAR", "RSTALRM", "ERROR", "RSTALRM"],
-        *["OPEN=CATSEYE", "JPOSF", "CLOSE"],
+        *["OPEN=CATSEYE", "STATE", "JPOSF", "PNRMEJAR", "RSTALRM", "ERROR", "STOP"],
+        *["OPEN=CATSEYE", "RSTALRM", "OPEN=CATSEYE", "JPOSF", "CLOSE"],
     ]
 
 
@@ -176,7 +176,7 @@ async def test_reading_takes_no_operation_right() -> None:
     [
         (lambda robot: robot.servo(on=True), "SRVON"),
         (lambda robot: robot.set_override(10), "OVRD=10"),
-        (lambda robot: robot.move_joints(TARGET), "EXECDEF JNT JCATSEYE"),
+        (lambda robot: robot.move_joints(TARGET), "EXECDEF JNT JCATSEY1"),
     ],
 )
 async def test_the_first_command_that_needs_it_takes_the_right(

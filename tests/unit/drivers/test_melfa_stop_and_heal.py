@@ -12,9 +12,11 @@ from drivers.errors import (
     RefusedError,
     WrongDeviceError,
 )
+from drivers.healing import ATTEMPTS
 from drivers.melfa.robot import MelfaR3
 from drivers.melfa.settings import MelfaSettings
 from drivers.memory import MemoryTransport
+from drivers.record import RecordingTransport
 from tests.unit.drivers.melfa_bench import JPOS, OPEN, QUICK, START, STATE, TARGET, Controller, bench
 from tests.unit.drivers.peers import Peer, StepClock, until
 
@@ -35,9 +37,9 @@ async def test_after_healing_right_override_and_variable_are_there_again() -> No
         "OPEN=CATSEYE",
         "CNTLON",
         "OVRD",
-        "EXECDEF JNT JCATSEYE",
-        "EXECJCATSEYE=(0.0000,0.0000,0.0000,0.0000)",
-        "EXEC2=MOV JCATSEYE",
+        "EXECDEF JNT JCATSEY1",
+        "EXECJCATSEY1=(0.0000,0.0000,0.0000,0.0000)",
+        "EXEC2=MOV JCATSEY1",
     ]
 
 
@@ -114,7 +116,7 @@ async def test_a_controller_that_was_exchanged_meanwhile_is_refused() -> None:
             await b.robot.status()
 
 
-async def test_questions_are_asked_again_once() -> None:
+async def test_questions_are_asked_again() -> None:
     answers = iter([[], [JPOS.format(*START)]])
     controller = Controller()
     controller.replies["JPOSF"] = lambda: next(answers)
@@ -131,7 +133,8 @@ async def test_an_answer_of_another_layout_makes_the_driver_distrust_the_link() 
             await b.robot.joints()
         del controller.replies["JPOSF"]
         assert await b.robot.joints() == START
-        assert b.said.count("OPEN=CATSEYE") == 2
+        assert b.said.count("JPOSF") == ATTEMPTS + 1
+        assert b.said.count("OPEN=CATSEYE") == ATTEMPTS + 1
 
 
 async def test_stop_goes_past_a_motion_that_waits() -> None:
@@ -140,13 +143,15 @@ async def test_stop_goes_past_a_motion_that_waits() -> None:
     controller.replies["EXEC2"] = list
     async with bench(controller) as b:
         moving = asyncio.create_task(b.robot.move_joints(TARGET))
-        await until(lambda: "EXEC2=MOV JCATSEYE" in b.said)
+        await until(lambda: "EXEC2=MOV JCATSEY1" in b.said)
         await b.robot.stop()
-        assert b.said_aside == ["OPEN=CATSEYE", "STOP", *["STATE", "JPOSF"] * 3]
+        # Past everything at once, then on the connection that is healed for the look.
+        assert b.said_aside == ["OPEN=CATSEYE", "STOP", "OPEN=CATSEYE", "STOP", *["STATE", "JPOSF"] * 3]
+        assert b.said[-1] == "STOP"
         assert "CNTLON" not in b.said_aside
         assert not moving.done()
         await b.main.say(b"QoK")
-        with pytest.raises(NotArrivedError):
+        with pytest.raises(RefusedError, match="stop overtook"):
             await moving
 
 
@@ -177,16 +182,16 @@ async def test_cancelling_a_motion_stops_the_robot_and_leaves_the_link_to_be_hea
     controller.replies["EXEC2"] = list
     async with bench(controller) as b:
         moving = asyncio.create_task(b.robot.move_joints(TARGET))
-        await until(lambda: "EXEC2=MOV JCATSEYE" in b.said)
+        await until(lambda: "EXEC2=MOV JCATSEY1" in b.said)
         moving.cancel()
         await until(lambda: "STOP" in b.said_aside)
         moving.cancel()
         with pytest.raises(asyncio.CancelledError):
             await moving
-        assert b.said_aside.count("STOP") == 1
         assert b.said_aside[-1] == "JPOSF"
         assert await b.robot.joints() == START
-    assert b.said[b.said.index("EXEC2=MOV JCATSEYE") + 1 :][:3] == ["OPEN=CATSEYE", "CNTLON", "JPOSF"]
+    behind = b.said[b.said.index("EXEC2=MOV JCATSEY1") + 1 :]
+    assert behind[:4] == ["STOP", "OPEN=CATSEYE", "CNTLON", "JPOSF"]
 
 
 async def test_a_stop_that_fails_is_told_although_the_motion_was_cancelled() -> None:
@@ -194,7 +199,7 @@ async def test_a_stop_that_fails_is_told_although_the_motion_was_cancelled() -> 
     controller.replies["EXEC2"] = list
     async with bench(controller, stop_timeout_s=0.02) as b:
         moving = asyncio.create_task(b.robot.move_joints(TARGET))
-        await until(lambda: "EXEC2=MOV JCATSEYE" in b.said)
+        await until(lambda: "EXEC2=MOV JCATSEY1" in b.said)
         controller.flags = "E0060"
         moving.cancel()
         with pytest.raises(LinkError, match="PRESS THE EMERGENCY STOP"):
@@ -207,32 +212,32 @@ async def test_without_a_second_connection_motions_are_polled_and_stop_goes_betw
     async with Peer(controller.answer, endpoint="memory://robot") as main:
         nobody = MemoryTransport("memory://nobody")
         clock = StepClock()
-        robot = MelfaR3(main.transport, nobody, clock, MelfaSettings(**QUICK))
+        robot = MelfaR3(main.transport, nobody, clock, MelfaSettings(**QUICK), variable="JCATSEY1")
         await robot.connect()
         assert "stop_endpoint" in robot.notes[0]
         controller.arrives = False
         controller.flags = "E0060"
         moving = asyncio.create_task(robot.move_joints(TARGET))
-        await until(lambda: b"1;1;EXECMOV JCATSEYE\r" in main.requests)
+        await until(lambda: b"1;1;EXECMOV JCATSEY1\r" in main.requests)
         controller.replies["STOP"] = controller.halt
         await robot.stop()
-        with pytest.raises(NotArrivedError):
+        with pytest.raises(RefusedError, match="stop overtook"):
             await moving
         await robot.close()
     assert b"1;1;STOP\r" in main.requests
     assert not [data for data in main.requests if b"EXEC2" in data]
 
 
-async def test_a_broken_stop_connection_shouts_on_the_first_one() -> None:
+async def test_with_a_broken_stop_connection_stop_goes_out_on_the_first() -> None:
     controller = Controller()
     controller.replies["EXEC2"] = list
     async with bench(controller) as b:
         moving = asyncio.create_task(b.robot.move_joints(TARGET))
-        await until(lambda: "EXEC2=MOV JCATSEYE" in b.said)
+        await until(lambda: "EXEC2=MOV JCATSEY1" in b.said)
         await b.aside.far.close()
         await b.aside.far.open()
         await b.robot.stop()
-        assert b.said[b.said.index("EXEC2=MOV JCATSEYE") + 1] == "STOP"
+        assert b.said[b.said.index("EXEC2=MOV JCATSEY1") + 1] == "STOP"
         assert "STOP" in b.said_aside
         with pytest.raises(NotArrivedError):
             await moving
@@ -258,7 +263,83 @@ async def test_close_does_not_wait_for_a_motion(monkeypatch: pytest.MonkeyPatch)
     controller.replies["EXEC2"] = list
     async with bench(controller) as b:
         moving = asyncio.create_task(b.robot.move_joints(TARGET))
-        await until(lambda: "EXEC2=MOV JCATSEYE" in b.said)
+        await until(lambda: "EXEC2=MOV JCATSEY1" in b.said)
         await b.robot.close()
         with pytest.raises(LinkError):
             await moving
+
+
+async def test_stop_is_written_before_a_byte_of_a_flood_is_read() -> None:
+    """On every connection, before anything is waited for."""
+    seen: list[tuple[str, str, bytes]] = []
+    controller = Controller()
+
+    def recorded(peer: Peer, name: str) -> RecordingTransport:
+        return RecordingTransport(
+            peer.transport, lambda direction, data: seen.append((name, direction, data))
+        )
+
+    async with (
+        Peer(controller.answer, endpoint="memory://main") as main,
+        Peer(controller.answer, endpoint="memory://stop") as stop,
+        Peer(controller.answer, endpoint="memory://status") as status,
+    ):
+        robot = MelfaR3(
+            recorded(main, "main"),
+            recorded(stop, "stop"),
+            StepClock(),
+            MelfaSettings(**QUICK),
+            status_transport=recorded(status, "status"),
+        )
+        await robot.connect()
+        seen.clear()
+        for peer in (main, stop, status):
+            await peer.say(b"\r\n" * 100_000)
+        await robot.stop()
+        asked = b"1;1;STOP\r"
+        assert seen[:3] == [("main", "tx", asked), ("stop", "tx", asked), ("status", "tx", asked)]
+        await robot.close()
+
+
+async def test_stop_goes_on_until_the_arm_is_seen_to_stand() -> None:
+    """The arm moves on for half a second, as if the first STOP had not been heard."""
+    controller = Controller()
+    controller.flags = "E0060"
+    async with bench(controller) as b:
+        stopping = asyncio.create_task(b.robot.stop())
+        await asyncio.sleep(0.5)
+        assert b.said.count("STOP") > 2
+        assert b.said_aside.count("STOP") > 2
+        controller.flags = "A0060"
+        await stopping
+
+
+async def test_a_question_in_flight_does_not_keep_stop_from_being_sent() -> None:
+    controller = Controller()
+    controller.replies["JPOSF"] = list
+    async with bench(controller) as b:
+        asking = [
+            asyncio.create_task(b.robot.account_for(TARGET, LinkTimeoutError("lost"))) for _ in range(2)
+        ]
+        await until(lambda: "JPOSF" in b.said_aside)
+        del controller.replies["JPOSF"]
+        at = len(b.said_aside)
+        stopping = asyncio.create_task(b.robot.stop())
+        await until(lambda: len(b.said_aside) > at)
+        assert b.said_aside[at] == "STOP"
+        await stopping
+        await asyncio.gather(*asking, return_exceptions=True)
+
+
+async def test_a_right_whose_answer_is_lost_while_healing_is_claimed_again() -> None:
+    controller = Controller()
+    async with bench(controller) as b:
+        await b.robot.set_override(15)
+        spoilt = iter([["\x02?"]])
+        controller.replies["CNTLON"] = lambda: next(spoilt, ["QoK"])
+        controller.replies["RSTALRM"] = list
+        with pytest.raises(LinkTimeoutError):
+            await b.robot.reset_alarm()
+        before = len(b.said)
+        await b.robot.move_joints(TARGET)
+        assert b.said[before : before + 5] == ["OPEN=CATSEYE", "CNTLON", "OPEN=CATSEYE", "CNTLON", "OVRD"]
