@@ -8,6 +8,7 @@ from drivers.errors import LinkError
 from drivers.inbox import TURN_BYTES, Inbox
 
 _MOST_BYTES = 1 << 20
+_SHOWN_BYTES = 80
 
 
 class Channel:
@@ -80,7 +81,9 @@ class Channel:
             await asyncio.shield(self._sent)
         self._require_open()
         if overtaken != self._overtaken:
-            raise LinkError(f"{self._endpoint}: {data!r} was dropped for something urgent: ask again")
+            raise LinkError(
+                f"{self._endpoint}: {data[:_SHOWN_BYTES]!r} was dropped for something urgent: ask again"
+            )
 
     def send_urgent(self, data: bytes, cut: bytes) -> None:
         """Hand bytes to the operating system at once; what it had not taken before is dropped.

@@ -27,6 +27,10 @@ class UnreachableError(LinkError):
     """The other side cannot be connected to, or floods the link: asking again does not help."""
 
 
+class NotSentError(LinkError):
+    """A request that is bound to its connection was kept back, since the link is out of step: nothing was sent."""
+
+
 class LinkTimeoutError(LinkError):
     """No answer in time; the link is poisoned until it has been healed."""
 

@@ -4,7 +4,14 @@ import asyncio
 from collections.abc import Awaitable, Callable, Coroutine
 from typing import Any, Protocol, TypeVar
 
-from drivers.errors import DeviceError, LinkError, LinkTimeoutError, ProtocolError, UnreachableError
+from drivers.errors import (
+    DeviceError,
+    LinkError,
+    LinkTimeoutError,
+    NotSentError,
+    ProtocolError,
+    UnreachableError,
+)
 from drivers.healing import Losses, Repeat, repeated
 from drivers.transport import Transport
 
@@ -304,7 +311,7 @@ class RequestLink:
         if not self._doubt:
             return
         if not heal:
-            raise LinkError(f"{self.where}: the link is out of step ({self._doubt}): nothing was sent")
+            raise NotSentError(f"{self.where}: the link is out of step ({self._doubt}): nothing was sent")
         self.heal_count += 1
         if not await self._heals_in_place():
             await self._connect()

@@ -23,10 +23,11 @@ from drivers.errors import (
     LinkError,
     NotArrivedError,
     NotReadyError,
+    NotSentError,
     ProtocolError,
     RefusedError,
 )
-from drivers.healing import Repeat
+from drivers.healing import ATTEMPTS, Repeat
 from drivers.link import uninterrupted
 from drivers.melfa import codec
 from drivers.melfa.alarms import STOP_IS_ON
@@ -298,8 +299,7 @@ class MelfaR3:
         try:
             await self._main.link.repeated(self._main.link.ensure)
             await self.take_right()
-            await self._main.link.repeated(partial(self._prepare, target))
-            await self._go(target, watch.require_none)
+            await self._prepare_and_go(target, watch.require_none)
         except asyncio.CancelledError:
             await self.stop()
             raise
@@ -418,6 +418,18 @@ class MelfaR3:
         if codec.parse_number(answer.payload, "the override") > self._override_percent:
             await ask(f"OVRD={self._override_percent}", codec.free_text)
 
+    async def _prepare_and_go(self, target: Joints, permit: Callable[[], None]) -> None:
+        for attempt in range(1, ATTEMPTS + 1):
+            await self._main.link.repeated(partial(self._prepare, target))
+            try:
+                await self._go(target, permit)
+            except NotSentError:
+                # The answer to the assignment came twice: the motion was kept back, and nothing moves.
+                if attempt == ATTEMPTS:
+                    raise
+            else:
+                return
+
     async def _prepare(self, target: Joints) -> None:
         """Give the controller the target: on the very connection from which the motion takes it."""
         await self._main.link.ensure()
@@ -453,6 +465,8 @@ class MelfaR3:
                     still_polls=self._unstarted_polls,
                     target=target,
                 )
+        except NotSentError:
+            raise
         except (LinkError, ProtocolError) as lost:
             await self.account_for(target, lost)
             return

@@ -188,7 +188,7 @@ async def test_a_lost_answer_to_a_motion_is_looked_up_and_not_sent_again() -> No
         return []
 
     controller.replies["EXEC2"] = moves_without_answer
-    async with bench(controller, move_timeout_s=0.01) as b:
+    async with bench(controller, move_timeout_s=0.5) as b:
         await b.robot.move_joints(TARGET)
         assert b.said.count("EXEC2=MOV JCATSEY1") == 1
         assert b.said_aside[1:3] == ["STATE", "JPOSF"]
@@ -198,7 +198,7 @@ async def test_a_lost_answer_to_a_motion_is_looked_up_and_not_sent_again() -> No
 async def test_a_lost_answer_of_a_robot_that_did_not_arrive_stops_and_raises() -> None:
     controller = Controller()
     controller.replies["EXEC2"] = list
-    async with bench(controller, move_timeout_s=0.01) as b:
+    async with bench(controller, move_timeout_s=0.5) as b:
         with pytest.raises(
             NotArrivedError, match=r"answer to the motion is lost.*stands elsewhere.*J1 is at 0\.00"
         ):
@@ -357,3 +357,16 @@ async def test_a_question_refused_during_a_polled_motion_is_accounted_for_and_th
         await b.robot.move_joints(TARGET)
         assert sum(said.startswith("EXECMOV") for said in b.said) == 1
         assert await b.robot.joints() == TARGET
+
+
+async def test_a_doubled_answer_to_the_assignment_keeps_the_motion_back() -> None:
+    controller = Controller()
+    controller.suffix = "\r"
+    doubled: Iterator[Iterable[str]] = iter([["QoK\rQoK"]])
+    controller.replies["EXECJCATSEY1"] = lambda: next(doubled, ["QoK"])
+    controller.target = TARGET
+    async with bench(controller) as b:
+        await b.robot.move_joints(TARGET)
+        assert sum(said.startswith("EXECJCATSEY1") for said in b.said) == 2
+        assert b.said.count("EXEC2=MOV JCATSEY1") == 1
+        assert "STOP" not in b.said + b.said_aside
