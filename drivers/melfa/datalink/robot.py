@@ -6,7 +6,7 @@ stands: it is started again before the next way, or an operator has to.
 """
 
 import asyncio
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from functools import partial
 from typing import Any, ClassVar, Self
 
@@ -18,11 +18,12 @@ from drivers.errors import (
     AlarmError,
     LinkError,
     NotArrivedError,
+    NotSentError,
     ProtocolError,
     RefusedError,
     WrongDeviceError,
 )
-from drivers.healing import Repeat
+from drivers.healing import ATTEMPTS, Repeat
 from drivers.link import RequestLink, uninterrupted
 from drivers.melfa.datalink import codec
 from drivers.melfa.datalink.codec import Record, RecordDecoder
@@ -169,10 +170,7 @@ class MelfaDatalink(LedArm):
         try:
             for first in range(0, len(way), codec.MAX_POINTS):
                 part = way[first : first + codec.MAX_POINTS]
-                await self._ready()
-                await self._link.repeated(partial(self._send, part))
-                require_no_stop()
-                await self._drive(part[-1])
+                await self._lead(part, require_no_stop)
         except asyncio.CancelledError:
             await self.stop()
             raise
@@ -182,6 +180,20 @@ class MelfaDatalink(LedArm):
         self._halted = True
         self._link.distrust("the program was stopped")
         await self._controller.stop()
+
+    async def _lead(self, part: Sequence[Joints], require_no_stop: Callable[[], None]) -> None:
+        for attempt in range(1, ATTEMPTS + 1):
+            await self._ready()
+            await self._link.repeated(partial(self._send, part))
+            require_no_stop()
+            try:
+                await self._drive(part[-1])
+            except NotSentError:
+                # The answer to a point came twice: the way was kept back, and nothing moves.
+                if attempt == ATTEMPTS:
+                    raise
+            else:
+                return
 
     async def _ready(self) -> None:
         """Have the program run, in a state in which it may move the arm."""
@@ -216,6 +228,8 @@ class MelfaDatalink(LedArm):
         self._driving = True
         try:
             answer = await self._driven()
+        except NotSentError:
+            raise
         except (LinkError, ProtocolError) as lost:
             self._halted = True
             await self._controller.account_for(target, lost)
