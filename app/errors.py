@@ -45,6 +45,12 @@ class LinkFailedError(CatseyeError):
     exit_code = ExitCode.DEVICE
 
 
+class ArmInUseError(CatseyeError):
+    """Another program moves this arm, or whether one does cannot be known."""
+
+    exit_code = ExitCode.DEVICE
+
+
 class PromptUnansweredError(CatseyeError):
     """Nobody answered a question that has no safe answer."""
 

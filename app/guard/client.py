@@ -1,0 +1,239 @@
+"""The guard of one arm as the engine uses it: ownership, connections, heartbeat, and the check before each motion."""
+
+import asyncio
+import contextlib
+import os
+import time
+from collections.abc import AsyncIterator, Callable, Sequence
+from contextlib import asynccontextmanager
+from pathlib import Path
+from typing import Final
+
+from app.errors import SafetyError
+from app.guard.lock import Owner, OwnerLock
+from app.guard.process import GuardProcess
+from drivers.guarding import GuardError
+
+LOG_NAME: Final = "guard.log"
+"""In the folder of all runs: what guards have done."""
+
+BEAT_S: Final = 0.05
+_FRESH_S = 0.3
+_ANSWER_S = 2.0
+_MOST_LOG_BYTES = 1 << 20
+
+
+class ArmGuard:
+    """Guards one arm: its lock, its guard process, and what the driver asks of both (`drivers.guarding.LinkGuard`).
+
+    Args:
+        endpoint: of the arm's controller.
+
+    Attributes:
+        on_stop: is called with the reason when the guard has stopped the arm, or has died while it moved.
+    """
+
+    def __init__(self, endpoint: str) -> None:
+        self.on_stop: Callable[[str], None] = lambda _reason: None
+        self._endpoint = endpoint
+        self._links: dict[str, tuple[int, bytes]] = {}
+        self._lock: OwnerLock | None = None
+        self._log: int | None = None
+        self._process: GuardProcess | None = None
+        self._beat: asyncio.TimerHandle | None = None
+        self._beat_due_s = 0.0
+        self._motions = 0
+        self._stopped = ""
+        self._released: set[str] = set()
+
+    async def hold(self, who: str, folder: Path, *, simulated: bool) -> list[str]:
+        """Become the arm's owner and have it guarded; return what guards have done to it since the last owner.
+
+        Args:
+            who: what moves the arm, such as the name of a run.
+            folder: of all runs; the guard's log is there.
+            simulated: the arm is an emulator.
+
+        Raises:
+            ArmInUseError: another program owns it.
+            SafetyError: the robot's driver hands no connection to the guard and the arm is real.
+            GuardError: the guard does not start.
+        """
+        if not simulated and not self._links:
+            raise SafetyError(
+                f"the driver of the robot at {self._endpoint} hands no connection to the guard: if this program died "
+                "nobody would stop the arm; use a driver that does, see docs/write-a-driver.md"
+            )
+        self._lock = await OwnerLock.taken(self._endpoint, Owner.here(who))
+        self._stopped = ""
+        try:
+            self._log = _opened_log(folder)
+            await self._start()
+        except BaseException:
+            await self.let_go()
+            raise
+        self._tick()
+        return self._lock.history
+
+    async def let_go(self) -> None:
+        """Give the arm back; may be called any number of times. What the driver has open stays known."""
+        if self._beat is not None:
+            self._beat.cancel()
+            self._beat = None
+        process, self._process = self._process, None
+        lock, self._lock = self._lock, None
+        log, self._log = self._log, None
+        if process is not None:
+            await process.end()
+        if lock is not None:
+            lock.release(keep=bool(self._stopped))
+        if log is not None:
+            os.close(log)
+
+    def acknowledge(self) -> None:
+        """Permit motion again: an operator knows that the guard has stopped the arm."""
+        self._stopped = ""
+
+    def protect(self, name: str, descriptor: int, stop: bytes) -> None:
+        """Take a duplicate of an open connection; see LinkGuard."""
+        word = name.replace(" ", "-")
+        self._forget(word)
+        self._links[word] = (os.dup(descriptor), stop)
+        self._hand_over(word)
+
+    async def release(self, name: str) -> None:
+        """Let a connection go that is closed; see LinkGuard."""
+        word = name.replace(" ", "-")
+        if word not in self._links:
+            return
+        self._forget(word)
+        process = self._process
+        self._released.discard(word)
+        if process is None or not process.say(f"release {word}"):
+            return
+        deadline_s = time.monotonic() + _ANSWER_S
+        while word not in self._released and not process.gone:
+            # Whoever holds the duplicate of a serial line keeps it busy.
+            if not await process.heard(deadline_s - time.monotonic()):
+                process.kill()
+
+    def permit(self) -> None:
+        """Check, without waiting, that a motion may be written now; see LinkGuard."""
+        if self._process is not None:
+            # An engine that has slept finds here what the guard has done meanwhile.
+            self._process.read()
+        if self._stopped:
+            raise GuardError(f"{self._stopped}: nothing moves before an operator has acknowledged that")
+        if self._lock is None:
+            raise GuardError(f"the arm at {self._endpoint} has no owner here: take it before it is moved")
+        if self._process is None or self._process.gone:
+            raise GuardError("the guard process has ended: nothing moves without it; start the run again")
+
+    @asynccontextmanager
+    async def motion(self) -> AsyncIterator[None]:
+        """Have a motion guarded; see LinkGuard."""
+        await self._require_guard()
+        self._motions += 1
+        self._send_beat()
+        try:
+            yield
+        finally:
+            self._motions -= 1
+            self._send_beat()
+
+    async def _require_guard(self) -> None:
+        """See a guard that answers; one that has died or hangs while nothing moves is replaced."""
+        if self._lock is not None and not self._stopped:
+            answers = self._process is not None and await self._answers(self._process)
+            if not answers and not self._motions:
+                await self._start()
+        self.permit()
+
+    async def _answers(self, process: GuardProcess) -> bool:
+        process.read()
+        deadline_s = time.monotonic() + _ANSWER_S
+        while not process.gone and time.monotonic() - process.alive_s > _FRESH_S:
+            self._send_beat()
+            if not await process.heard(deadline_s - time.monotonic()):
+                process.kill()
+        return not process.gone
+
+    async def _start(self) -> None:
+        if self._process is not None:
+            self._process.kill()
+        if self._lock is None:
+            return
+        try:
+            self._process = GuardProcess(self._said, self._gone)
+        except OSError as error:
+            raise GuardError(f"the guard process does not start ({error}): nothing moves without it") from error
+        log = [] if self._log is None else [self._log]
+        self._process.say(f"own {self._lock.arm}", [*log, *self._lock.descriptors])
+        for name in self._links:
+            self._hand_over(name)
+        if not await self._answers(self._process):
+            raise GuardError(
+                f"the guard process does not answer within {_ANSWER_S:g} s: nothing moves without it; see what keeps "
+                "this machine busy, then start again"
+            )
+
+    def _hand_over(self, name: str) -> None:
+        if self._process is None:
+            return
+        descriptor, stop = self._links[name]
+        if not self._process.say(f"protect {name} {stop.hex()}", [descriptor]) and not self._process.gone:
+            self._process.kill()
+            self._gone()
+
+    def _forget(self, name: str) -> None:
+        if name in self._links:
+            os.close(self._links.pop(name)[0])
+
+    def _send_beat(self) -> None:
+        if self._process is not None:
+            self._process.say(f"beat {int(self._motions > 0)}")
+
+    def _tick(self) -> None:
+        """Give a sign of life, and look for the guard's."""
+        loop = asyncio.get_running_loop()
+        now_s = time.monotonic()
+        late = self._beat is not None and now_s > self._beat_due_s + _FRESH_S
+        self._send_beat()
+        process = self._process
+        if process is not None and self._motions:
+            process.read()
+            # A loop that was late itself has only just asked again.
+            if not late and not process.gone and now_s - process.alive_s > _ANSWER_S:
+                process.kill()
+                self._gone()
+        self._beat_due_s = now_s + BEAT_S
+        self._beat = loop.call_later(BEAT_S, self._tick)
+
+    def _said(self, words: Sequence[str]) -> None:
+        match words:
+            case ["released", name]:
+                self._released.add(name)
+            case ["stopped", utc, *why]:
+                self._stop(f"the guard stopped the arm at {utc}: {' '.join(why)}")
+                if self._process is not None:
+                    self._process.say("understood")
+
+    def _gone(self) -> None:
+        if self._motions:
+            self._stop("the guard process ended while the arm moved, which was stopped")
+
+    def _stop(self, reason: str) -> None:
+        self._stopped = self._stopped or reason
+        # Not from within a driver that is about to write a motion.
+        asyncio.get_running_loop().call_soon(self.on_stop, reason)
+
+
+def _opened_log(folder: Path) -> int | None:
+    """Open the log; a folder that cannot be written keeps nobody from being guarded."""
+    with contextlib.suppress(OSError):
+        folder.mkdir(parents=True, exist_ok=True)
+        path = folder / LOG_NAME
+        if path.exists() and path.stat().st_size > _MOST_LOG_BYTES:
+            path.replace(path.with_suffix(".log.1"))
+        return os.open(path, os.O_WRONLY | os.O_APPEND | os.O_CREAT | os.O_CLOEXEC, 0o644)
+    return None

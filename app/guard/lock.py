@@ -1,0 +1,210 @@
+"""One owner per arm: a lock that every program and every user of this machine sees, released by the kernel."""
+
+import asyncio
+import fcntl
+import getpass
+import ipaddress
+import os
+import re
+import socket
+import stat
+import sys
+from dataclasses import asdict, dataclass, fields
+from datetime import UTC, datetime
+from hashlib import sha256
+from pathlib import Path
+from typing import Final, Self
+
+from app.errors import ArmInUseError
+from drivers.endpoint import SerialEndpoint, parse_endpoint
+from drivers.errors import LinkError
+
+_FOLDERS: Final = (Path("/run/lock"), Path("/tmp"))
+_SHARED = stat.S_ISVTX | stat.S_IWOTH
+_MOST_BYTES = 8192
+_LONGEST_VALUE = 160
+_STOPPED = "stopped"
+_UNSEEMLY = re.compile(r"[^ -~]")
+_NO_NAME = re.compile(r"[^A-Za-z0-9.]+")
+
+
+@dataclass(frozen=True)
+class Owner:
+    """Who moves an arm.
+
+    Attributes:
+        pid: process.
+        user: name of the user.
+        program: command.
+        run: name of the run, or what else moves the arm.
+        since: UTC, ISO 8601.
+    """
+
+    pid: str
+    user: str
+    program: str
+    run: str
+    since: str
+
+    @classmethod
+    def here(cls, run: str) -> Self:
+        """Return this process as the owner."""
+        program = " ".join(["catseye", *sys.argv[1:2]])
+        since = datetime.now(UTC).isoformat(timespec="seconds")
+        return cls(str(os.getpid()), getpass.getuser(), program, run, since)
+
+    @property
+    def text(self) -> str:
+        """One clause that names the owner."""
+        return f"process {self.pid} ({self.program}) of user {self.user}, {self.run}, since {self.since}"
+
+
+class OwnerLock:
+    """The right to move one arm; descriptors may be shared with a process that has to outlive this one.
+
+    Attributes:
+        arm: what is locked: the controller's address, on loopback with its port, or the device of a serial line.
+        descriptors: of the lock's files.
+        history: what guards have left there about stops of this arm, for the operator.
+    """
+
+    def __init__(self, arms: tuple[str, ...], owner: Owner) -> None:
+        """Take the lock.
+
+        Raises:
+            ArmInUseError: another program has it, or there is no place for it; the text names the holder.
+        """
+        self.arm = arms[0]
+        self.descriptors: list[int] = []
+        self.history: list[str] = []
+        try:
+            for arm in arms:
+                self._take(arm, owner)
+        except BaseException:
+            self._close()
+            raise
+
+    @classmethod
+    async def taken(cls, endpoint: str, owner: Owner) -> Self:
+        """Take the lock of the controller behind an endpoint; see there."""
+        return cls(await arms_behind(endpoint), owner)
+
+    def release(self, *, keep: bool = False) -> None:
+        """Give the right back; may be called any number of times.
+
+        Args:
+            keep: what a guard has left is for the next owner too.
+        """
+        if not keep:
+            for descriptor in self.descriptors:
+                os.ftruncate(descriptor, 0)
+        self._close()
+
+    def _take(self, arm: str, owner: Owner) -> None:
+        descriptor = _opened(lock_path(arm))
+        self.descriptors.append(descriptor)
+        try:
+            fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except BlockingIOError:
+            holder = _owner(_lines(descriptor))
+            told = holder.text if holder else "another program that has not said its name yet"
+            raise ArmInUseError(
+                f"the arm at {arm} is in use by {told}: nothing was sent to it; end that first, or wait for its end"
+            ) from None
+        lines = _lines(descriptor)
+        who = _owner(lines)
+        self.history += [f"{text} (then: {who.text})" if who else text for key, text in lines if key == _STOPPED]
+        os.ftruncate(descriptor, 0)
+        os.pwrite(descriptor, "".join(f"{k}={v}\n" for k, v in asdict(owner).items()).encode(), 0)
+
+    def _close(self) -> None:
+        while self.descriptors:
+            os.close(self.descriptors.pop())
+
+
+async def arms_behind(endpoint: str) -> tuple[str, ...]:
+    """Return the names under which the controller behind an endpoint is locked.
+
+    Raises:
+        LinkError: the host's name cannot be resolved.
+    """
+    place = parse_endpoint(endpoint)
+    if isinstance(place, SerialEndpoint):
+        return (os.path.realpath(place.device),)
+    try:
+        found = await asyncio.get_running_loop().getaddrinfo(place.host, place.port, type=socket.SOCK_STREAM)
+    except OSError as error:
+        raise LinkError(f"{endpoint}: its name cannot be resolved ({error}): check the endpoint") from error
+    return tuple(sorted({_arm(str(address[0]), place.port) for _, _, _, _, address in found}))
+
+
+def lock_path(arm: str) -> Path:
+    """Return the file of an arm's lock; the same for every user of this machine."""
+    folder = next(folder for folder in _FOLDERS if _is_shared(folder) or folder == _FOLDERS[-1])
+    digest = sha256(arm.encode()).hexdigest()[:12]
+    return folder / f"catseye-arm-{_NO_NAME.sub('-', arm).strip('-')[:48]}-{digest}.lock"
+
+
+def _is_shared(folder: Path) -> bool:
+    """Return whether everybody may make files there and nobody may remove another's; the same for every user."""
+    try:
+        found = folder.lstat()
+    except OSError:
+        return False
+    return stat.S_ISDIR(found.st_mode) and found.st_mode & _SHARED == _SHARED
+
+
+def _arm(address: str, port: int) -> str:
+    host = ipaddress.ip_address(address.partition("%")[0])
+    host = getattr(host, "ipv4_mapped", None) or host
+    # Every emulated arm of this machine has the same host; localhost has an address of each kind.
+    return f"loopback:{port}" if host.is_loopback else str(host)
+
+
+def _opened(path: Path) -> int:
+    """Open the lock's file, made when missing; nothing that it leads to, or that is no plain file, is touched.
+
+    Raises:
+        ArmInUseError: it cannot be opened.
+    """
+    flags = os.O_RDWR | os.O_NOFOLLOW | os.O_CLOEXEC | os.O_NONBLOCK
+    try:
+        try:
+            # The kernel may refuse O_CREAT for another user's file in such a folder.
+            descriptor = os.open(path, flags)
+        except FileNotFoundError:
+            descriptor = _made(path, flags)
+    except OSError as error:
+        raise ArmInUseError(
+            f"{path}: the lock of the arm cannot be opened ({error.strerror}): nothing was sent to the arm; find out "
+            "who made it so, then remove it while no program moves the arm"
+        ) from error
+    found = os.fstat(descriptor)
+    if not stat.S_ISREG(found.st_mode) or found.st_nlink != 1:
+        os.close(descriptor)
+        raise ArmInUseError(
+            f"{path} is no plain file of its own: nothing was sent to the arm; find out who made it, then remove it"
+        )
+    return descriptor
+
+
+def _made(path: Path, flags: int) -> int:
+    try:
+        descriptor = os.open(path, flags | os.O_CREAT | os.O_EXCL, 0o666)
+    except FileExistsError:
+        return os.open(path, flags)
+    os.fchmod(descriptor, 0o666)
+    return descriptor
+
+
+def _lines(descriptor: int) -> list[tuple[str, str]]:
+    """Return what the file says, made harmless: anybody may have written it."""
+    text = os.pread(descriptor, _MOST_BYTES, 0).decode("ascii", "replace")
+    pairs = (line.partition("=") for line in text.splitlines())
+    return [(key, _UNSEEMLY.sub("?", value)[:_LONGEST_VALUE]) for key, _, value in pairs]
+
+
+def _owner(lines: list[tuple[str, str]]) -> Owner | None:
+    said = dict(lines)
+    names = [field.name for field in fields(Owner)]
+    return Owner(**{name: said[name] for name in names}) if said.keys() >= set(names) else None
