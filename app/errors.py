@@ -75,6 +75,10 @@ class ConditionLostError(SafetyError):
     """The surroundings do not permit motion now; a run is suspended until they do."""
 
 
+class NotAcknowledgedError(SafetyError):
+    """The arm was stopped, and nobody has acknowledged that; the run can be resumed."""
+
+
 class StorageError(CatseyeError):
     """The data cannot be stored or read; a run stops at once."""
 

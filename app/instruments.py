@@ -9,6 +9,7 @@ from app.cell.bench import following_of
 from app.cell.model import Cell, FurtherDevice, Robot
 from app.engine.devices import DeviceBuilder, Devices, WireRecorder
 from app.errors import ConfigError
+from app.guard.client import ArmGuard
 from drivers.clock import Clock
 from drivers.errors import DeviceError
 from drivers.registry import load_driver
@@ -34,8 +35,11 @@ def device_builder(cell: Cell, clock: Clock) -> DeviceBuilder:
 
 def _build(cell: Cell, clock: Clock, record: WireRecorder) -> Devices:
     robot, counter, air = cell.robot, cell.interferometer, cell.environment
+    guard = ArmGuard(robot.endpoint)
+    settings = robot_settings(robot, record) | guard_setting(robot.driver, guard)
     return Devices(
-        robot=_make(robot.driver, "robot", robot.endpoint, clock, record, robot_settings(robot, record)),
+        robot=_make(robot.driver, "robot", robot.endpoint, clock, record, settings),
+        guard=guard,
         interferometer=_make(
             counter.driver,
             "interferometer",
@@ -100,6 +104,11 @@ def robot_settings(robot: Robot, record: WireRecorder) -> dict[str, Any]:
         },
     }
     return {"expected_model": robot.expected_model, **needed[following_of(robot.driver)], **robot.settings}
+
+
+def guard_setting(driver: str, guard: ArmGuard) -> dict[str, Any]:
+    """Return the guard as a setting, for a robot's driver that hands its connections to one."""
+    return {"guard": guard} if getattr(load_driver(driver), "takes_guard", False) else {}
 
 
 def _given(**values: Any) -> dict[str, Any]:

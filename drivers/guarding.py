@@ -71,6 +71,9 @@ class Unguarded:
         yield
 
 
+UNGUARDED = Unguarded()
+
+
 def guarded(inner: Transport, guard: LinkGuard | None, name: str, stop: bytes) -> Transport:
     """Return a transport whose connection the guard, if there is one, has a duplicate of; see GuardedTransport."""
     return inner if guard is None else GuardedTransport(inner, guard, name, stop)

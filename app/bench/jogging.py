@@ -14,6 +14,7 @@ from app.engine.halt import HaltLimits, halt
 from app.engine.waiting import uncancelled, within
 from app.errors import InterruptedRunError, SafetyError
 from app.exitcode import ExitCode
+from app.guard.client import ArmGuard
 from app.service.errors import RefusedError, refusal_of
 from app.service.messages import JogHold, JogMode, JogStep, Message
 from procedures.devices import DeviceIdentity, Robot
@@ -129,6 +130,8 @@ class Jogging:
         self._gate = gate = JogGate(devices, facts, self._request.percent)
         robot, clock = devices.robot, self._bench.clock
         before = await robot.status()
+        # An arm that belongs to somebody else is not stopped either.
+        await self._own(devices.guard, simulated)
         try:
             override_percent = await gate.switch_on()
             self._note_lowered(before.override_percent, override_percent, facts.override_cap_percent)
@@ -145,6 +148,16 @@ class Jogging:
             raise
         finally:
             await uncancelled(self._leave(robot, before.servo_on))
+            if devices.guard is not None:
+                await uncancelled(devices.guard.let_go())
+
+    async def _own(self, guard: ArmGuard | None, simulated: bool) -> None:
+        """Become the arm's only owner and have it guarded."""
+        if guard is None:
+            return
+        guard.on_stop = self.abort
+        for text in await guard.hold("moved by hand", self._bench.folder, simulated=simulated):
+            self._bench.tell("warning", text=f"the guard stopped this arm before: {text}", data={})
 
     def _identities(self, devices: Devices) -> dict[str, DeviceIdentity]:
         """Return who answers of those that a run has: what else stands in the cell file moves nothing.

@@ -3,6 +3,7 @@
 from collections.abc import Awaitable, Callable, Mapping
 from contextlib import AbstractAsyncContextManager
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Protocol
 
 from app.bench.facts import BenchFacts
@@ -59,6 +60,7 @@ class HandBench:
         record: takes the bytes that pass on a raw link.
         tell: tells every client.
         clock: real time.
+        folder: of all runs.
     """
 
     lender: Lender
@@ -67,3 +69,4 @@ class HandBench:
     record: WireRecorder
     tell: Tell
     clock: Clock
+    folder: Path

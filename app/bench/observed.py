@@ -255,4 +255,5 @@ def observed(devices: Devices, gauges: Gauges, material: str | None) -> Devices:
         None
         if devices.material is None
         else ObservedSensor(material or "material", devices.material, gauges),
+        devices.guard,
     )

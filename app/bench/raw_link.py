@@ -2,6 +2,7 @@
 
 import asyncio
 from collections.abc import Callable
+from contextlib import AbstractAsyncContextManager
 from functools import partial
 from typing import Final
 
@@ -10,9 +11,9 @@ from app.bench.lending import HandBench
 from app.cell.bench import may_move_an_arm
 from app.engine.halt import HaltLimits, halt
 from app.errors import InterruptedRunError, SafetyError, UsageError, exit_code_of
+from app.guard.raw import plain_connection, raw_connection
 from app.service.errors import RefusedError, refusal_of
 from app.service.messages import Message, Raw
-from drivers.endpoint import open_transport
 from drivers.errors import DeviceError
 from drivers.transport import Transport
 
@@ -45,6 +46,7 @@ class RawLink:
         self._given_back = False
         # An arm may move by what is sent; supposed as long as the device is not known.
         self._moves = True
+        self._simulated = False
         self._task = asyncio.create_task(self._serve())
         self._task.add_done_callback(self._answer_if_unheard)
 
@@ -122,11 +124,8 @@ class RawLink:
         facts = await self._bench.facts()
         device = _device(facts, self.device)
         self._require_permission(facts, device)
-        async with self._bench.lender.parked(self.device):
-            record = partial(self._bench.record, self.device)
-            transport = open_transport(device.endpoint, sink=record)
+        async with self._bench.lender.parked(self.device), self._opened(device) as transport:
             try:
-                await transport.open()
                 self._transport = transport
                 self.begun.set_result({"endpoint": device.endpoint})
                 self._bench.tell("raw", device=self.device, on=True, by=self._who)
@@ -135,7 +134,26 @@ class RawLink:
                     await transport.read()
             finally:
                 self._transport = None
-                await transport.close()
+
+    def _opened(self, device: DeviceFacts) -> AbstractAsyncContextManager[Transport]:
+        record = partial(self._bench.record, self.device)
+        if not self._moves:
+            return plain_connection(device.endpoint, record)
+        return raw_connection(
+            device.endpoint,
+            device.driver,
+            record,
+            self._bench.folder,
+            simulated=self._simulated,
+            tell=lambda text: self._bench.tell("warning", text=text, data={}),
+            on_stop=self._guard_stopped,
+        )
+
+    def _guard_stopped(self, reason: str) -> None:
+        """End, and let nothing move before somebody has cleared it."""
+        self.aborted = self.aborted or reason
+        self._given_back = False
+        self.end(reason)
 
     def _require_permission(self, facts: BenchFacts, device: DeviceFacts) -> None:
         if self._arm not in {None, facts.cell}:
@@ -144,7 +162,8 @@ class RawLink:
             )
         identity = self._bench.identities().get(device.name)
         self._moves = may_move_an_arm(device.name, device.driver)
-        if self._moves and self._arm is None and (identity is None or not identity.simulated):
+        self._simulated = identity is not None and identity.simulated
+        if self._moves and self._arm is None and not self._simulated:
             raise UsageError(
                 f"what is sent to {device.name} may move the arm: type the cell's name to let it pass, "
                 f"--arm {facts.cell}"

@@ -7,7 +7,9 @@ import os
 import re
 import sys
 import threading
-from collections.abc import Callable
+from collections.abc import AsyncIterator, Callable
+from contextlib import AbstractAsyncContextManager, asynccontextmanager
+from functools import partial
 from pathlib import Path
 from typing import BinaryIO, Literal
 
@@ -16,8 +18,9 @@ from app.cell.load import load_cell
 from app.cell.model import Cell
 from app.commands.output import emit, say
 from app.errors import SafetyError, UsageError
+from app.guard.raw import plain_connection, raw_connection
+from app.runs_folder import runs_folder
 from drivers.clock import SystemClock
-from drivers.endpoint import open_transport
 from drivers.record import Direction
 from drivers.transport import Transport
 
@@ -52,7 +55,10 @@ def terminal_command(
             )
         if not may_send:
             say(f"listening only: what is sent may move the robot; --arm {cell.name} lets it pass")
-        link = open_transport(endpoint, sink=traffic.show)
+        if may_send and _moves(cell, device):
+            link = partial(_guarded, endpoint, _driver(cell, device), traffic)
+        else:
+            link = partial(plain_connection, endpoint, traffic.show)
         asyncio.run(_converse(link, traffic, encode if may_send else _refusal(cell), wait_s))
 
 
@@ -111,8 +117,40 @@ def _may_send(cell: Cell, device: str, arm: str | None) -> bool:
         raise SafetyError(
             f"--arm names {arm!r} and the cell is {cell.name!r}: nothing was sent; check which robot it is"
         )
-    drivers = {further.name: further.driver for further in cell.device}
-    return arm is not None or not may_move_an_arm(device, drivers.get(device, ""))
+    return arm is not None or not _moves(cell, device)
+
+
+def _moves(cell: Cell, device: str) -> bool:
+    return may_move_an_arm(device, _driver(cell, device))
+
+
+def _driver(cell: Cell, device: str) -> str:
+    """Return the driver of a device that may be a robot, empty for those that are none."""
+    drivers = {"robot": cell.robot.driver, **{further.name: further.driver for further in cell.device}}
+    return drivers.get(device, "")
+
+
+@asynccontextmanager
+async def _guarded(endpoint: str, driver: str, traffic: "_Traffic") -> AsyncIterator[Transport]:
+    """Open a connection to a robot, which nobody else moves and which is stopped when this program dies."""
+    body = asyncio.current_task()
+    stopped: list[str] = []
+
+    def on_stop(reason: str) -> None:
+        stopped.append(reason)
+        if body is not None:
+            body.cancel()
+
+    # Whether it is an emulator is not known: nobody has asked.
+    try:
+        async with raw_connection(
+            endpoint, driver, traffic.show, runs_folder(None), simulated=False, tell=say, on_stop=on_stop
+        ) as link:
+            yield link
+    except asyncio.CancelledError:
+        if not stopped:
+            raise
+        raise SafetyError(stopped[0]) from None
 
 
 def _encoder(end: LineEnd, as_hex: bool) -> Callable[[str], bytes]:
@@ -171,10 +209,19 @@ def _append(log: BinaryIO, line: str) -> None:
 
 
 async def _converse(
+    opened: Callable[[], AbstractAsyncContextManager[Transport]],
+    traffic: _Traffic,
+    encode: Callable[[str], bytes],
+    wait_s: float,
+) -> None:
+    async with opened() as link:
+        await _pass_lines(link, traffic, encode, wait_s)
+
+
+async def _pass_lines(
     link: Transport, traffic: _Traffic, encode: Callable[[str], bytes], wait_s: float
 ) -> None:
     lines: asyncio.Queue[str | None] = asyncio.Queue()
-    await link.open()
     listening = asyncio.create_task(_listen(link))
     sending = asyncio.create_task(_send(link, lines, encode, traffic, wait_s))
     # Reading the standard input cannot be interrupted; the thread ends with the process.
@@ -188,7 +235,6 @@ async def _converse(
         listening.cancel()
         sending.cancel()
         await asyncio.gather(listening, sending, return_exceptions=True)
-        await link.close()
 
 
 async def _listen(link: Transport) -> None:

@@ -8,7 +8,13 @@ from typing import Any, Final, TypeVar
 from app.engine.halt import HaltLimits, HaltReport, halt
 from app.engine.states import ENDED, Effect, Event, State, transition
 from app.engine.waiting import cancel, uncancelled
-from app.errors import CatseyeError, InterruptedRunError, SafetyError, TerminatedRunError
+from app.errors import (
+    CatseyeError,
+    InterruptedRunError,
+    NotAcknowledgedError,
+    SafetyError,
+    TerminatedRunError,
+)
 from drivers.clock import Clock
 from procedures.devices import Robot
 
@@ -107,6 +113,10 @@ class RunControl:
     def stop(self, reason: str) -> None:
         """Stop the robot now and end the run."""
         self._end(Event.STOP, InterruptedRunError(reason))
+
+    def stop_unacknowledged(self, reason: str) -> None:
+        """Stop the robot now and end the run: nothing moves before somebody has acknowledged why."""
+        self._end(Event.STOP, NotAcknowledgedError(reason))
 
     def abort(self, error: CatseyeError) -> None:
         """Stop the robot now and end the run without teardown."""

@@ -8,6 +8,7 @@ from typing import Any
 from app.engine.interlock import RemoteIo
 from app.engine.waiting import cancel
 from app.errors import LinkFailedError, SafetyError, UsageError
+from app.guard.client import ArmGuard
 from drivers.errors import DeviceError
 from procedures.context import Json
 from procedures.devices import DeviceIdentity, Environment, Interferometer, Robot, Tracker
@@ -33,6 +34,7 @@ class Devices:
         tracker: an independent instrument, if the cell has one.
         io: door interlock and stack light, if the cell has them.
         material: a sensor whose temperature is that of the links, if the cell has one.
+        guard: of the robot's arm; None where nobody can own it, which is for tests.
     """
 
     robot: Robot
@@ -41,6 +43,7 @@ class Devices:
     tracker: Tracker | None = None
     io: RemoteIo | None = None
     material: Environment | None = None
+    guard: ArmGuard | None = None
 
     def named(self) -> dict[str, Device]:
         """Return the instruments by their names in the cell file."""

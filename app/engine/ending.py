@@ -5,7 +5,7 @@ from typing import Literal
 
 from app.engine.control import RunControl
 from app.engine.states import State
-from app.errors import CatseyeError, LimitError, SafetyError, exit_code_of
+from app.errors import CatseyeError, LimitError, NotAcknowledgedError, SafetyError, exit_code_of
 from app.exitcode import ExitCode
 from drivers.errors import AlarmError, NotArrivedError, NotReadyError
 
@@ -65,4 +65,5 @@ def ending_of(control: RunControl, error: BaseException) -> Ending:
         return Ending("aborted", ExitCode.SAFETY, "; ".join([warning, *first, *troubles]))
     if control.state == State.ABORTED:
         return Ending("aborted", code, text)
-    return Ending("stopped" if code == ExitCode.INTERRUPTED else "failed", code, text)
+    stopped = code == ExitCode.INTERRUPTED or isinstance(cause, NotAcknowledgedError)
+    return Ending("stopped" if stopped else "failed", code, text)

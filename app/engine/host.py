@@ -39,6 +39,7 @@ from app.engine.timekeeping import StepTime
 from app.engine.waiting import cancel, uncancelled, within
 from app.errors import SafetyError, StorageError, TerminatedRunError, UsageError
 from app.exitcode import ExitCode
+from app.guard.client import ArmGuard
 from app.store.lines import LogHandler
 from app.store.reader import Accept, RunReader
 from app.store.run_store import DEFAULT_RESERVE_BYTES, RunStore
@@ -259,6 +260,8 @@ class _Run:
         if not simulated and self._request.clock_speed != 1.0:
             raise UsageError("the devices are real: leave --speed out, real time cannot run faster")
         self._require_same_world(simulated)
+        if devices.guard is not None:
+            await self._own(devices.guard, simulated)
         compensation = Compensation(devices.interferometer.compensated, self._request.air).facts()
         self._require_same_compensation(compensation)
         facts: dict[str, Json] = {
@@ -317,6 +320,17 @@ class _Run:
         self._watch = asyncio.create_task(watchman.watch())
         self._watch.add_done_callback(self._watch_ended)
         return self._context
+
+    async def _own(self, guard: ArmGuard, simulated: bool) -> None:
+        """Become the arm's only owner and have it guarded, before anything that moves it or stops it is sent."""
+        guard.on_stop = self._guard_stopped
+        for text in await guard.hold(
+            f"run {self._store.path.name}", self._store.path.parent, simulated=simulated
+        ):
+            self._warn(f"the guard stopped this arm before: {text}")
+
+    def _guard_stopped(self, reason: str) -> None:
+        self._control.stop_unacknowledged(reason)
 
     def _watch_ended(self, watch: "asyncio.Task[None]") -> None:
         """Nothing goes on unwatched: a watchman who fails, by a fault of the program, ends the run."""
@@ -460,9 +474,12 @@ class _Run:
         except FAILURES as error:
             troubles["light"] = str(error)
         try:
-            return troubles | await within(self._clock, self._closing_bound_s, close_all(devices))
+            troubles |= await within(self._clock, self._closing_bound_s, close_all(devices))
         except FAILURES as error:
-            return troubles | {"devices": str(error)}
+            troubles["devices"] = str(error)
+        if devices.guard is not None:
+            await devices.guard.let_go()
+        return troubles
 
     def _tell(self, event: dict[str, Json]) -> None:
         if self._light is not None:

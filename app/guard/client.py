@@ -166,7 +166,9 @@ class ArmGuard:
         try:
             self._process = GuardProcess(self._said, self._gone)
         except OSError as error:
-            raise GuardError(f"the guard process does not start ({error}): nothing moves without it") from error
+            raise GuardError(
+                f"the guard process does not start ({error}): nothing moves without it"
+            ) from error
         log = [] if self._log is None else [self._log]
         self._process.say(f"own {self._lock.arm}", [*log, *self._lock.descriptors])
         for name in self._links:

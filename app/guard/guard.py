@@ -100,6 +100,8 @@ class Guard:
     """
 
     def __init__(self, engine: socket.socket) -> None:
+        # Not by a flag: recv_fds of some versions of Python ignores it.
+        engine.setblocking(False)
         self._engine = engine
         self._poll = select.poll()
         self._poll.register(engine, select.POLLIN)
@@ -135,9 +137,7 @@ class Guard:
         """
         while True:
             try:
-                data, descriptors, _, _ = socket.recv_fds(
-                    self._engine, _MESSAGE_BYTES, _MOST_DESCRIPTORS, socket.MSG_DONTWAIT
-                )
+                data, descriptors, _, _ = socket.recv_fds(self._engine, _MESSAGE_BYTES, _MOST_DESCRIPTORS)
             except (BlockingIOError, InterruptedError):
                 return True
             except OSError:
@@ -204,7 +204,7 @@ class Guard:
     def _say(self, text: str) -> None:
         # An engine that reads nothing, or has gone, is told nothing.
         with contextlib.suppress(OSError):
-            self._engine.send(text.encode(), socket.MSG_DONTWAIT | socket.MSG_NOSIGNAL)
+            self._engine.send(text.encode())
 
     def _note(self, text: str) -> None:
         """Leave what was done in the log, and in the owner's locks for whoever takes the arm next."""

@@ -1,6 +1,7 @@
 """One owner per arm: a lock that every program and every user of this machine sees, released by the kernel."""
 
 import asyncio
+import contextlib
 import fcntl
 import getpass
 import ipaddress
@@ -22,6 +23,7 @@ from drivers.errors import LinkError
 _FOLDERS: Final = (Path("/run/lock"), Path("/tmp"))
 _SHARED = stat.S_ISVTX | stat.S_IWOTH
 _MOST_BYTES = 8192
+_LOOKS = 100
 _LONGEST_VALUE = 160
 _STOPPED = "stopped"
 _UNSEEMLY = re.compile(r"[^ -~]")
@@ -76,6 +78,7 @@ class OwnerLock:
         """
         self.arm = arms[0]
         self.descriptors: list[int] = []
+        self._paths: list[Path] = []
         self.history: list[str] = []
         try:
             for arm in arms:
@@ -96,28 +99,28 @@ class OwnerLock:
             keep: what a guard has left is for the next owner too.
         """
         if not keep:
-            for descriptor in self.descriptors:
+            for path, descriptor in zip(self._paths, self.descriptors, strict=True):
                 os.ftruncate(descriptor, 0)
+                # The file of another user stays.
+                with contextlib.suppress(OSError):
+                    path.unlink()
         self._close()
 
     def _take(self, arm: str, owner: Owner) -> None:
-        descriptor = _opened(lock_path(arm))
+        path = lock_path(arm)
+        descriptor = _locked(arm, path)
+        self._paths.append(path)
         self.descriptors.append(descriptor)
-        try:
-            fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
-        except BlockingIOError:
-            holder = _owner(_lines(descriptor))
-            told = holder.text if holder else "another program that has not said its name yet"
-            raise ArmInUseError(
-                f"the arm at {arm} is in use by {told}: nothing was sent to it; end that first, or wait for its end"
-            ) from None
         lines = _lines(descriptor)
         who = _owner(lines)
-        self.history += [f"{text} (then: {who.text})" if who else text for key, text in lines if key == _STOPPED]
+        self.history += [
+            f"{text} (then: {who.text})" if who else text for key, text in lines if key == _STOPPED
+        ]
         os.ftruncate(descriptor, 0)
         os.pwrite(descriptor, "".join(f"{k}={v}\n" for k, v in asdict(owner).items()).encode(), 0)
 
     def _close(self) -> None:
+        self._paths.clear()
         while self.descriptors:
             os.close(self.descriptors.pop())
 
@@ -130,12 +133,16 @@ async def arms_behind(endpoint: str) -> tuple[str, ...]:
     """
     place = parse_endpoint(endpoint)
     if isinstance(place, SerialEndpoint):
-        return (os.path.realpath(place.device),)
+        return (_real(place.device),)
     try:
         found = await asyncio.get_running_loop().getaddrinfo(place.host, place.port, type=socket.SOCK_STREAM)
     except OSError as error:
         raise LinkError(f"{endpoint}: its name cannot be resolved ({error}): check the endpoint") from error
     return tuple(sorted({_arm(str(address[0]), place.port) for _, _, _, _, address in found}))
+
+
+def _real(device: str) -> str:
+    return os.path.realpath(device)
 
 
 def lock_path(arm: str) -> Path:
@@ -161,6 +168,42 @@ def _arm(address: str, port: int) -> str:
     return f"loopback:{port}" if host.is_loopback else str(host)
 
 
+def _locked(arm: str, path: Path) -> int:
+    """Open the lock's file and lock it.
+
+    Raises:
+        ArmInUseError: another program holds it, or it cannot be opened.
+    """
+    for _ in range(_LOOKS):
+        descriptor = _opened(path)
+        try:
+            fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
+            if _is_at(path, descriptor):
+                return descriptor
+        except BlockingIOError:
+            with os.fdopen(descriptor):
+                raise _in_use(arm, _owner(_lines(descriptor))) from None
+        # Its last owner has removed it between our opening and locking it.
+        os.close(descriptor)
+    raise ArmInUseError(
+        f"{path}: the lock of the arm at {arm} comes and goes: find out which programs move it"
+    )
+
+
+def _in_use(arm: str, holder: Owner | None) -> ArmInUseError:
+    told = holder.text if holder else "another program that has not said its name yet"
+    return ArmInUseError(
+        f"the arm at {arm} is in use by {told}: nothing was sent to it; end that first, or wait for its end"
+    )
+
+
+def _is_at(path: Path, descriptor: int) -> bool:
+    try:
+        return os.path.samestat(path.lstat(), os.fstat(descriptor))
+    except FileNotFoundError:
+        return False
+
+
 def _opened(path: Path) -> int:
     """Open the lock's file, made when missing; nothing that it leads to, or that is no plain file, is touched.
 
@@ -180,7 +223,7 @@ def _opened(path: Path) -> int:
             "who made it so, then remove it while no program moves the arm"
         ) from error
     found = os.fstat(descriptor)
-    if not stat.S_ISREG(found.st_mode) or found.st_nlink != 1:
+    if not stat.S_ISREG(found.st_mode) or found.st_nlink > 1:
         os.close(descriptor)
         raise ArmInUseError(
             f"{path} is no plain file of its own: nothing was sent to the arm; find out who made it, then remove it"

@@ -58,9 +58,9 @@ class GuardProcess:
             return False
         try:
             if descriptors:
-                socket.send_fds(self._link, [text.encode()], list(descriptors), socket.MSG_NOSIGNAL)
+                socket.send_fds(self._link, [text.encode()], list(descriptors))
             else:
-                self._link.send(text.encode(), socket.MSG_NOSIGNAL)
+                self._link.send(text.encode())
         except OSError:
             # A process that takes nothing, or has gone, shows by what it says no more.
             return False

@@ -71,6 +71,7 @@ class EngineBench:
             self.telemetry.traffic.record,
             self._tell_hands,
             self._clock,
+            self._root,
         )
 
     async def end(self) -> None:

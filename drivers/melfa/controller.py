@@ -3,7 +3,7 @@
 import contextlib
 import re
 from collections.abc import AsyncIterator, Awaitable, Callable, Iterable, Mapping
-from contextlib import asynccontextmanager
+from contextlib import AbstractAsyncContextManager, asynccontextmanager
 from dataclasses import dataclass, field
 from typing import Self, TypeVar
 
@@ -56,6 +56,7 @@ class MelfaController:
         take_right: takes the operation right.
         stop: stops the robot and waits for its standstill.
         watch_stops: returns a check that refuses once a stop has begun.
+        guarded: has the arm stopped when this program falls silent meanwhile.
     """
 
     def __init__(
@@ -64,11 +65,13 @@ class MelfaController:
         take_right: Callable[[], Awaitable[None]],
         stop: Callable[[], Awaitable[None]],
         watch_stops: Callable[[], Callable[[], None]],
+        guarded: Callable[[], AbstractAsyncContextManager[None]],
     ) -> None:
         self._session = session
         self._take_right = take_right
         self._stop = stop
         self._watch_stops = watch_stops
+        self._guarded = guarded
 
     async def read_variable(self, name: str) -> Value:
         """Return a variable's value: number, joints (deg or mm), position or text."""
@@ -258,7 +261,10 @@ class MelfaController:
         """
         await self._session.link.ensure()
         await self._take_right()
-        async with jogging(self._session, directions, self._stop, self._watch_stops()) as jog:
+        async with (
+            self._guarded(),
+            jogging(self._session, directions, self._stop, self._watch_stops()) as jog,
+        ):
             yield jog
 
     async def _ask(self, command: str, parse: Callable[[str], T]) -> T:

@@ -4,7 +4,7 @@ import math
 from abc import ABC, abstractmethod
 from collections.abc import AsyncIterator, Mapping, Sequence
 from contextlib import asynccontextmanager
-from typing import Any
+from typing import Any, ClassVar
 
 from drivers.melfa.controller import MelfaController
 from drivers.melfa.jog import Direction, Jog
@@ -19,6 +19,9 @@ class LedArm(ABC):
     Args:
         controller: the R-protocol side.
     """
+
+    takes_guard: ClassVar[bool] = True
+    stop_request: ClassVar[bytes] = MelfaR3.stop_request
 
     def __init__(self, controller: MelfaR3) -> None:
         self._controller = controller
@@ -88,7 +91,7 @@ def parted(settings: Mapping[str, Any], model: type[MelfaSettings]) -> tuple[dic
         model: of the driver.
     """
     own = model.model_fields.keys() - MelfaSettings.model_fields.keys()
-    of_connections = {"stop_endpoint", "status_endpoint", "stop_sink"}
+    of_connections = {"stop_endpoint", "status_endpoint", "stop_sink", "guard"}
     return (
         {key: value for key, value in settings.items() if key not in own},
         {key: value for key, value in settings.items() if key not in of_connections},

@@ -27,6 +27,7 @@ from drivers.errors import (
     ProtocolError,
     RefusedError,
 )
+from drivers.guarding import UNGUARDED, LinkGuard, guarded
 from drivers.healing import ATTEMPTS, Repeat
 from drivers.link import uninterrupted
 from drivers.melfa import codec
@@ -60,6 +61,14 @@ _CLOSE_TIMEOUT_S = 3.0
 _Ask = Callable[[str, Layout], Awaitable[Answer]]
 
 
+def stop_bytes(settings: MelfaSettings) -> bytes:
+    """Return what stops the arm on a connection on which a request may be half written: CR ends that one."""
+    stop = codec.encode(
+        "STOP", robot=settings.robot_number, slot=settings.slot, terminator=settings.terminator or "\r"
+    )
+    return b"\r" + stop
+
+
 class MelfaR3:
     """Robot driver.
 
@@ -71,9 +80,12 @@ class MelfaR3:
         byte_s: time of one byte on a serial line, real s; 0 on a network.
         status_transport: connection for questions while the arm moves; None: the stop connection serves them.
         variable: of the controller that carries targets, one of `VARIABLES`; by default each connection takes any.
+        guard: of the arm; None for tests and for whoever guards it otherwise.
     """
 
     Settings: ClassVar[type[MelfaSettings]] = MelfaSettings
+    takes_guard: ClassVar[bool] = True
+    stop_request: ClassVar[bytes] = stop_bytes(MelfaSettings())
 
     def __init__(
         self,
@@ -85,12 +97,15 @@ class MelfaR3:
         byte_s: float = 0.0,
         status_transport: Transport | None = None,
         variable: str | None = None,
+        guard: LinkGuard | None = None,
     ) -> None:
         self._settings = settings or MelfaSettings()
         self._clock = clock
+        self._guard = guard or UNGUARDED
+        transport = guarded(transport, guard, "robot", stop_bytes(self._settings))
         self._main = Session(transport, self._settings, name="robot", set_up=self._take_over, byte_s=byte_s)
         stop, status = (
-            Session(further, self._settings, name=f"robot ({use} connection)") if further else None
+            self._further(further, use, guard)
             for further, use in ((stop_transport, "stop"), (status_transport, "status"))
         )
         self._connections = Connections(self._main, stop, status)
@@ -114,6 +129,7 @@ class MelfaR3:
         stop_endpoint: str | None = None,
         status_endpoint: str | None = None,
         stop_sink: Sink | None = None,
+        guard: LinkGuard | None = None,
         **settings: Any,
     ) -> Self:
         """Return a driver for endpoints as the cell file writes them; nothing is opened yet.
@@ -125,6 +141,7 @@ class MelfaR3:
             stop_endpoint: of the stop connection, for controllers that serve one client a port.
             status_endpoint: of the connection for questions while the arm moves; as `endpoint` by default.
             stop_sink: is shown all bytes of the further connections; `sink` by default.
+            guard: of the arm.
             settings: fields of `MelfaSettings`.
 
         Raises:
@@ -144,7 +161,7 @@ class MelfaR3:
             open_transport(place, connect_timeout_s=timeout_s, sink=stop_sink or sink) if place else None
             for place in (stop_endpoint, status_endpoint)
         )
-        return cls(main, aside, clock, checked, byte_s=byte_s, status_transport=status)
+        return cls(main, aside, clock, checked, byte_s=byte_s, status_transport=status, guard=guard)
 
     @property
     def notes(self) -> tuple[str, ...]:
@@ -154,7 +171,7 @@ class MelfaR3:
     @property
     def controller(self) -> MelfaController:
         """The controller beyond motion: variables, programs, parameters, signals, log, monitors, jog."""
-        return MelfaController(self._main, self.take_right, self.stop, self.watch_stops)
+        return MelfaController(self._main, self.take_right, self.stop, self.watch_stops, self.guarded)
 
     async def connect(self) -> Identity:
         """Open all connections and recognise the controller; nothing but questions is sent.
@@ -297,16 +314,21 @@ class MelfaR3:
             raise ValueError(f"joints of a motion must be finite numbers, got {target}")
         watch = StopWatch(self._stops, self._main.where)
         try:
-            await self._main.link.repeated(self._main.link.ensure)
-            await self.take_right()
-            await self._prepare_and_go(target, watch.require_none)
-        except asyncio.CancelledError:
-            await self.stop()
-            raise
+            async with self.guarded():
+                await self._move(target, self._permit(watch))
         except NotReadyError as exc:
             # A stop of this program that overlaps the motion is its own doing and calls for no operator.
             if exc.number == STOP_IS_ON and watch.seen:
                 raise RefusedError(str(exc), exc.number) from None
+            raise
+
+    async def _move(self, target: Joints, permit: Callable[[], None]) -> None:
+        try:
+            await self._main.link.repeated(self._main.link.ensure)
+            await self.take_right()
+            await self._prepare_and_go(target, permit)
+        except asyncio.CancelledError:
+            await self.stop()
             raise
 
     def jogging(self, directions: Mapping[str, Direction]) -> AbstractAsyncContextManager[Jog]:
@@ -328,8 +350,28 @@ class MelfaR3:
             await uninterrupted(halt.confirm())
 
     def watch_stops(self) -> Callable[[], None]:
-        """Return a check that raises RefusedError once a stop has begun: what it overtakes must not begin."""
-        return StopWatch(self._stops, self._main.where).require_none
+        """Return a check that raises RefusedError once a stop has begun: what it overtakes must not begin.
+
+        It raises GuardError where the arm's guard does not permit a motion.
+        """
+        return self._permit(StopWatch(self._stops, self._main.where))
+
+    def guarded(self) -> AbstractAsyncContextManager[None]:
+        """Have the arm stopped when this program falls silent meanwhile.
+
+        Raises:
+            GuardError: nobody guards the arm.
+        """
+        return self._guard.motion()
+
+    def _permit(self, watch: StopWatch) -> Callable[[], None]:
+        """Return what is asked right before a motion is written."""
+
+        def permit() -> None:
+            watch.require_none()
+            self._guard.permit()
+
+        return permit
 
     async def take_right(self) -> None:
         """Take the operation right unless it is held; permission to move has been given by now.
@@ -340,6 +382,8 @@ class MelfaR3:
         """
         if self._has_right:
             return
+        # Who does not own the arm takes nobody's right.
+        self._guard.permit()
         ask = partial(self._main.ask, repeat=Repeat.HARMLESS)
         await self._claim_right(ask)
         try:
@@ -360,7 +404,7 @@ class MelfaR3:
         """
         await self.take_right()
         await self._main.command("RSTPRG")
-        await self._main.command(f"RUN{name};1")
+        await self._main.command(f"RUN{name};1", permit=self._guard.permit)
 
     async def account_for(self, target: Joints, lost: DeviceError) -> None:
         """Ask where the robot is after the answer to a motion was lost; go on only if it stands at the target.
@@ -383,6 +427,12 @@ class MelfaR3:
             self.stop,
             still_polls=self._unstarted_polls,
         )
+
+    def _further(self, transport: Transport | None, use: str, guard: LinkGuard | None) -> Session | None:
+        if transport is None:
+            return None
+        held = guarded(transport, guard, use, stop_bytes(self._settings))
+        return Session(held, self._settings, name=f"robot ({use} connection)")
 
     async def _take_over(self) -> None:
         """Restore what a new connection does not know: the variable, and the right if it had been taken."""

@@ -166,11 +166,14 @@ class MelfaDatalink(LedArm):
             ValueError: no target, or a joint is not a finite number.
         """
         require_way(way)
-        require_no_stop = self._controller.watch_stops()
+        async with self._controller.guarded():
+            await self._follow(way, self._controller.watch_stops())
+
+    async def _follow(self, way: Sequence[Joints], permit: Callable[[], None]) -> None:
         try:
             for first in range(0, len(way), codec.MAX_POINTS):
                 part = way[first : first + codec.MAX_POINTS]
-                await self._lead(part, require_no_stop)
+                await self._lead(part, permit)
         except asyncio.CancelledError:
             await self.stop()
             raise
@@ -181,13 +184,12 @@ class MelfaDatalink(LedArm):
         self._link.distrust("the program was stopped")
         await self._controller.stop()
 
-    async def _lead(self, part: Sequence[Joints], require_no_stop: Callable[[], None]) -> None:
+    async def _lead(self, part: Sequence[Joints], permit: Callable[[], None]) -> None:
         for attempt in range(1, ATTEMPTS + 1):
             await self._ready()
             await self._link.repeated(partial(self._send, part))
-            require_no_stop()
             try:
-                await self._drive(part[-1])
+                await self._drive(part[-1], permit)
             except NotSentError:
                 # The answer to a point came twice: the way was kept back, and nothing moves.
                 if attempt == ATTEMPTS:
@@ -224,10 +226,12 @@ class MelfaDatalink(LedArm):
                     "nothing was moved; check that no other program talks to this port"
                 )
 
-    async def _drive(self, target: Joints) -> None:
+    async def _drive(self, target: Joints, permit: Callable[[], None]) -> None:
+        # Asked here too: a stop may have left the link out of step, and is the reason that counts.
+        permit()
         self._driving = True
         try:
-            answer = await self._driven()
+            answer = await self._driven(permit)
         except NotSentError:
             raise
         except (LinkError, ProtocolError) as lost:
@@ -240,14 +244,16 @@ class MelfaDatalink(LedArm):
         if off := off_target(reached, target, self._settings):
             raise NotArrivedError(f"{self._link.where}: the motion is over, but {off}: {LOOK_WHY}")
 
-    async def _driven(self) -> Record:
+    async def _driven(self, permit: Callable[[], None]) -> Record:
         """Drive; return the answer. A program that stands after anybody's STOP or in alarm gives none: it is watched.
 
         Raises:
             LinkError: the program stands, or the controller does not tell.
             ProtocolError: garbage came.
         """
-        drive = asyncio.ensure_future(self._ask(codec.DRIVE, timeout_s=self._settings.move_timeout_s))
+        drive = asyncio.ensure_future(
+            self._ask(codec.DRIVE, timeout_s=self._settings.move_timeout_s, permit=permit)
+        )
         standing = 0
         try:
             while not drive.done():
@@ -270,6 +276,7 @@ class MelfaDatalink(LedArm):
         values: tuple[float, ...] = (),
         *,
         timeout_s: float | None = None,
+        permit: Callable[[], None] | None = None,
     ) -> Record:
         number = self._next_number()
         answer = await self._link.request(
@@ -278,6 +285,7 @@ class MelfaDatalink(LedArm):
             timeout_s or self._settings.answer_timeout_s,
             # Points belong to the list that was begun on this very connection.
             repeat=Repeat.BOUND if command in {codec.ADD, codec.DRIVE} else Repeat.NEVER,
+            permit=permit,
         )
         return await self._checked(answer, number, command)
 

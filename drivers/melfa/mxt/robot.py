@@ -21,9 +21,12 @@ from drivers.errors import (
     ProtocolError,
     RefusedError,
 )
+from drivers.guarding import LinkGuard, guarded
 from drivers.link import uninterrupted
 from drivers.melfa.led import LedArm, parted, require_way
 from drivers.melfa.motion import LOOK_WHY, off_target
+from drivers.melfa.mxt import codec
+from drivers.melfa.mxt.codec import Command
 from drivers.melfa.mxt.profile import Bounds, WayProfile
 from drivers.melfa.mxt.settings import MxtSettings
 from drivers.melfa.mxt.stream import SetPointStream
@@ -63,6 +66,7 @@ class MelfaMxt(LedArm):
         *,
         mxt_endpoint: str | None = None,
         stream_sink: Sink | None = None,
+        guard: LinkGuard | None = None,
         **settings: Any,
     ) -> Self:
         """Return a driver for endpoints as the cell file writes them; nothing is opened yet.
@@ -73,6 +77,7 @@ class MelfaMxt(LedArm):
             sink: is shown all bytes of the R-protocol.
             mxt_endpoint: of the controller's real-time port.
             stream_sink: is shown all datagrams; `sink` by default.
+            guard: of the arm; set points end with the program anyway, END lets the arm stand at once.
             settings: fields of `MxtSettings`; `stop_endpoint` as for `MelfaR3`.
 
         Raises:
@@ -85,11 +90,11 @@ class MelfaMxt(LedArm):
                 'mxt_endpoint = "udp://192.168.0.20:10000"'
             )
         for_controller, for_model = parted(settings, MxtSettings)
-        controller = MelfaR3.at(endpoint, clock, sink, **for_controller)
+        controller = MelfaR3.at(endpoint, clock, sink, guard=guard, **for_controller)
         checked = MxtSettings(**for_model)
-        stream = SetPointStream(
-            open_transport(mxt_endpoint, sink=stream_sink or sink), clock, checked, name="robot (MXT)"
-        )
+        datagrams = open_transport(mxt_endpoint, sink=stream_sink or sink)
+        end = codec.encode(Command.END, 0)
+        stream = SetPointStream(guarded(datagrams, guard, "mxt", end), clock, checked, name="robot (MXT)")
         return cls(controller, stream, checked)
 
     @property
@@ -152,13 +157,14 @@ class MelfaMxt(LedArm):
             ValueError: no target, or a joint is not a finite number.
         """
         require_way(way)
-        require_no_stop = self._controller.watch_stops()
-        try:
-            await self._ready()
-            await self._lead(way, require_no_stop)
-        except asyncio.CancelledError:
-            await self.stop()
-            raise
+        async with self._controller.guarded():
+            require_no_stop = self._controller.watch_stops()
+            try:
+                await self._ready()
+                await self._lead(way, require_no_stop)
+            except asyncio.CancelledError:
+                await self.stop()
+                raise
 
     async def stop(self) -> None:
         """Stop now over the R-protocol; see MelfaR3.stop. The program that takes set points stands afterwards."""

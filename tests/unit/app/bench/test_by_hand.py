@@ -7,10 +7,10 @@ from typing import Any
 
 import pytest
 
-from app.bench import raw_link
 from app.bench.by_hand import ByHand
 from app.bench.facts import DeviceFacts
 from app.exitcode import ExitCode
+from app.guard import raw
 from app.service.errors import RefusedError
 from app.service.hub import Hub, Member
 from app.service.mailbox import Mailbox
@@ -18,6 +18,7 @@ from app.service.messages import JogHold, JogMode, JogStep, Raw, Send
 from drivers.errors import LinkError
 from tests.unit.app.bench.benches import cell_from_template
 from tests.unit.app.bench.timed_arm import HandFixture, TimedArm
+from tests.unit.app.guard.fakes import FakeGuard
 from tests.unit.drivers.virtual_time import VirtualClock, run
 
 
@@ -66,7 +67,7 @@ class Wire:
         self.sink("tx", data)
 
     def fileno(self) -> int:
-        raise LinkError("a wire of a test has no descriptor")
+        return -1
 
 
 class Engine:
@@ -82,7 +83,9 @@ class Engine:
         self.ada, self.ben = (self.hub.join("test", who, Mailbox(), print) for who in ("Ada", "Ben"))
         self.hub.take_control(self.ada, force=False)
         self.wire = Wire()
-        monkeypatch.setattr(raw_link, "open_transport", self._opened)
+        self.guard = FakeGuard()
+        monkeypatch.setattr(raw, "open_transport", self._opened)
+        monkeypatch.setattr(raw, "ArmGuard", lambda _endpoint: self.guard)
 
     def jog(self, *, on: bool = True, who: Member | None = None) -> "asyncio.Future[Any]":
         return self.by_hand.jog(who or self.ada, JogMode(v=1, id=1, op="jog", on=on))

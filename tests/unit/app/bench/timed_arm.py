@@ -4,6 +4,7 @@ import asyncio
 from collections.abc import AsyncIterator, Mapping
 from contextlib import asynccontextmanager
 from dataclasses import dataclass, field, replace
+from pathlib import Path
 from typing import Any, Literal, cast
 
 from app.bench.facts import BenchFacts, DeviceFacts
@@ -208,7 +209,9 @@ class HandFixture:
             air_rule(cell),
             None,
         )
-        self.bench = HandBench(self, self._facts, self._identities, self._record, self._tell, VirtualClock())
+        self.bench = HandBench(
+            self, self._facts, self._identities, self._record, self._tell, VirtualClock(), Path()
+        )
 
     @asynccontextmanager
     async def lent(self) -> AsyncIterator[Devices]:

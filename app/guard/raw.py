@@ -1,0 +1,85 @@
+"""A connection for bytes that a person sends to a robot: owned and guarded as every other motion is."""
+
+from collections.abc import AsyncIterator, Callable
+from contextlib import asynccontextmanager
+from pathlib import Path
+
+from app.guard.client import ArmGuard
+from drivers.endpoint import open_transport
+from drivers.guarding import GuardedTransport
+from drivers.record import Sink
+from drivers.registry import load_driver
+from drivers.transport import Transport
+
+
+class _Permitted(GuardedTransport):
+    """A connection that takes bytes only while its guard permits a motion."""
+
+    async def write(self, data: bytes) -> None:
+        """Send all bytes.
+
+        Raises:
+            GuardError: nothing may move now.
+            LinkError: the link is closed.
+        """
+        self._guard.permit()
+        await super().write(data)
+
+
+@asynccontextmanager
+async def plain_connection(endpoint: str, sink: Sink) -> AsyncIterator[Transport]:
+    """Open a connection to a device that moves nothing.
+
+    Raises:
+        LinkError: unreachable.
+    """
+    transport = open_transport(endpoint, sink=sink)
+    try:
+        await transport.open()
+        yield transport
+    finally:
+        await transport.close()
+
+
+@asynccontextmanager
+async def raw_connection(
+    endpoint: str,
+    driver: str,
+    sink: Sink,
+    folder: Path,
+    *,
+    simulated: bool,
+    tell: Callable[[str], None],
+    on_stop: Callable[[str], None],
+) -> AsyncIterator[Transport]:
+    """Open a connection to a robot for raw bytes; a motion counts as under way until it is closed.
+
+    Args:
+        endpoint: of the robot's controller.
+        driver: of the robot, which knows what stops it.
+        sink: is called with all bytes that pass.
+        folder: of all runs, for the guard's log.
+        simulated: the robot is an emulator.
+        tell: is called with what guards have done to this arm since its last owner.
+        on_stop: is called when the guard has stopped the arm.
+
+    Raises:
+        ArmInUseError: another program moves the arm.
+        SafetyError: nothing is known to stop this robot, and it is real.
+        LinkError: unreachable.
+    """
+    guard = ArmGuard(endpoint)
+    guard.on_stop = on_stop
+    transport = open_transport(endpoint, sink=sink)
+    stop = getattr(load_driver(driver), "stop_request", None)
+    if stop is not None:
+        transport = _Permitted(transport, guard, "raw", stop)
+    try:
+        await transport.open()
+        for text in await guard.hold("raw bytes by hand", folder, simulated=simulated):
+            tell(f"the guard stopped this arm before: {text}")
+        async with guard.motion():
+            yield transport
+    finally:
+        await transport.close()
+        await guard.let_go()

@@ -1,0 +1,1 @@
+"""Tests of the bench between runs and of what clients are told about it."""
