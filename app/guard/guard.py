@@ -1,7 +1,8 @@
 """The guard: a process that says STOP when the engine dies, or falls silent while the arm moves.
 
 Standard library only, imports nothing of ours, so that it starts in milliseconds and has little that can fail. Called
-as `python -I -S guard.py DESCRIPTOR`; the descriptor is one end of a SOCK_SEQPACKET pair, the engine has the other.
+as `python -I -S guard.py DESCRIPTOR PID`; the descriptor is one end of a SOCK_SEQPACKET pair, the engine has the
+other, and its process number is for whoever lists the processes.
 Each message is one packet of words:
 
 engine → guard `own ARM`, with the descriptors of the log and of the owner's locks · `protect NAME HEX`, with the

@@ -2,6 +2,7 @@
 
 import asyncio
 import contextlib
+import os
 import socket
 import subprocess
 import sys
@@ -123,7 +124,7 @@ class GuardProcess:
 def _started(theirs: socket.socket) -> "subprocess.Popen[bytes]":
     descriptor = theirs.fileno()
     return subprocess.Popen(
-        [sys.executable, "-I", "-S", str(_PROGRAM), str(descriptor)],
+        [sys.executable, "-I", "-S", str(_PROGRAM), str(descriptor), str(os.getpid())],
         pass_fds=(descriptor,),
         # Neither a signal to the group, nor Ctrl-C or Ctrl-Z at the terminal reaches it.
         start_new_session=True,

@@ -1,1 +1,1 @@
-"""Tests of the bench between runs and of what clients are told about it."""
+"""Tests of the guard and of the lock of an arm."""

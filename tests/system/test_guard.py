@@ -1,0 +1,169 @@
+"""The guard: what becomes of a moving arm whose program is killed, stopped or blocked, with the controller as witness."""
+
+import os
+import signal
+import subprocess
+from collections.abc import Callable, Iterator
+from pathlib import Path
+
+import pytest
+
+from app.guard.guard import DIED, SILENT
+from tests.system.command import Emulated, catseye, emulated
+from tests.system.guarded import (
+    Program,
+    guards_of,
+    measuring,
+    moved,
+    newest_end,
+    program,
+    requests,
+    until,
+    words_after_first_stop,
+)
+
+SLOW = {"override_cap_percent = 20 ": "override_cap_percent = 2 "}
+"""A motion of some seconds: an arm that nobody stops goes on for longer than a test waits."""
+
+
+@pytest.fixture
+def bench(tmp_path: Path) -> Iterator[Emulated]:
+    with emulated(tmp_path, "--speed", "1", edit=SLOW) as running:
+        yield running
+
+
+def begun_s(bench: Emulated) -> float:
+    return float(bench.ask(op="state")["time_s"])
+
+
+def stands_short_of_its_target(bench: Emulated, since_s: float) -> None:
+    until(lambda: not bench.ask(op="state")["moving"])
+    entries = bench.ask(op="log", device="robot")["entries"]
+    motions = [e["text"] for e in entries if e["kind"] == "motion" and e["time_s"] > since_s]
+    assert any(text.startswith("stop towards") for text in motions), motions
+
+
+def test_killed_run_leaves_an_arm_that_stands(bench: Emulated) -> None:
+    with measuring(bench) as run:
+        run.until_moving()
+        now_s = begun_s(bench)
+        run.send(signal.SIGKILL)
+        stands_short_of_its_target(bench, now_s)
+        assert moved(words_after_first_stop(bench, now_s)) == []
+        (name,) = {path.name for path in (bench.cell.parent / "catseye-runs").glob("2*_open-loop_*")}
+        until(lambda: guards_of(run.process.pid) == [])
+    assert DIED in (bench.cell.parent / "catseye-runs" / "guard.log").read_text(encoding="utf-8")
+    # The next one to move this arm is told, whichever run it is.
+    with program(bench, "run", "open-loop", "--cell", bench.cell, "--search", "none") as again:
+        again.until_moving()
+        again.send(signal.SIGTERM)
+        _, stderr = again.ended()
+    assert "the guard stopped this arm before" in stderr
+    assert DIED in stderr
+    assert name in stderr
+
+
+def stopped_process(run: Program) -> None:
+    run.send(signal.SIGSTOP)
+
+
+def blocked_loop(run: Program) -> None:
+    run.send(signal.SIGUSR2)
+
+
+@pytest.mark.parametrize("silence", [stopped_process, blocked_loop])
+def test_silent_program_is_stopped_and_sends_no_motion(
+    bench: Emulated, silence: Callable[[Program], None]
+) -> None:
+    with measuring(bench, "tests.system.blockable") as run:
+        run.until_moving()
+        now_s = begun_s(bench)
+        silence(run)
+        stands_short_of_its_target(bench, now_s)
+        run.send(signal.SIGCONT)
+        code, stderr = run.ended()
+        assert code == 5, stderr
+        assert SILENT in stderr
+        assert moved(words_after_first_stop(bench, now_s)) == []
+    end = newest_end(bench)
+    assert end["status"] == "stopped"
+
+
+def test_run_goes_on_after_the_guard_has_stopped_it(bench: Emulated) -> None:
+    with measuring(bench) as run:
+        run.until_moving()
+        run.send(signal.SIGSTOP)
+        until(lambda: not run.moving)
+        run.send(signal.SIGCONT)
+        assert run.ended()[0] == 5
+    with program(bench, "resume", newest_end(bench)["run"], "--json") as resumed:
+        resumed.until_moving()
+
+
+def test_death_of_the_guard_stops_the_arm(bench: Emulated) -> None:
+    with measuring(bench) as run:
+        run.until_moving()
+        now_s = begun_s(bench)
+        (guard,) = guards_of(run.process.pid)
+        os.kill(guard, signal.SIGKILL)
+        code, stderr = run.ended()
+        assert code == 5, stderr
+        assert "the guard process ended while the arm moved" in stderr
+        assert moved(words_after_first_stop(bench, now_s)) == []
+
+
+def test_signals_to_the_group_leave_the_guard_alive(bench: Emulated) -> None:
+    with measuring(bench) as run:
+        run.until_moving()
+        (guard,) = guards_of(run.process.pid)
+        for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP, signal.SIGTSTP):
+            os.kill(guard, number)
+        assert os.getsid(guard) != os.getsid(run.process.pid)
+        now_s = begun_s(bench)
+        run.send(signal.SIGKILL)
+        stands_short_of_its_target(bench, now_s)
+
+
+def test_second_program_is_refused_and_disturbs_nothing(bench: Emulated) -> None:
+    with measuring(bench) as run:
+        run.until_moving()
+        now_s = begun_s(bench)
+        second = catseye("run", "open-loop", "--cell", bench.cell, "--search", "none", cwd=bench.cell.parent)
+        assert second.returncode == 3, second.stderr
+        assert f"in use by process {run.process.pid}" in second.stderr
+        assert "_open-loop_" in second.stderr
+        # Reading moves nothing.
+        assert catseye("doctor", bench.cell, cwd=bench.cell.parent).returncode == 0
+        told = [text for time_s, text in requests(bench) if time_s > now_s]
+        assert not [word for word in told if word.startswith(("STOP", "SRV", "CNTL", "OVRD="))]
+        assert run.process.poll() is None
+
+
+def test_healed_link_is_guarded_too(bench: Emulated) -> None:
+    with measuring(bench) as run:
+        run.until_moving()
+        bench.ask(op="fault", name="drop", device="robot")
+        until(lambda: bench.ask(op="log", device="robot")["entries"][-1]["kind"] == "request")
+        until(lambda: run.moving or run.process.poll() is not None)
+        now_s = begun_s(bench)
+        run.send(signal.SIGKILL)
+        until(lambda: not bench.ask(op="state")["moving"])
+        assert moved([text for time_s, text in requests(bench) if time_s > now_s]) == []
+
+
+def test_raw_bytes_are_guarded_and_owned(bench: Emulated) -> None:
+    words = ["terminal", "robot", bench.cell, "--arm", "lab-1", "--eol", "cr", "--wait", "60"]
+    with program(bench, *words, stdin=subprocess.PIPE) as terminal:
+        assert terminal.process.stdin is not None
+        terminal.process.stdin.write(
+            "1;1;OPEN=HAND\n1;1;CNTLON\n1;1;OVRD=2\n1;1;SRVON\n1;1;EXECMOV (60,0,0,0)\n"
+        )
+        terminal.process.stdin.flush()
+        until(lambda: [w for _, w in requests(bench) if w.startswith("SRVON")] != [])
+        second = catseye("run", "open-loop", "--cell", bench.cell, "--search", "none", cwd=bench.cell.parent)
+        assert second.returncode == 3
+        assert "raw bytes by hand" in second.stderr
+        now_s = begun_s(bench)
+        terminal.send(signal.SIGKILL)
+        until(lambda: guards_of(terminal.process.pid) == [])
+        assert words_after_first_stop(bench, now_s)
