@@ -29,6 +29,8 @@ class ControllerStatus(Protocol):
     @property
     def running(self) -> bool: ...  # noqa: D102  # the attribute's name says it
     @property
+    def operation_enabled(self) -> bool: ...  # noqa: D102  # the attribute's name says it
+    @property
     def emergency_stop(self) -> bool: ...  # noqa: D102  # the attribute's name says it
     @property
     def teach_mode(self) -> bool: ...  # noqa: D102  # the attribute's name says it

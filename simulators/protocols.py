@@ -72,7 +72,7 @@ def _melfa_mxt(world: World, device: EmulatedDevice, note: Note) -> NewSession:
         mode=choice(device, "mxt_mode", MODES),
         cycle_s=number(device, "mxt_cycle_ms", 7.1) / 1e3,
         filter_s=number(device, "mxt_filter_ms", 10.0) / 1e3,
-        timeout_s=number(device, "mxt_timeout_s", 1.0),
+        timeout_s=number(device, "mxt_timeout_s", 0.5),
         lag_s=number(device, "mxt_lag_ms", 8.0) / 1e3,
         lag_spread_s=number(device, "mxt_lag_spread_ms", 0.2) / 1e3,
     )
@@ -80,6 +80,7 @@ def _melfa_mxt(world: World, device: EmulatedDevice, note: Note) -> NewSession:
         raise EmulatorError(f"{device.name}: mxt_cycle_ms has to be 1 to 100 ms, mxt_filter_ms 0 to 1000 ms")
     program = Mxt(world.controller, options, world.keeper.sync)
     world.controller.install(program)
+    world.controller.parameters.preset("MXTTOUT", [str(options.timeout_cycles)])
     return lambda: MxtSession(program, note)
 
 

@@ -150,6 +150,7 @@ class MotionGate:
         await self.require_conditions()
         status = await self._robot.status()
         require_ready(status)
+        require_right(status)
         self._require_override(status.override_percent)
         if self.walk_rule is not None and self.walk_rule.in_force:
             self.walk_rule.require(await self._robot.joints(), targets)
@@ -223,3 +224,16 @@ def require_ready(status: ControllerStatus) -> None:
         raise SafetyError("the controller is in TEACH: turn its key to AUTO")
     if not status.servo_on:
         raise SafetyError("the drives are off: find out why before switching them on again")
+
+
+def require_right(status: ControllerStatus) -> None:
+    """Check that the connection on which motions are sent holds the operation right now.
+
+    Raises:
+        SafetyError: it does not: somebody else has taken it, or the key was turned.
+    """
+    if not status.operation_enabled:
+        raise SafetyError(
+            "the controller says that this program does not hold the operation right any more: nothing was moved; "
+            "see who has taken it (panel, pendant, another program), then start again"
+        )

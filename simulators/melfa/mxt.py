@@ -65,9 +65,14 @@ class MxtOptions:
     mode: str = "joint"
     cycle_s: float = 0.0071
     filter_s: float = 0.010
-    timeout_s: float = 1.0
+    timeout_s: float = 0.5
     lag_s: float = 0.008
     lag_spread_s: float = 0.0002
+
+    @property
+    def timeout_cycles(self) -> int:
+        """The time-out as the parameter MXTTOUT has it here: a count of cycles, which no sheet confirms."""
+        return -1 if self.timeout_s < 0.0 else int(self.timeout_s / self.cycle_s)
 
     @property
     def lags_s(self) -> Joints:

@@ -49,6 +49,10 @@ class Parameters:
         if key not in self.changed:
             self.changed.append(key)
 
+    def preset(self, name: str, values: list[str]) -> None:
+        """Have a parameter say what a program of the controller goes by; nobody has changed it."""
+        self._values[name] = values
+
     def _find(self, name: str) -> list[str]:
         if _NAME.fullmatch(name) is None or name not in self._values:
             raise Refusal(alarms.OUT_OF_RANGE)

@@ -2,6 +2,7 @@
 
 import os
 import signal
+import socket
 import subprocess
 from collections.abc import Callable, Iterator
 from pathlib import Path
@@ -9,8 +10,10 @@ from pathlib import Path
 import pytest
 
 from app.guard.guard import DIED, SILENT
-from tests.system.command import Emulated, catseye, emulated
+from tests.system import forked
+from tests.system.command import Emulated, catseye, emulated, environment
 from tests.system.guarded import (
+    LIMIT_S,
     Program,
     guards_of,
     measuring,
@@ -21,6 +24,7 @@ from tests.system.guarded import (
     until,
     words_after_first_stop,
 )
+from tests.system.held_link import STOP
 
 SLOW = {"override_cap_percent = 20 ": "override_cap_percent = 2 "}
 """A motion of some seconds: an arm that nobody stops goes on for longer than a test waits."""
@@ -139,20 +143,34 @@ def test_second_program_is_refused_and_disturbs_nothing(bench: Emulated) -> None
         assert run.process.poll() is None
 
 
-def test_healed_link_is_guarded_too(bench: Emulated) -> None:
-    with measuring(bench) as run:
-        run.until_moving()
-        bench.ask(op="fault", name="drop", device="robot")
-        until(lambda: bench.ask(op="log", device="robot")["entries"][-1]["kind"] == "request")
-        until(lambda: run.moving or run.process.poll() is not None)
-        now_s = begun_s(bench)
-        run.send(signal.SIGKILL)
-        until(lambda: not bench.ask(op="state")["moving"])
-        assert moved([text for time_s, text in requests(bench) if time_s > now_s]) == []
+def test_healed_link_is_guarded_and_the_old_one_let_go(tmp_path: Path) -> None:
+    with socket.create_server(("127.0.0.1", 0)) as listener:
+        listener.settimeout(LIMIT_S)
+        port = listener.getsockname()[1]
+        with (tmp_path / "said").open("wb") as said:
+            process = forked.Forked(
+                "tests.system.held_link", [str(port)], cwd=tmp_path, env=environment(), out=said, err=said
+            )
+        try:
+            old, _ = listener.accept()
+            new, _ = listener.accept()
+            with old, new:
+                for connection in (old, new):
+                    connection.settimeout(LIMIT_S)
+                # Nobody holds a duplicate: a port that serves one client is free again.
+                assert old.recv(100) == b""
+                assert new.recv(100) == b"moving"
+                process.kill()
+                assert new.recv(100).startswith(STOP)
+                while new.recv(100):
+                    """The guard says it again, lets the connection go, and ends."""
+        finally:
+            process.kill()
+            process.wait(LIMIT_S)
 
 
 def test_raw_bytes_are_guarded_and_owned(bench: Emulated) -> None:
-    words = ["terminal", "robot", bench.cell, "--arm", "lab-1", "--eol", "cr", "--wait", "60"]
+    words = ["terminal", "robot", "--cell", bench.cell, "--arm", "lab-1", "--eol", "cr", "--wait", "60"]
     with program(bench, *words, stdin=subprocess.PIPE) as terminal:
         assert terminal.process.stdin is not None
         terminal.process.stdin.write(

@@ -18,11 +18,13 @@ from drivers.errors import (
     LinkError,
     LinkTimeoutError,
     NotArrivedError,
+    NotReadyError,
     ProtocolError,
     RefusedError,
 )
 from drivers.guarding import LinkGuard, guarded
 from drivers.link import uninterrupted
+from drivers.melfa.codec import parse_number
 from drivers.melfa.led import LedArm, parted, require_way
 from drivers.melfa.motion import LOOK_WHY, off_target
 from drivers.melfa.mxt import codec
@@ -33,6 +35,9 @@ from drivers.melfa.mxt.stream import SetPointStream
 from drivers.melfa.robot import MelfaR3
 from drivers.readings import Identity, Joints
 from drivers.record import Sink
+
+LONGEST_TIMEOUT_S = 0.5
+"""A real arm that gets no set point any more ends the control by itself after so long at most."""
 
 _REST_CYCLES = 5
 _REST_DEG = 1e-3
@@ -56,6 +61,9 @@ class MelfaMxt(LedArm):
         self._settings = settings
         self._feedback: Joints | None = None
         self._halted = False
+        self._simulated = False
+        self._timeout_read = False
+        self._timeout_note = ""
 
     @classmethod
     def at(
@@ -101,7 +109,7 @@ class MelfaMxt(LedArm):
     def notes(self) -> tuple[str, ...]:
         """What an operator should know about these connections; empty when all is as it should be."""
         lost = f"{self._stream.lost} answers to set points were lost" if self._stream.lost else ""
-        return (*self._controller.notes, *filter(None, (lost,)))
+        return (*self._controller.notes, *filter(None, (lost, self._timeout_note)))
 
     async def connect(self) -> Identity:
         """Open the R-protocol's connections; the real-time port is asked when something is to move.
@@ -111,7 +119,9 @@ class MelfaMxt(LedArm):
             LinkError: unreachable or silent.
         """
         self._feedback = None
+        self._timeout_read, self._timeout_note = False, ""
         identity = await self._controller.connect()
+        self._simulated = identity.simulated
         try:
             # A STOP of an earlier run has left the program standing.
             self._halted = not (await self._controller.status()).running
@@ -175,7 +185,31 @@ class MelfaMxt(LedArm):
             self._stream.end()
         await self._controller.stop()
 
+    async def _require_timeout(self) -> None:
+        """Read MXTTOUT, once a connection: with it the arm stands when this program and its guard are gone.
+
+        Raises:
+            NotReadyError: it is too long and the arm is real.
+        """
+        if self._timeout_read:
+            return
+        values = await self.controller.read_parameter("MXTTOUT")
+        count = parse_number(values[0], "MXTTOUT")
+        timeout_s = count * self._settings.timeout_unit_s
+        if not 0.0 <= timeout_s <= LONGEST_TIMEOUT_S:
+            waits = "for ever" if count < 0.0 else f"{timeout_s:.3g} s"
+            most = int(LONGEST_TIMEOUT_S / self._settings.timeout_unit_s)
+            text = (
+                f"{self._stream.where}: the controller waits {waits} for a set point (MXTTOUT = {count:g}): set "
+                f"MXTTOUT to {most} at most and switch the controller off and on"
+            )
+            if not self._simulated:
+                raise NotReadyError(f"{text}; nothing was moved", 0)
+            self._timeout_note = text
+        self._timeout_read = True
+
     async def _ready(self) -> None:
+        await self._require_timeout()
         await self._controller.take_right()
         if not self._halted:
             return

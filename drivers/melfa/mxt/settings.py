@@ -15,7 +15,10 @@ class MxtSettings(MelfaSettings):
     Attributes:
         program: name of the program to start again after a stop; empty leaves that to the operator.
         mxt_cycle_ms: cycle of the controller: 7.1 (CR750, CR751, CR800-Q) or 3.5 (CR800-R, CR800-D).
-        mxt_timeout_s: how long the controller waits for a set point (parameter MXTTOUT); -1 for ever.
+        mxt_timeout_s: how long the controller is to wait for a set point (parameter MXTTOUT); -1 for ever. The
+            parameter itself is read before the first motion: for ever, or longer than 0.5 s, moves no real arm.
+        mxt_timeout_unit_ms: what MXTTOUT counts in, ms. The sheet does not tell; by default cycles of the controller,
+            in which the controller counts its time without reception (TCount).
         reply_timeout_s: for the answer to one set point.
         most_lost: so many answers in a row may be lost before the arm is stopped.
         arrival_timeout_s: for the arm to come to rest at the last set point.
@@ -29,7 +32,8 @@ class MxtSettings(MelfaSettings):
 
     program: str = Field(default="CATSMXT", pattern=r"^[A-Z0-9]{0,12}$")
     mxt_cycle_ms: float = Field(default=7.1, ge=1.0, le=100.0)
-    mxt_timeout_s: float = Field(default=1.0, ge=-1.0)
+    mxt_timeout_s: float = Field(default=0.5, ge=-1.0)
+    mxt_timeout_unit_ms: float | None = Field(default=None, gt=0)
     reply_timeout_s: float = Field(default=0.1, gt=0)
     most_lost: int = Field(default=5, ge=0)
     arrival_timeout_s: float = Field(default=5.0, gt=0)
@@ -38,6 +42,11 @@ class MxtSettings(MelfaSettings):
     follow_speed_mm_s: float = Field(default=50.0, gt=0)
     follow_acceleration_mm_s2: float = Field(default=500.0, gt=0)
     full_speed: tuple[Speed, Speed, Speed, Speed] = (420.0, 720.0, 1100.0, 3000.0)
+
+    @property
+    def timeout_unit_s(self) -> float:
+        """What MXTTOUT counts in, s."""
+        return (self.mxt_timeout_unit_ms or self.mxt_cycle_ms) / 1e3
 
     @model_validator(mode="after")
     def _patience(self) -> Self:

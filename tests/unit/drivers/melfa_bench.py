@@ -33,6 +33,7 @@ class Controller:
         self.override = "20"
         self.copyright = "COPYRIGHT(C) someone"
         self.suffix = ""
+        self.mxttout = "70"
         self.arrives = True
         self.owes = False
         self.replies: dict[str, Callable[[], Iterable[str]]] = {}
@@ -68,6 +69,8 @@ class Controller:
                 return [f"QoK{self.override}"]
             case "EXECJCATSEY1", _, values:
                 self.target = tuple(float(v) for v in values.strip("()").split(","))  # type: ignore[assignment]  # four numbers
+            case "PNRMXTTOUT", _, _:
+                return [f"QoKMXTTOUT;{self.mxttout};1"]
             case "EXEC2", _, _:
                 self.arrive()
             case "EXECMOV JCATSEY1", _, _:

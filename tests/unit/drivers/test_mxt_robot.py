@@ -16,6 +16,7 @@ from drivers.errors import (
     LinkError,
     LinkTimeoutError,
     NotArrivedError,
+    NotReadyError,
     RefusedError,
     WrongDeviceError,
 )
@@ -299,3 +300,21 @@ def test_a_driver_more_patient_than_its_controller_is_refused() -> None:
     with pytest.raises(ValidationError, match="one lost answer would be an alarm"):
         MxtSettings(reply_timeout_s=2.0)
     assert MxtSettings(reply_timeout_s=2.0, mxt_timeout_s=-1.0).mxt_timeout_s == -1.0
+
+
+@pytest.mark.parametrize(("mxttout", "told"), [("-1", "for ever"), ("71", "0.504 s"), ("1000", "7.1 s")])
+async def test_a_real_arm_needs_a_controller_that_gives_up_soon(mxttout: str, told: str) -> None:
+    async with led() as made:
+        made.controller.mxttout = mxttout
+        with pytest.raises(NotReadyError, match=told):
+            await made.robot.follow(WAY)
+        assert made.port.set_points == []
+        made.controller.mxttout = "70"
+        await made.robot.follow(WAY)
+
+
+async def test_the_unit_of_the_time_out_can_be_set() -> None:
+    async with led(mxt_timeout_unit_ms=1.0) as made:
+        made.controller.mxttout = "500"
+        await made.robot.follow(WAY)
+        assert made.robot.notes == ()
