@@ -1,4 +1,4 @@
-"""The guard: what becomes of a moving arm whose program is killed, stopped or blocked, with the controller as witness."""
+"""The guard: a moving arm whose program is killed, stopped or blocked, with the controller as witness."""
 
 import os
 import signal

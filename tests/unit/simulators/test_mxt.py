@@ -188,7 +188,7 @@ def test_missed_cycles_are_counted_and_the_arm_waits_at_the_last_set_point() -> 
 def test_a_long_silence_is_an_alarm_and_the_servo_goes_off() -> None:
     line = Line()
     lead(line, 0, 0.1, 20)
-    line.bench.advance(0.99)
+    line.bench.advance(0.49)
     assert line.controller.alarm == 0
     line.bench.advance(0.03)
     assert line.controller.alarm == 7820
