@@ -110,8 +110,8 @@ def busy_cores() -> Iterator[None]:
 def test_no_sound_run_is_stopped(tmp_path: Path) -> None:
     with emulated(tmp_path, edit={**FEW_NODES, **only("P2")}) as running, busy_cores():
         for _ in range(SOUND_RUNS):
-            words = ["--cell", running.cell, "--search", "none", "--speed", "400", "--json"]
-            done = catseye("run", "open-loop", *words, cwd=tmp_path)
+            words = ["--search", "none", "--speed", "400", "--json"]
+            done = catseye("run", "open-loop", "--cell", running.cell, *words, cwd=tmp_path)
             assert "the guard" not in done.stderr + done.stdout, done.stderr
         log = (tmp_path / "catseye-runs" / LOG_NAME).read_text(encoding="utf-8")
         tell(f"{SOUND_RUNS} sound runs with both cores busy ({load()}): {len(log.splitlines())} false STOPs")

@@ -82,7 +82,7 @@ def program(bench: Emulated, *arguments: str | Path, module: str = "app", **pipe
 @contextmanager
 def measuring(bench: Emulated, module: str = "app") -> Iterator[Program]:
     """Start a measurement in real time, on a bench whose reflectors stand where the cell file has them."""
-    words = ["run", "open-loop", "--cell", bench.cell, "--search", "none", "--json"]
+    words: list[str | Path] = ["run", "open-loop", "--cell", bench.cell, "--search", "none", "--json"]
     with program(bench, *words, module=module) as made:
         yield made
 
