@@ -170,7 +170,18 @@ def test_healed_link_is_guarded_and_the_old_one_let_go(tmp_path: Path) -> None:
 
 
 def test_raw_bytes_are_guarded_and_owned(bench: Emulated) -> None:
-    words: list[str | Path] = ["terminal", "robot", "--cell", bench.cell, "--arm", "lab-1", "--eol", "cr", "--wait", "60"]
+    words: list[str | Path] = [
+        "terminal",
+        "robot",
+        "--cell",
+        bench.cell,
+        "--arm",
+        "lab-1",
+        "--eol",
+        "cr",
+        "--wait",
+        "60",
+    ]
     with program(bench, *words, stdin=subprocess.PIPE) as terminal:
         assert terminal.process.stdin is not None
         terminal.process.stdin.write(

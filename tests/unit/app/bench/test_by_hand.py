@@ -3,12 +3,14 @@
 import asyncio
 from collections.abc import Awaitable, Callable
 from dataclasses import replace
+from functools import partial
 from typing import Any
 
 import pytest
 
 from app.bench.by_hand import ByHand
 from app.bench.facts import DeviceFacts
+from app.errors import ArmInUseError
 from app.exitcode import ExitCode
 from app.guard import raw
 from app.service.errors import RefusedError
@@ -426,3 +428,41 @@ def test_whatever_keeps_a_robot_from_being_stopped_is_told(monkeypatch: pytest.M
     text = str(engine.fixture.events("warning")[0]["text"])
     assert "whether the arm of robot moves is not known: look at it" in text
     assert engine.aborts == [text]
+
+
+def test_a_stop_of_the_guard_ends_a_jog_and_has_to_be_cleared(monkeypatch: pytest.MonkeyPatch) -> None:
+    async def script(engine: Engine) -> None:
+        await engine.jog()
+        engine.fixture.guard.stops("the guard stopped the arm")
+        await asyncio.sleep(1.0)
+        assert engine.by_hand.occupied is None
+
+    engine = played(script, monkeypatch)
+    assert engine.aborts == ["the guard stopped the arm"]
+    assert engine.fixture.guard.calls == ["hold moved by hand", "let go"]
+
+
+def test_an_arm_of_another_program_is_not_moved_by_hand(monkeypatch: pytest.MonkeyPatch) -> None:
+    async def script(engine: Engine) -> None:
+        engine.fixture.guard.refusal = engine.guard.refusal = ArmInUseError("in use by process 7")
+        for begin in (engine.jog, partial(engine.raw, "robot")):
+            with pytest.raises(RefusedError, match="process 7") as refused:
+                await begin()
+            assert refused.value.code == ExitCode.DEVICE
+            await asyncio.sleep(1.0)
+
+    assert played(script, monkeypatch).arm.log == []
+
+
+def test_a_stop_of_the_guard_ends_raw_bytes_and_has_to_be_cleared(monkeypatch: pytest.MonkeyPatch) -> None:
+    async def script(engine: Engine) -> None:
+        await engine.raw("robot")
+        engine.guard.stops("the guard stopped the arm")
+        with pytest.raises(RefusedError):
+            await engine.send("31", "robot")
+        await asyncio.sleep(1.0)
+
+    engine = played(script, monkeypatch)
+    assert engine.aborts == ["the guard stopped the arm"]
+    assert engine.fixture.wire == []
+    assert engine.arm.said("stop") == ["stop"]

@@ -16,6 +16,7 @@ from app.engine.interlock import Light
 from drivers.errors import DeviceError, RefusedError
 from drivers.readings import Identity, Joints, RobotStatus
 from procedures.context import Json
+from tests.unit.app.guard.fakes import FakeGuard
 from tests.unit.drivers.virtual_time import VirtualClock
 
 HOME: Joints = (0.0, 0.0, 50.0, 0.0)
@@ -191,6 +192,7 @@ class HandFixture:
     def __init__(self, cell: Cell, arm: TimedArm) -> None:
         self.arm = arm
         self.door = Door()
+        self.guard = FakeGuard()
         self.robot: Any = arm
         self.robots: dict[str, Any] = {"robot": arm}
         self.told: list[dict[str, Json]] = []
@@ -221,7 +223,7 @@ class HandFixture:
         try:
             await asyncio.sleep(0)
             none = cast(Any, None)
-            yield Devices(self.robot, none, none, io=self.door)
+            yield Devices(self.robot, none, none, io=self.door, guard=self.guard)
         finally:
             self.lent_now = False
 

@@ -98,6 +98,9 @@ class FakeRobot:
         self.calls.append(f"servo {'on' if on else 'off'}")
         self.state = replace(self.state, servo_on=on, running=self.state.running and on)
 
+    def without_right(self) -> RobotStatus:
+        return replace(self.state, operation_enabled=False)
+
     async def set_override(self, percent: float) -> float:
         self.calls.append(f"override {percent:g}")
         read_back = self.overrides.pop(0) if self.overrides else percent

@@ -1,22 +1,22 @@
 """A guard without process and lock, for tests that move virtual arms."""
 
-from collections.abc import AsyncIterator, Callable
+from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
 from pathlib import Path
 
 from app.errors import CatseyeError
+from app.guard.client import ArmGuard
 from drivers.guarding import GuardError
 
 
-class FakeGuard:
-    """Fits ArmGuard; notes what it is asked."""
+class FakeGuard(ArmGuard):
+    """Notes what it is asked."""
 
     def __init__(self, endpoint: str = "memory://robot") -> None:
-        self.endpoint = endpoint
+        super().__init__(endpoint)
         self.calls: list[str] = []
         self.history: list[str] = []
         self.refusal: CatseyeError | None = None
-        self.on_stop: Callable[[str], None] = lambda _reason: None
         self.stopped = ""
 
     async def hold(self, who: str, folder: Path, *, simulated: bool) -> list[str]:
