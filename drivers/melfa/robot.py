@@ -18,17 +18,13 @@ from typing import Any, ClassVar, Self
 from drivers.clock import Clock
 from drivers.endpoint import open_transport
 from drivers.errors import (
-    AlarmError,
     DeviceError,
     LinkError,
-    NotArrivedError,
     NotReadyError,
-    NotSentError,
-    ProtocolError,
     RefusedError,
 )
 from drivers.guarding import UNGUARDED, LinkGuard, guarded
-from drivers.healing import ATTEMPTS, Repeat
+from drivers.healing import Repeat
 from drivers.link import uninterrupted
 from drivers.melfa import codec
 from drivers.melfa.alarms import STOP_IS_ON
@@ -37,16 +33,8 @@ from drivers.melfa.connections import Connections
 from drivers.melfa.controller import MelfaController
 from drivers.melfa.halt import Halt
 from drivers.melfa.jog import Direction, Jog
-from drivers.melfa.motion import (
-    LOOK_WHY,
-    VARIABLES,
-    account_for,
-    assignment,
-    off_target,
-    standstill,
-    unstarted_polls,
-    until_answered,
-)
+from drivers.melfa.joint_motion import JointMotion
+from drivers.melfa.motion import VARIABLES
 from drivers.melfa.servo import servo_is
 from drivers.melfa.session import Session, byte_time_s
 from drivers.melfa.settings import MelfaSettings
@@ -55,7 +43,6 @@ from drivers.readings import Identity, Joints, RobotStatus
 from drivers.record import Sink
 from drivers.transport import Transport
 
-_DUPLICATE_DEFINITION = 4350
 _CLOSE_TIMEOUT_S = 3.0
 
 _Ask = Callable[[str, Layout], Awaitable[Answer]]
@@ -110,10 +97,14 @@ class MelfaR3:
         )
         self._connections = Connections(self._main, stop, status)
         self._given_variable = variable
-        self._variable = variable or VARIABLES[0]
-        self._waits = False
-        self._unstarted_polls = unstarted_polls(byte_s)
-        self._declared = False
+        self._motion = JointMotion(
+            self._connections,
+            clock,
+            self._settings,
+            byte_s=byte_s,
+            stop=self.stop,
+            reset_alarm=self.reset_alarm,
+        )
         self._has_right = False
         self._override_percent: int | None = None
         self._stops = Stops()
@@ -185,7 +176,7 @@ class MelfaR3:
         self._has_right = False
         self._right_note = ""
         self._override_percent = None
-        self._variable = self._given_variable or random.choice(VARIABLES)
+        self._motion.variable = self._given_variable or random.choice(VARIABLES)
         opened = await self._main.open()
         try:
             await self._connections.open_further()
@@ -326,7 +317,7 @@ class MelfaR3:
         try:
             await self._main.link.repeated(self._main.link.ensure)
             await self.take_right()
-            await self._prepare_and_go(target, permit)
+            await self._motion.go(target, permit)
         except asyncio.CancelledError:
             await self.stop()
             raise
@@ -418,15 +409,7 @@ class MelfaR3:
             NotArrivedError: the robot stands somewhere else; it was told to stop.
             LinkError: the controller does not tell; the robot was told to stop.
         """
-        await account_for(
-            self._connections.side,
-            self._clock,
-            self._settings,
-            target,
-            lost,
-            self.stop,
-            still_polls=self._unstarted_polls,
-        )
+        await self._motion.account_for(target, lost)
 
     def _further(self, transport: Transport | None, use: str, guard: LinkGuard | None) -> Session | None:
         if transport is None:
@@ -436,7 +419,7 @@ class MelfaR3:
 
     async def _take_over(self) -> None:
         """Restore what a new connection does not know: the variable, and the right if it had been taken."""
-        self._declared = False
+        self._motion.forget()
         if not self._has_right:
             return
         self._has_right = False
@@ -468,82 +451,10 @@ class MelfaR3:
         if codec.parse_number(answer.payload, "the override") > self._override_percent:
             await ask(f"OVRD={self._override_percent}", codec.free_text)
 
-    async def _prepare_and_go(self, target: Joints, permit: Callable[[], None]) -> None:
-        for attempt in range(1, ATTEMPTS + 1):
-            await self._main.link.repeated(partial(self._prepare, target))
-            try:
-                await self._go(target, permit)
-            except NotSentError:
-                # The answer to the assignment came twice: the motion was kept back, and nothing moves.
-                if attempt == ATTEMPTS:
-                    raise
-            else:
-                return
-
-    async def _prepare(self, target: Joints) -> None:
-        """Give the controller the target: on the very connection from which the motion takes it."""
-        await self._main.link.ensure()
-        await self._declare()
-        await self._main.command(f"EXEC{assignment(self._variable, target)}", repeat=Repeat.BOUND)
-
-    async def _declare(self) -> None:
-        """Declare the joint variable once a connection; a definition that is there already is used."""
-        if self._declared:
-            return
-        try:
-            await self._main.command(f"EXECDEF JNT {self._variable}", repeat=Repeat.BOUND)
-        except RefusedError as exc:
-            if exc.number != _DUPLICATE_DEFINITION:
-                raise
-            if isinstance(exc, AlarmError):
-                await self.reset_alarm()
-        self._declared = True
-
-    async def _go(self, target: Joints, permit: Callable[[], None]) -> None:
-        timeout_s = self._settings.move_timeout_s
-        try:
-            if self._settings.motion == "exec2" and self._connections.has_side:
-                await self._moved(timeout_s, permit)
-                reached = await self._main.joints()
-            else:
-                await self._main.command(f"EXECMOV {self._variable}", repeat=Repeat.BOUND, permit=permit)
-                reached = await standstill(
-                    self._main,
-                    self._clock,
-                    self._settings,
-                    timeout_s=timeout_s,
-                    still_polls=self._unstarted_polls,
-                    target=target,
-                )
-        except NotSentError:
-            raise
-        except (LinkError, ProtocolError) as lost:
-            await self.account_for(target, lost)
-            return
-        if off := off_target(reached, target, self._settings):
-            await self._main.raise_alarm("MOV")
-            # STOP may have been answered before the motion that it ended.
-            permit()
-            raise NotArrivedError(f"{self._main.where}: the motion is over, but {off}: {LOOK_WHY}")
-
-    async def _moved(self, timeout_s: float, permit: Callable[[], None]) -> None:
-        """Move and wait for the answer, which comes at the end of the motion."""
-        command = f"EXEC2=MOV {self._variable}"
-        answer = asyncio.ensure_future(
-            self._main.command(command, timeout_s=timeout_s, repeat=Repeat.BOUND, permit=permit)
-        )
-        self._waits = True
-        try:
-            await until_answered(answer, self._connections.side)
-        finally:
-            self._waits = False
-            answer.cancel()
-            await asyncio.wait({answer})
-
     @property
     def _asker(self) -> Session:
         """The session for questions: the first one unless a motion blocks it."""
-        return self._connections.side if self._waits else self._main
+        return self._connections.side if self._motion.waits else self._main
 
 
 def _override(payload: str) -> float:

@@ -1,0 +1,173 @@
+"""One joint motion over the R-protocol: the target goes into a variable, the motion takes it from there, once."""
+
+import asyncio
+from collections.abc import Awaitable, Callable
+from functools import partial
+
+from drivers.clock import Clock
+from drivers.errors import (
+    AlarmError,
+    DeviceError,
+    LinkError,
+    NotArrivedError,
+    NotSentError,
+    ProtocolError,
+    RefusedError,
+)
+from drivers.healing import ATTEMPTS, Repeat
+from drivers.melfa.connections import Connections
+from drivers.melfa.motion import (
+    LOOK_WHY,
+    account_for,
+    assignment,
+    off_target,
+    standstill,
+    unstarted_polls,
+    until_answered,
+)
+from drivers.melfa.settings import MelfaSettings
+from drivers.readings import Joints
+
+_DUPLICATE_DEFINITION = 4350
+
+
+class JointMotion:
+    """Moves the joints over the first connection.
+
+    Args:
+        connections: to the controller.
+        clock: time of the polls.
+        settings: of the driver.
+        byte_s: time of one byte on a serial line, real s; 0 on a network.
+        stop: stops the robot and waits for its standstill.
+        reset_alarm: resets the active alarm.
+
+    Attributes:
+        variable: of the controller that carries targets; set before the first motion.
+        waits: the first connection waits for the end of a motion.
+    """
+
+    def __init__(
+        self,
+        connections: Connections,
+        clock: Clock,
+        settings: MelfaSettings,
+        *,
+        byte_s: float,
+        stop: Callable[[], Awaitable[None]],
+        reset_alarm: Callable[[], Awaitable[None]],
+    ) -> None:
+        self._connections = connections
+        self._main = connections.main
+        self._clock = clock
+        self._settings = settings
+        self._unstarted_polls = unstarted_polls(byte_s)
+        self._stop = stop
+        self._reset_alarm = reset_alarm
+        self._declared = False
+        self.variable = ""
+        self.waits = False
+
+    def forget(self) -> None:
+        """Declare the variable again before the next motion: a new connection does not know it."""
+        self._declared = False
+
+    async def go(self, target: Joints, permit: Callable[[], None]) -> None:
+        """Move to the target; return when the robot stands there. The motion is sent once.
+
+        Args:
+            target: J1 deg, J2 deg, J3 mm, J4 deg.
+            permit: is asked right before the motion is written; what it raises keeps it from being sent.
+
+        Raises:
+            DeviceError: as `MelfaR3.move_joints` tells.
+        """
+        for attempt in range(1, ATTEMPTS + 1):
+            await self._main.link.repeated(partial(self._prepare, target))
+            try:
+                await self._go(target, permit)
+            except NotSentError:
+                # The answer to the assignment came twice: the motion was kept back, and nothing moves.
+                if attempt == ATTEMPTS:
+                    raise
+            else:
+                return
+
+    async def account_for(self, target: Joints, lost: DeviceError) -> None:
+        """Ask where the robot is after the answer to a motion was lost; see `motion.account_for`."""
+        await account_for(
+            self._connections.side,
+            self._clock,
+            self._settings,
+            target,
+            lost,
+            self._stop,
+            still_polls=self._unstarted_polls,
+        )
+
+    async def _prepare(self, target: Joints) -> None:
+        """Give the controller the target: on the very connection from which the motion takes it."""
+        await self._main.link.ensure()
+        await self._declare()
+        await self._main.command(f"EXEC{assignment(self.variable, target)}", repeat=Repeat.BOUND)
+
+    async def _declare(self) -> None:
+        """Declare the joint variable once a connection; a definition that is there already is used."""
+        if self._declared:
+            return
+        try:
+            await self._main.command(f"EXECDEF JNT {self.variable}", repeat=Repeat.BOUND)
+        except RefusedError as exc:
+            if exc.number != _DUPLICATE_DEFINITION:
+                raise
+            if isinstance(exc, AlarmError):
+                await self._reset_alarm()
+        self._declared = True
+
+    async def _go(self, target: Joints, permit: Callable[[], None]) -> None:
+        try:
+            if self._settings.motion == "exec2" and self._connections.has_side:
+                reached = await self._waited_for(permit)
+            else:
+                reached = await self._polled(target, permit)
+        except NotSentError:
+            raise
+        except (LinkError, ProtocolError) as lost:
+            await self.account_for(target, lost)
+            return
+        if off := off_target(reached, target, self._settings):
+            await self._main.raise_alarm("MOV")
+            # STOP may have been answered before the motion that it ended.
+            permit()
+            raise NotArrivedError(f"{self._main.where}: the motion is over, but {off}: {LOOK_WHY}")
+
+    async def _waited_for(self, permit: Callable[[], None]) -> Joints:
+        """Move and wait for the answer, which comes at the end of the motion; return where the robot stands."""
+        answer = asyncio.ensure_future(
+            self._main.command(
+                f"EXEC2=MOV {self.variable}",
+                timeout_s=self._settings.move_timeout_s,
+                repeat=Repeat.BOUND,
+                permit=permit,
+            )
+        )
+        self.waits = True
+        try:
+            await until_answered(answer, self._connections.side)
+        finally:
+            self.waits = False
+            answer.cancel()
+            await asyncio.wait({answer})
+        return await self._main.joints()
+
+    async def _polled(self, target: Joints, permit: Callable[[], None]) -> Joints:
+        """Start the motion and look until the robot stands; return where."""
+        await self._main.command(f"EXECMOV {self.variable}", repeat=Repeat.BOUND, permit=permit)
+        return await standstill(
+            self._main,
+            self._clock,
+            self._settings,
+            timeout_s=self._settings.move_timeout_s,
+            still_polls=self._unstarted_polls,
+            target=target,
+        )
