@@ -20,9 +20,10 @@ from tests.unit.simulators.benches import QUIET
 
 @asynccontextmanager
 async def robot_and_bench(
-    suffix: str = "", speed: float = 1.0
+    suffix: str = "", speed: float = 1.0, **options: bool
 ) -> AsyncIterator[tuple[MelfaR3, EmulatedBench]]:
-    config = replace(QUIET, speed=speed, answer_suffix=suffix, devices=(EmulatedDevice("robot", "melfa-r3"),))
+    controller = EmulatedDevice("robot", "melfa-r3", options=options)
+    config = replace(QUIET, speed=speed, answer_suffix=suffix, devices=(controller,))
     async with EmulatedBench(config) as bench:
         robot = MelfaR3.at(bench.endpoints[0].endpoint, SystemClock(speed))
         try:
@@ -132,7 +133,7 @@ async def test_a_jog_to_the_limit_ends_with_the_alarm() -> None:
 @pytest.mark.parametrize("stop", [b"1;1;STOP\r", b"1;1;STOP"])
 async def test_a_stop_on_the_connection_whose_exec2_waits_stops_at_once(stop: bytes) -> None:
     """Section 1.9: STOP at any moment; each command gets exactly one answer, in the order of the requests."""
-    async with robot_and_bench("\r", speed=5.0) as (robot, bench):
+    async with robot_and_bench("\r", speed=5.0, stop_overtakes=True) as (robot, bench):
         await robot.servo(on=True)
         await robot.set_override(5.0)
         host, _, port = bench.endpoints[0].endpoint.removeprefix("tcp://").rpartition(":")

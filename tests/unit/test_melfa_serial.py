@@ -12,7 +12,7 @@ from dataclasses import replace
 import pytest
 
 from drivers.clock import SystemClock
-from drivers.errors import NotArrivedError, RefusedError
+from drivers.errors import RefusedError
 from drivers.melfa.motion import unstarted_polls
 from drivers.melfa.robot import MelfaR3
 from drivers.melfa.session import byte_time_s
@@ -77,7 +77,7 @@ async def test_a_motion_is_started_and_polled_and_stop_goes_between_two_polls() 
         await stopping
         assert not bench.bench.moving
         assert 0.0 < bench.bench.joints[0] < 60.0
-        with pytest.raises(NotArrivedError, match="instead of"):
+        with pytest.raises(RefusedError, match="a stop overtook the motion"):
             await moving
         assert not any(command.startswith("EXEC2") for command in asked(bench))
 
