@@ -13,7 +13,7 @@ import typer
 from typer.core import TyperGroup
 
 from app.analysis_cli import add_analysis
-from app.cli_options import AsJson, CellFile, Runs, Seed, Speed, Truth, Unverified, WaiveWalk
+from app.cli_options import AsJson, CellFile, KeepDrives, Runs, Seed, Speed, Truth, Unverified, WaiveWalk
 
 
 class _Commands(TyperGroup):
@@ -242,6 +242,7 @@ def run(
         str | None, typer.Option(metavar="CELL", help="cell name, typed to let real hardware move")
     ] = None,
     speed: Speed = 1.0,
+    keep_drives: KeepDrives = False,
     dry_run: Annotated[bool, typer.Option("--dry-run", help="plan and rehearse, touch no device")] = False,
     walk: Annotated[
         bool,
@@ -268,9 +269,23 @@ def run(
     if detach and walk:
         raise UsageError("a walk needs somebody at its keys: leave --detach out")
     if detach and not dry_run:
-        detached_command(procedure, cell, param or [], search, answers, arm, speed, waive_walk, runs, as_json)
+        detached_command(
+            procedure, cell, param or [], search, answers, arm, speed, keep_drives, waive_walk, runs, as_json
+        )
     run_command(
-        procedure, cell, param or [], search, answers, arm, speed, dry_run, walk, waive_walk, runs, as_json
+        procedure,
+        cell,
+        param or [],
+        search,
+        answers,
+        arm,
+        speed,
+        keep_drives,
+        dry_run,
+        walk,
+        waive_walk,
+        runs,
+        as_json,
     )
 
 
@@ -353,6 +368,7 @@ def resume(
         float | None,
         typer.Option(min=0.001, max=1e6, help="bench seconds in one real second; emulators only [as before]"),
     ] = None,
+    keep_drives: KeepDrives = False,
     dry_run: Annotated[bool, typer.Option("--dry-run", help="plan and rehearse, touch no device")] = False,
     waive_walk: WaiveWalk = None,
     runs: Runs = None,
@@ -366,7 +382,7 @@ def resume(
     """
     from app.commands.resume import resume_command
 
-    resume_command(run, cell, answers, arm, speed, dry_run, waive_walk, runs, as_json)
+    resume_command(run, cell, answers, arm, speed, keep_drives, dry_run, waive_walk, runs, as_json)
 
 
 @cli.command("runs")

@@ -29,3 +29,6 @@ Seed = Annotated[int, typer.Option(min=0, help="of everything random in the emul
 Truth = Annotated[
     Path | None, typer.Option(help="result JSON with the emulated arm's true links, maps, reflectors")
 ]
+KeepDrives = Annotated[
+    bool, typer.Option("--keep-drives", help="leave the drives on at the end [they are switched off]")
+]

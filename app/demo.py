@@ -28,7 +28,7 @@ from app.cell.model import Cell
 from app.cell.template import TEMPLATE
 from app.emulation import EmulatorProcess, emulation_config, emulator_process, fetch_truth
 from app.engine.announcer import Publish
-from app.engine.host import RunOutcome
+from app.engine.request import RunOutcome
 from app.engine.signals import loop_signals
 from app.errors import CatseyeError, InterruptedRunError, TerminatedRunError, UsageError
 from app.exitcode import ExitCode

@@ -75,6 +75,10 @@ class ConditionLostError(SafetyError):
     """The surroundings do not permit motion now; a run is suspended until they do."""
 
 
+class InterruptionError(SafetyError):
+    """Motion has to stop, and begins again only when somebody has acknowledged that."""
+
+
 class NotAcknowledgedError(SafetyError):
     """The arm was stopped, and nobody has acknowledged that; the run can be resumed."""
 

@@ -20,8 +20,9 @@ from app.engine.dry_run import DryRunContext
 from app.engine.gate import JointLimits, WayCheck
 from app.engine.handle import OnOpen
 from app.engine.hands import Hands
-from app.engine.host import RunOutcome, RunRequest, run_procedure
+from app.engine.host import run_procedure
 from app.engine.operator import Answerer
+from app.engine.request import RunOutcome, RunRequest
 from app.engine.signals import SignalInstaller, loop_signals
 from app.errors import ConfigError
 from app.files.documents import read_toml
@@ -106,6 +107,7 @@ async def carry_out(
     speed: float = 1.0,
     arm: str | None = None,
     answers: Path | None = None,
+    keep_drives: bool = False,
     install_signals: SignalInstaller = loop_signals,
     answerer: Answerer | None = None,
     on_open: OnOpen | None = None,
@@ -121,6 +123,7 @@ async def carry_out(
         speed: bench seconds in one real second; above 1 for emulators only.
         arm: the cell's name as typed to allow real hardware to move.
         answers: TOML file of prompt id to answer.
+        keep_drives: leave the drives on at the end, unless the run is aborted.
         install_signals: delivers signals to the stop ladder.
         answerer: a front end that answers questions.
         on_open: lets a service reach the run while its record is open.
@@ -148,6 +151,7 @@ async def carry_out(
         resume=planned.resume,
         answerer=answerer,
         hands=_hands(cell),
+        keep_drives=keep_drives,
         on_open=on_open,
         walk_rule=WalkRule(partial(motions_from, planned), partial(walked_legs, root, cell), waive_walk),
     )

@@ -38,6 +38,7 @@ class RobotStatus(DeviceText):
         override_percent: speed override, read back.
         alarm_number: 0 when there is none.
         alarm_text: what the alarm means and what to do; empty when there is none.
+        program: name of the program that is selected on the controller; empty when none is, or it is not told.
     """
 
     servo_on: bool
@@ -48,6 +49,7 @@ class RobotStatus(DeviceText):
     override_percent: float
     alarm_number: int
     alarm_text: str
+    program: str = ""
 
 
 @dataclass(frozen=True)

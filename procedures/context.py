@@ -154,7 +154,7 @@ class Prompt:
             question. "yes", or the first of the choices, says that it is done; an emulated bench has it done then.
         motion: the arm moves after "yes", after every choice but those of `rests_after`, after what is typed: front
             ends take such an answer by a key of its own.
-        rests_after: choices after which the arm does not move; None for the safe answer alone.
+        rests_after: answers after which the arm does not move; None for the safe choice alone.
         target: where it goes then, J1, J2, deg, J3, mm, J4, deg; None where the procedure does not know yet.
     """
 
@@ -169,6 +169,22 @@ class Prompt:
     motion: bool = False
     rests_after: tuple[str, ...] | None = None
     target: Joints | None = None
+
+    @property
+    def resting_choices(self) -> tuple[str, ...]:
+        """The choices after which the arm does not move."""
+        resting = (self.safe_answer,) if self.rests_after is None else self.rests_after
+        return tuple(choice for choice in resting if choice in self.choices)
+
+    def moves_after(self, answer: str) -> bool:
+        """Return whether the arm moves after an answer."""
+        match self.kind:
+            case "confirm":
+                return self.motion and answer == "yes"
+            case "choice":
+                return self.motion and answer not in self.resting_choices
+            case "number" | "text":
+                return self.motion and answer not in (self.rests_after or ())
 
 
 class Context(Protocol):

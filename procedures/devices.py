@@ -40,6 +40,8 @@ class ControllerStatus(Protocol):
     def alarm_number(self) -> int: ...  # noqa: D102  # the attribute's name says it
     @property
     def alarm_text(self) -> str: ...  # noqa: D102  # the attribute's name says it
+    @property
+    def program(self) -> str: ...  # noqa: D102  # the attribute's name says it
 
 
 class LengthReading(Protocol):

@@ -22,7 +22,6 @@ SILENCE_S: Final = 0.5
 """A step whose client gives no sign of life for so long is stopped, real s."""
 
 _TICK_S = 0.05
-_DOOR_S = 0.2
 
 
 class Teller(Protocol):
@@ -111,6 +110,11 @@ class HandArm:
         if self.motion is not None:
             self.motion.stop(reason)
 
+    def break_off(self, error: Exception) -> None:
+        """Stop the robot now if a motion is under way, since something forbids it."""
+        if self.motion is not None:
+            self.motion.break_off(error)
+
     async def at_rest(self) -> None:
         """Wait until no motion is under way."""
         if self._task is not None:
@@ -181,7 +185,7 @@ class HandArm:
         async def alive() -> None:
             await self._until_silent(heard_s)
 
-        await motion.carry_out(gate, move, alive, self._until_door_opens)
+        await motion.carry_out(gate, move, alive)
         return {"joints": list(await self._robot.joints())}
 
     async def _hold(self, motion: HandMotion, hold: Hold, answer: "asyncio.Future[Message]") -> Message:
@@ -208,11 +212,6 @@ class HandArm:
             f"the client gave no sign of life for {SILENCE_S:g} s during a step: the arm was stopped; a client that "
             "steps pings more often"
         )
-
-    async def _until_door_opens(self) -> None:
-        while True:
-            await self._clock.sleep(_DOOR_S)
-            await self._gate.require_door()
 
 
 def _settle(answer: "asyncio.Future[Message]", ended: "asyncio.Task[Message]", hold: Hold) -> None:

@@ -5,10 +5,9 @@ from dataclasses import replace
 
 from app.bench.facts import BenchFacts
 from app.engine.devices import Devices
+from app.engine.door_watch import DoorWatch
 from app.engine.gate import JointLimits, MotionGate, require_ready
-from app.engine.interlock import RemoteIo
 from app.running import joint_limits, way_check
-from drivers.errors import DeviceError
 from procedures.bench import Bench
 from procedures.devices import Joints
 from procedures.motion.clear_way import clear_part
@@ -21,22 +20,24 @@ class JogGate:
     """Decides about each motion by hand from fresh facts.
 
     Args:
-        devices: robot and door.
+        devices: the robot.
         facts: limits of the cell.
         percent: speed override that is asked for.
+        door: of the cell; None where no door is watched.
 
     Attributes:
         percent: speed override, at most what the cell allows.
         limits: ranges of the joints.
     """
 
-    def __init__(self, devices: Devices, facts: BenchFacts, percent: float) -> None:
+    def __init__(
+        self, devices: Devices, facts: BenchFacts, percent: float, door: DoorWatch | None = None
+    ) -> None:
         self.percent = min(percent, facts.override_cap_percent)
         self.limits = hand_limits(facts.bench)
-        door = [] if devices.io is None else [_Door(devices.io)]
         self._robot = devices.robot
         self._bench = facts.bench
-        self._gate = MotionGate(devices.robot, self.limits, way_check(facts.bench), self.percent, door)
+        self._gate = MotionGate(devices.robot, self.limits, way_check(facts.bench), self.percent, door=door)
 
     @property
     def override_percent(self) -> float:
@@ -53,7 +54,7 @@ class JogGate:
         Raises:
             SafetyError: door, alarm, emergency stop or key forbid it, or the override does not come down.
         """
-        await self._gate.require_conditions()
+        self._gate.require_door()
         percent = await self._gate.lower_override()
         await self._robot.servo(on=True)
         require_ready(await self._robot.status())
@@ -85,40 +86,9 @@ class JogGate:
         """
         await self._gate.require()
 
-    async def require_door(self) -> None:
-        """Check that the door is closed; nothing is asked of the robot.
-
-        Raises:
-            SafetyError: it is open, or does not answer.
-        """
-        await self._gate.require_conditions()
-
 
 def hand_limits(bench: Bench) -> JointLimits:
     """Return the cell's limits; J3, which is not moved by hand, has to stand at the cell's height."""
     limits = joint_limits(bench)
     low, high = limits.j3_mm or (bench.arm.j3_mm, bench.arm.j3_mm)
     return replace(limits, j3_mm=(low - _HEIGHT_ROUNDING_MM, high + _HEIGHT_ROUNDING_MM))
-
-
-class _Door:
-    """The door of the cell, in words for whoever jogs.
-
-    Args:
-        io: block with the interlock.
-    """
-
-    def __init__(self, io: RemoteIo) -> None:
-        self._io = io
-
-    async def trouble(self) -> str | None:
-        """Return why the door forbids motion; no answer counts as open."""
-        try:
-            closed = await self._io.door_closed()
-        except DeviceError as error:
-            return (
-                f"the door interlock does not answer, which counts as open: no motion; see to [io]: {error}"
-            )
-        return (
-            None if closed else "the door is open: no motion; close it when nobody is inside, then jog again"
-        )

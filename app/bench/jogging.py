@@ -9,9 +9,10 @@ from app.bench.jog_gate import JogGate
 from app.bench.lending import HandBench
 from app.engine.before_motion import unconfirmed_text
 from app.engine.devices import Devices, require_permission
+from app.engine.door_watch import DoorWatch
 from app.engine.gate import WHOLE_PERCENT, require_ready
 from app.engine.halt import HaltLimits, halt
-from app.engine.waiting import uncancelled, within
+from app.engine.waiting import cancel, uncancelled, within
 from app.errors import InterruptedRunError, SafetyError
 from app.exitcode import ExitCode
 from app.guard.client import ArmGuard
@@ -55,6 +56,7 @@ class Jogging:
         self._left_lower = ""
         self._failure: Exception | None = None
         self._ended = asyncio.Event()
+        self._watches: list[asyncio.Task[None]] = []
         self._task = asyncio.create_task(self._serve())
         self._task.add_done_callback(self._answer_if_unheard)
 
@@ -127,12 +129,16 @@ class Jogging:
         simulated = require_permission(self._identities(devices), facts.cell, self._request.arm)
         if not simulated and (text := unconfirmed_text(facts.bench.workspace.unconfirmed)):
             self._bench.tell("warning", text=text, data={})
-        self._gate = gate = JogGate(devices, facts, self._request.percent)
         robot, clock = devices.robot, self._bench.clock
+        door = None if devices.io is None else DoorWatch(devices.io, clock, self._door_opened)
+        self._gate = gate = JogGate(devices, facts, self._request.percent, door)
         before = await robot.status()
         # An arm that belongs to somebody else is not stopped either.
         await self._own(devices.guard, simulated)
         try:
+            if door is not None:
+                await door.look()
+                self._watch_door(door)
             override_percent = await gate.switch_on()
             self._note_lowered(before.override_percent, override_percent, facts.override_cap_percent)
             if self._reason:
@@ -148,6 +154,7 @@ class Jogging:
             raise
         finally:
             await uncancelled(self._leave(robot, before.servo_on))
+            await cancel(*self._watches)
             if devices.guard is not None:
                 await uncancelled(devices.guard.let_go())
 
@@ -158,6 +165,22 @@ class Jogging:
         guard.on_stop = self.abort
         for text in await guard.hold("moved by hand", self._bench.folder, simulated=simulated):
             self._bench.tell("warning", text=f"the guard stopped this arm before: {text}", data={})
+
+    def _door_opened(self, trouble: str) -> None:
+        """Stop what moves; that ends the jog, and whoever goes on begins a new one."""
+        if self._arm is not None:
+            self._arm.break_off(SafetyError(trouble))
+
+    def _watch_door(self, door: DoorWatch) -> None:
+        watch = asyncio.create_task(door.watch())
+        watch.add_done_callback(self._watch_ended)
+        self._watches.append(watch)
+
+    def _watch_ended(self, watch: "asyncio.Task[None]") -> None:
+        """Nothing goes on unwatched: a watch that fails, by a fault of the program, ends the jog."""
+        if not watch.cancelled() and (error := watch.exception()) is not None:
+            self._failure = self._failure or SafetyError(f"the door is watched no more: {error}")
+            self.end(str(self._failure))
 
     def _identities(self, devices: Devices) -> dict[str, DeviceIdentity]:
         """Return who answers of those that a run has: what else stands in the cell file moves nothing.

@@ -8,6 +8,7 @@ from typing import Protocol
 
 from app.bench.facts import BenchFacts
 from app.engine.devices import Devices, WireRecorder
+from app.engine.interlock import RemoteIo
 from drivers.clock import Clock
 from procedures.context import Json
 from procedures.devices import DeviceIdentity, Robot
@@ -61,6 +62,7 @@ class HandBench:
         tell: tells every client.
         clock: real time.
         folder: of all runs.
+        door: returns the block with the interlock; None where there is none, or nothing is connected.
     """
 
     lender: Lender
@@ -70,3 +72,4 @@ class HandBench:
     tell: Tell
     clock: Clock
     folder: Path
+    door: Callable[[], RemoteIo | None]

@@ -8,6 +8,7 @@ from typing import Final
 
 from app.bench.facts import BenchFacts, DeviceFacts
 from app.bench.lending import HandBench
+from app.bench.raw_door import RawDoor, raw_door
 from app.cell.bench import may_move_an_arm
 from app.engine.halt import HaltLimits, halt
 from app.errors import InterruptedRunError, SafetyError, UsageError, exit_code_of
@@ -42,6 +43,7 @@ class RawLink:
         self._arm = request.arm
         self._who = who
         self._transport: Transport | None = None
+        self._door: RawDoor | None = None
         self._reason = ""
         self._given_back = False
         # An arm may move by what is sent; supposed as long as the device is not known.
@@ -69,9 +71,11 @@ class RawLink:
                 f"the link of {self.device} is not open: {self._reason or 'it is being opened'}"
             )
         try:
+            if self._door is not None:
+                self._door.require_closed()
             async with asyncio.timeout(_WRITE_S):
                 await self._transport.write(data)
-        except (DeviceError, TimeoutError) as error:
+        except (DeviceError, SafetyError, TimeoutError) as error:
             text = str(error) or f"{self.device} does not take the bytes"
             self.end(text)
             raise RefusedError(text, exit_code_of(error)) from error
@@ -126,12 +130,19 @@ class RawLink:
         self._require_permission(facts, device)
         async with self._bench.lender.parked(self.device), self._opened(device) as transport:
             try:
-                self._transport = transport
-                self.begun.set_result({"endpoint": device.endpoint})
-                self._bench.tell("raw", device=self.device, on=True, by=self._who)
-                while True:
-                    # What comes is shown as it passes.
-                    await transport.read()
+                async with raw_door(
+                    self._bench.door() if self._moves else None,
+                    transport,
+                    self._bench.clock,
+                    self._door_opened,
+                ) as self._door:
+                    self._door.require_closed()
+                    self._transport = transport
+                    self.begun.set_result({"endpoint": device.endpoint})
+                    self._bench.tell("raw", device=self.device, on=True, by=self._who)
+                    while True:
+                        # What comes is shown as it passes.
+                        await transport.read()
             finally:
                 self._transport = None
 
@@ -154,6 +165,11 @@ class RawLink:
         self.aborted = self.aborted or reason
         self._given_back = False
         self.end(reason)
+
+    def _door_opened(self, trouble: str) -> None:
+        """End; the arm has been told to stop, and is seen to stand by its driver."""
+        self._given_back = False
+        self.end(trouble)
 
     def _require_permission(self, facts: BenchFacts, device: DeviceFacts) -> None:
         if self._arm not in {None, facts.cell}:

@@ -79,6 +79,8 @@ class Robot(Section):
     follow_speed_deg_s: Positive = 20.0
     follow_acceleration_deg_s2: Positive = 200.0
     limits_deg: Limits = Limits()
+    # After a run that a front end started; a headless one switches them off at its end.
+    drives_off_after_s: Positive = 300.0
 
     _endpoint = field_validator("endpoint")(_checked_endpoint)
     _further = field_validator("datalink_endpoint", "mxt_endpoint")(_checked_further)

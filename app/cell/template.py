@@ -20,6 +20,7 @@ j3_mm = 50.0                            # height at which everything is measured
 j3_range_mm = [40.0, 60.0]              # heights that the levelling of the beam may drive J3 to
 override_cap_percent = 20               # the program never drives faster
 # override_cap_reason = ""              # why, for a cap above 30
+drives_off_after_s = 300                # of rest after a run that was started in the terminal UI
 
 [robot.limits_deg]                      # within the arm's and the controller's own; narrower for the cables
 j1 = [-170.0, 170.0]

@@ -8,10 +8,14 @@ from app.cell.model import Cell
 from app.cell.plausible import implausible
 from app.cell.template import TEMPLATE
 from app.commands.output import emit, emit_json, say
+from app.engine.interlock import NO_DOOR
 from app.errors import ConfigError, UsageError
 from app.files.atomic import write_atomically
 from app.instruments import device_builder
 from drivers.clock import SystemClock
+from drivers.endpoint import TcpEndpoint, parse_endpoint
+
+_LOOPBACK = {"127.0.0.1", "localhost", "::1"}
 
 
 def init_command(file: Path) -> None:
@@ -27,7 +31,7 @@ def init_command(file: Path) -> None:
 def validate_command(file: Path, as_json: bool) -> None:
     """Check a cell file."""
     loaded = load_cell(file)
-    doubts = [*_trouble_with_devices(loaded.cell), *implausible(loaded.cell)]
+    doubts = [*_trouble_with_devices(loaded.cell), *_no_door(loaded.cell), *implausible(loaded.cell)]
     if as_json:
         facts = {"file": str(file), "valid": True, "name": loaded.cell.name, "sha256": loaded.sha256}
         emit_json({**facts, "warnings": doubts})
@@ -44,6 +48,13 @@ def _trouble_with_devices(cell: Cell) -> list[str]:
     except ConfigError as error:
         return [str(error)]
     return []
+
+
+def _no_door(cell: Cell) -> list[str]:
+    """Return that no door is watched, unless the robot's endpoint is of this machine as an emulator's is."""
+    endpoint = parse_endpoint(cell.robot.endpoint)
+    emulated = isinstance(endpoint, TcpEndpoint) and endpoint.host in _LOOPBACK
+    return [] if emulated or cell.io is not None else [NO_DOOR]
 
 
 def show_command(file: Path, as_json: bool) -> None:

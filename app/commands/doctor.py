@@ -14,7 +14,7 @@ from app.commands.controller_look import look_at_controller
 from app.commands.output import emit, emit_json, say
 from app.engine.compensation import AirRule, Compensation
 from app.engine.gate import JointLimits
-from app.engine.interlock import RemoteIo
+from app.engine.interlock import NO_DOOR, RemoteIo
 from app.errors import LinkFailedError, UsageError
 from app.instruments import device_builder, further_device
 from app.running import joint_limits
@@ -86,7 +86,7 @@ async def _examine_all(cell: Cell, only: str | None) -> list[Finding]:
     names = [name for name, _, _ in found]
     if only is not None and only not in names:
         raise UsageError(f"--device {only}: the cell has no such device; there are {', '.join(names)}")
-    return list(
+    findings = list(
         await asyncio.gather(
             *(
                 _examine(name, endpoint, driver, _look_at(driver, rule, limits))
@@ -95,6 +95,10 @@ async def _examine_all(cell: Cell, only: str | None) -> list[Finding]:
             )
         )
     )
+    for finding in findings:
+        if finding.device == "robot" and finding.identity and not finding.simulated and cell.io is None:
+            finding.status.append(f"note: {NO_DOOR}")
+    return findings
 
 
 def _look_at(driver: Any, rule: AirRule, limits: JointLimits) -> Look:

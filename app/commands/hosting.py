@@ -10,7 +10,7 @@ from app.bench.facts import facts_of
 from app.commands.narrator import Narrator
 from app.commands.walk_keys import HINT, WalkKeys
 from app.engine.announcer import Publish
-from app.engine.host import RunOutcome
+from app.engine.request import RunOutcome
 from app.running import PlannedRun, carry_out
 from app.service.console import KEYS, Console
 from app.service.lines import Lines, in_foreground
@@ -26,6 +26,7 @@ async def serve_and_run(
     speed: float,
     waive_walk: str | None,
     *,
+    keep_drives: bool,
     as_json: bool,
 ) -> RunOutcome:
     """Carry a plan out and serve clients meanwhile."""
@@ -50,6 +51,7 @@ async def serve_and_run(
             speed=speed,
             arm=arm,
             answers=answers,
+            keep_drives=keep_drives,
             answerer=service.hub.desk,
             on_open=service.serve,
             observe=partial(service.telemetry.observe, facts_of(planned.loaded.cell, planned.bench)),

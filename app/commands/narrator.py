@@ -7,10 +7,19 @@ from app.commands.output import emit_json, say
 from app.commands.progress import ProgressBar
 from app.commands.question_line import QuestionLine, live_text
 from app.service.questions import prompt_of
+from app.story.words import first_motion_text
 from procedures.context import Json
 
 _ENDING = {"STOPPING", "ABORTING"}
-_STATES_WORTH_TELLING = {"STOPPING", "STOPPED", "ABORTING", "ABORTED", "SUSPENDED"}
+_STATES_WORTH_TELLING = {
+    "STOPPING",
+    "STOPPED",
+    "ABORTING",
+    "ABORTED",
+    "SUSPENDED",
+    "SUSPENDING",
+    "UNSUSPENDING",
+}
 
 
 class Narrator:
@@ -71,6 +80,10 @@ class Narrator:
         data = event.get("data")
         if event.get("kind") == "live" and isinstance(data, dict):
             self._live(live_text(data))
+        elif event.get("kind") == "drives" and isinstance(data, dict):
+            self.tell(str(data["text"]))
+        elif event.get("kind") == "first-motion" and isinstance(data, dict):
+            self.tell(first_motion_text(data))
         elif event.get("state") == "HELD" and "reason" in event:
             self.tell(f"HELD: {self._go_on}")
         elif event.get("state") == "HOLDING" and self._question.asked is not None and "reason" in event:

@@ -21,6 +21,7 @@ def resume_command(
     answers: Path | None,
     arm: str | None,
     speed: float | None,
+    keep_drives: bool,
     dry_run: bool,
     waive_walk: str | None,
     runs: Path | None,
@@ -39,4 +40,14 @@ def resume_command(
         f"{path.name} {reader.status}; {reader.count('steps')} steps are done and stay; aim from {planned.aim}"
     )
     speed = planned.clock_speed if speed is None else speed
-    conduct(planned, root, answers, arm, speed, waive_walk, dry_run=dry_run, as_json=as_json)
+    conduct(
+        planned,
+        root,
+        answers,
+        arm,
+        speed,
+        waive_walk,
+        keep_drives=keep_drives,
+        dry_run=dry_run,
+        as_json=as_json,
+    )

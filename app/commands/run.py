@@ -27,6 +27,7 @@ def run_command(
     answers: Path | None,
     arm: str | None,
     speed: float,
+    keep_drives: bool,
     dry_run: bool,
     walk: bool,
     waive_walk: str | None,
@@ -43,7 +44,17 @@ def run_command(
         say(f"aim from {planned.aim}")
     if walk:
         planned = as_walk(planned, root)
-    conduct(planned, root, answers, arm, speed, waive_walk, dry_run=dry_run, as_json=as_json)
+    conduct(
+        planned,
+        root,
+        answers,
+        arm,
+        speed,
+        waive_walk,
+        keep_drives=keep_drives,
+        dry_run=dry_run,
+        as_json=as_json,
+    )
 
 
 def detached_command(
@@ -54,6 +65,7 @@ def detached_command(
     answers: Path | None,
     arm: str | None,
     speed: float,
+    keep_drives: bool,
     waive_walk: str | None,
     runs: Path | None,
     as_json: bool,
@@ -67,6 +79,7 @@ def detached_command(
         "search": search,
         "arm": arm,
         "speed": speed,
+        "keep_drives": keep_drives,
         "answers": None if answers is None else str(answers.resolve()),
         "waive_walk": waive_walk,
     }
@@ -81,6 +94,7 @@ def conduct(
     speed: float,
     waive_walk: str | None,
     *,
+    keep_drives: bool,
     dry_run: bool,
     as_json: bool,
 ) -> None:
@@ -90,7 +104,11 @@ def conduct(
         say("a real arm drives this where it was walked through (--walk), or with a reason (--waive-walk)")
         return
     with settled_heap():
-        outcome = asyncio.run(serve_and_run(planned, root, answers, arm, speed, waive_walk, as_json=as_json))
+        outcome = asyncio.run(
+            serve_and_run(
+                planned, root, answers, arm, speed, waive_walk, keep_drives=keep_drives, as_json=as_json
+            )
+        )
     if not as_json:
         emit(str(outcome.path))
     sys.exit(int(outcome.exit_code))

@@ -13,12 +13,15 @@ from functools import partial
 from pathlib import Path
 from typing import BinaryIO, Literal
 
+from app.bench.raw_door import RawDoor, raw_door
 from app.cell.bench import may_move_an_arm
 from app.cell.load import load_cell
 from app.cell.model import Cell
 from app.commands.output import emit, say
+from app.engine.interlock import RemoteIo
 from app.errors import SafetyError, UsageError
 from app.guard.raw import plain_connection, raw_connection
+from app.instruments import device_builder
 from app.runs_folder import runs_folder
 from drivers.clock import SystemClock
 from drivers.record import Direction
@@ -55,11 +58,13 @@ def terminal_command(
             )
         if not may_send:
             say(f"listening only: what is sent may move the robot; --arm {cell.name} lets it pass")
+        io = None
         if may_send and _moves(cell, device):
             link = partial(_guarded, endpoint, _driver(cell, device), traffic)
+            io = device_builder(cell, SystemClock())(_ignore).io
         else:
             link = partial(plain_connection, endpoint, traffic.show)
-        asyncio.run(_converse(link, traffic, encode if may_send else _refusal(cell), wait_s))
+        asyncio.run(_converse(link, traffic, encode if may_send else _refusal(cell), wait_s, io))
 
 
 def endpoint_of(cell: Cell, device: str) -> str:
@@ -213,9 +218,28 @@ async def _converse(
     traffic: _Traffic,
     encode: Callable[[str], bytes],
     wait_s: float,
+    io: RemoteIo | None,
 ) -> None:
     async with opened() as link:
-        await _pass_lines(link, traffic, encode, wait_s)
+        try:
+            if io is not None:
+                await io.connect()
+            async with raw_door(io, link, SystemClock(), lambda text: say(f"{text}; STOP was sent")) as door:
+                await _pass_lines(link, traffic, _if_closed(door, encode), wait_s)
+        finally:
+            if io is not None:
+                await io.close()
+
+
+def _if_closed(door: RawDoor, encode: Callable[[str], bytes]) -> Callable[[str], bytes]:
+    def encoded_if_closed(line: str) -> bytes:
+        try:
+            door.require_closed()
+        except SafetyError as error:
+            raise ValueError(str(error)) from error
+        return encode(line)
+
+    return encoded_if_closed
 
 
 async def _pass_lines(
@@ -281,3 +305,7 @@ def _read_lines(lines: "asyncio.Queue[str | None]", loop: asyncio.AbstractEventL
         if rest:
             loop.call_soon_threadsafe(lines.put_nowait, rest.decode(errors="replace"))
         loop.call_soon_threadsafe(lines.put_nowait, None)
+
+
+def _ignore(_device: str, _direction: str, _data: bytes) -> None:
+    return

@@ -1,4 +1,4 @@
-"""What has to hold around the robot before it moves: door and air. And who looks at it while nothing moves."""
+"""What has to hold around the robot while it moves and comes back by itself, the air; and who looks at the bench."""
 
 import logging
 from collections.abc import Callable, Mapping, Sequence
@@ -6,10 +6,9 @@ from dataclasses import dataclass, field
 from typing import Protocol
 
 from app.engine.control import RunControl
-from app.engine.interlock import RemoteIo, door_trouble
 from app.engine.measuring import AirCache
 from app.engine.states import RUNNING, State
-from app.errors import SafetyError
+from app.errors import InterruptionError, SafetyError
 from drivers.clock import Clock
 from drivers.errors import DeviceError
 from procedures.devices import ControllerStatus, Robot
@@ -17,7 +16,13 @@ from procedures.devices import ControllerStatus, Robot
 _log = logging.getLogger(__name__)
 
 _IDLE_SHARE = 20.0
-"""Looks take at most a twentieth of the time."""
+"""While nothing moves looks take at most a twentieth of the time."""
+
+_LONGEST_S = 10.0
+"""A look that a motion has delayed puts off the next one by no more, s of the clock."""
+
+_MOTION_LOOKS = 2.5
+"""While the arm moves there are so many times as many looks."""
 
 _UNITS = {"temperature_c": "°C", "pressure_hpa": "hPa", "humidity_percent": "%RH"}
 
@@ -28,21 +33,6 @@ class Condition(Protocol):
     async def trouble(self) -> str | None:
         """Return what is wrong and what to do about it; None when the condition holds."""
         ...
-
-
-class ClosedDoor:
-    """The door of the cell is closed.
-
-    Args:
-        io: block with the interlock.
-    """
-
-    def __init__(self, io: RemoteIo) -> None:
-        self._io = io
-
-    async def trouble(self) -> str | None:
-        """Return why the door forbids motion."""
-        return await door_trouble(self._io)
 
 
 @dataclass(frozen=True)
@@ -83,17 +73,18 @@ class AirInRange:
 
 
 class Watchman:
-    """Looks at conditions and controller while nothing moves, also during questions and holds.
+    """Looks at the controller all the time, at the air while nothing moves, also during questions and holds.
 
-    Motions are watched by the gate before, and by the robot's driver during them.
+    A controller that answers late delays nothing but this: the door has a watch of its own.
 
     Args:
         control: of the run.
         robot: the controller.
         conditions: of the surroundings.
-        ready: raises when a controller in this state may not move.
+        ready: raises when a controller in this state may not move: InterruptionError if somebody who acknowledges
+            that is enough to go on.
         clock: of the run.
-        poll_s: between two looks, s of the clock.
+        poll_s: between two looks while nothing moves, s of the clock.
     """
 
     def __init__(
@@ -116,12 +107,12 @@ class Watchman:
 
     async def watch(self) -> None:
         """Look until cancelled."""
-        pause_s = self._poll_s
+        due_s = self._clock.monotonic_s() + self._poll_s
         while True:
-            await self._clock.sleep(pause_s)
-            if self._control.moving or self._control.state not in RUNNING:
-                continue
+            await self._clock.sleep(self._poll_s / _MOTION_LOOKS)
             start_s = self._clock.monotonic_s()
+            if not self._may_judge or (start_s < due_s and not self._control.moving):
+                continue
             try:
                 await self._look()
                 self._silent = False
@@ -130,19 +121,28 @@ class Watchman:
                 if not self._silent:
                     self._silent = True
                     _log.warning("the surroundings cannot be watched: %s", error)
-            # On a slow serial line a look takes a tenth of a second, which the measurement waits for.
-            pause_s = max(self._poll_s, _IDLE_SHARE * (self._clock.monotonic_s() - start_s))
+            # On a slow serial line a look takes a tenth of a second, which a measurement waits for.
+            end_s = self._clock.monotonic_s()
+            due_s = end_s + max(self._poll_s, min(_IDLE_SHARE * (end_s - start_s), _LONGEST_S))
+
+    @property
+    def _may_judge(self) -> bool:
+        """The run goes on, and the robot is not just being brought to rest: that is looked at by itself."""
+        return self._control.state in RUNNING - {State.SUSPENDING}
 
     async def _look(self) -> None:
         status = await self._robot.status()
-        if self._control.moving:
+        if not self._may_judge:
             return
         try:
             self._ready(status)
+        except InterruptionError as error:
+            self._control.interrupt(str(error))
         except SafetyError as error:
             self._control.abort(error)
-            return
-        await self._look_around()
+        else:
+            if not self._control.moving:
+                await self._look_around()
 
     async def _look_around(self) -> None:
         troubles, unseen = await self._troubles()

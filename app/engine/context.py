@@ -3,9 +3,9 @@
 import asyncio
 from collections.abc import Awaitable, Callable, Sequence
 from dataclasses import dataclass, field, replace
-from functools import partial
 from typing import TypeVar
 
+from app.engine.acknowledging import Acknowledging
 from app.engine.announcer import Announcer
 from app.engine.compensation import AirRule, Compensation, missing_quantities
 from app.engine.control import RunControl
@@ -13,18 +13,19 @@ from app.engine.crash_points import crash_point
 from app.engine.devices import Devices
 from app.engine.gate import MotionGate
 from app.engine.measuring import AirCache, measure, unless_dark
+from app.engine.mover import Mover
 from app.engine.operator import Answer, Operator
+from app.engine.states import State
 from app.engine.timekeeping import Progress, StepTime
 from app.engine.waiting import cancel, uncancelled
-from app.errors import ConditionLostError, ConfigError, UnwalkedError, UsageError
+from app.errors import ConfigError, UnwalkedError, UsageError
 from app.files.measured_csv import read_typed_csv
 from app.store.rows import encode
 from app.store.run_store import RunStore
 from drivers.clock import Clock
 from procedures.context import Json, Live, Location, MeasuredPoint, Measurement, Prompt, Row, Table
 from procedures.devices import Air, BeamStatus, Joints, Tracker, WayRobot
-from procedures.errors import ArmMovedError, MeasuredFileError
-from procedures.motion.entry import stands_at
+from procedures.errors import MeasuredFileError
 
 _DEFAULT_AIR = AirRule()
 
@@ -99,8 +100,13 @@ class RunContext:
         self._prompt_open = False
         self._zeroed = False
         self._looking = 0
-        self._stood: Joints | None = None
-        self._waits_then = 0
+        self._mover = Mover(
+            devices.robot, control, gate, self.wait_until, self._timed, self._waive, self._first_motion
+        )
+        self._acknowledging = Acknowledging(
+            control, gate, clock, poll_s, lambda prompt: self._ask(prompt, None), self.warn
+        )
+        control.on_interrupted = self._acknowledge
 
     @property
     def resumed(self) -> bool:
@@ -163,7 +169,7 @@ class RunContext:
             SafetyError: the controller may not move.
             ArmMovedError: the arm was moved while the run was held or suspended.
         """
-        await self._moved((target,), lambda: self._devices.robot.move_joints(target))
+        await self._mover.drive((target,))
 
     async def follow(self, way: Sequence[Joints]) -> None:
         """Move through targets; a robot that cannot pass them stands still at each.
@@ -173,20 +179,23 @@ class RunContext:
             SafetyError: the controller may not move.
             ArmMovedError: the arm was moved while the run was held or suspended.
         """
-        robot = self._devices.robot
-        if len(way) > 1 and isinstance(robot, WayRobot):
-            await self._moved(way, lambda: robot.follow(way))
+        if isinstance(self._devices.robot, WayRobot):
+            await self._mover.drive(way)
             return
         for target in way:
-            await self._moved((target,), partial(robot.move_joints, target))
+            await self.move(target)
 
     async def joints(self) -> Joints:
         """Return the reported joints."""
         await self.checkpoint()
         waits = self._control.waits
         here = await self._control.command(self._devices.robot.joints())
-        self._stood, self._waits_then = here, waits
+        self._mover.stands(here, waits)
         return here
+
+    def stands(self, here: Joints) -> None:
+        """Take note of where the arm stands before its first motion."""
+        self._mover.stands(here, self._control.waits)
 
     async def measure(self, settle_time_s: float, dwell_time_s: float, readings: int) -> Measurement:
         """Settle, then average readings over the dwell.
@@ -262,7 +271,11 @@ class RunContext:
         self._prompt_open = True
         start_s = self._clock.monotonic_s() - self._control.waited_s
         try:
-            return await self._ask(prompt, watch)
+            answer = await self._ask(prompt, watch)
+            if self._control.state == State.UNSUSPENDING and prompt.moves_after(answer):
+                # Whoever lets the arm move now has seen the cell since the door was opened.
+                self._acknowledged(f"with the answer to {prompt.id!r}")
+            return answer
         finally:
             self._prompt_open = False
             self._asked_s += self._clock.monotonic_s() - self._control.waited_s - start_s
@@ -306,9 +319,8 @@ class RunContext:
         """Return when the arm moves and where to, at which override, and how fast its joints can be then."""
         percent = self._gate.override_percent
         speeds = self._speed_deg_s
-        rests_after = [prompt.safe_answer] if prompt.rests_after is None else list(prompt.rests_after)
         return {
-            "rests_after": [choice for choice in rests_after if choice in prompt.choices],
+            "rests_after": list(prompt.resting_choices),
             "target": None if prompt.target is None else list(prompt.target),
             "override_percent": percent,
             "speed_deg_s": None if speeds is None else [speed * percent / 100.0 for speed in speeds],
@@ -349,50 +361,6 @@ class RunContext:
         step.time.points = sum(table == "points" for table, _ in step.rows)
         self.step_times.append(step.time)
 
-    async def _moved(
-        self,
-        targets: Sequence[Joints],
-        action: Callable[[], Awaitable[None]],
-    ) -> None:
-        """Pass the gate and move; while a condition is missing the run is suspended and the gate asked again.
-
-        Every way is checked from where the procedure knows the arm to stand. After a wait it need not stand there.
-
-        Args:
-            targets: the way.
-            action: moves.
-        """
-
-        async def look() -> None:
-            if self._stood is not None and self._control.waits != self._waits_then:
-                self._require_place(await self._devices.robot.joints(), self._stood)
-            await self._gate.require(*targets, here=self._stood)
-
-        async def moved() -> None:
-            self._stood = None
-            await self._timed(action())
-            self._stood, self._waits_then = targets[-1], self._control.waits
-
-        while True:
-            try:
-                await self._control.motion(look, moved)
-            except ConditionLostError as error:
-                await self.wait_until(str(error), self._gate.conditions_hold)
-            except UnwalkedError as error:
-                await self._gate.waive(error, self, self._store)
-            else:
-                crash_point("after-motion")
-                return
-
-    def _require_place(self, here: Joints, stood: Joints) -> None:
-        """Refuse to drive on from where nobody planned to be."""
-        if not stands_at(here, stood):
-            raise ArmMovedError(
-                f"the arm was moved while the run was held or suspended: its joints are {_listed(here)} and were "
-                f"{_listed(stood)} when it was left (J1 deg, J2 deg, J3 mm, J4 deg); the rest of its way was not "
-                "driven; go on with catseye resume, and leave the arm alone while a run is under way"
-            )
-
     async def _look(self, look: Callable[[], Awaitable[T]]) -> T:
         """Look at the bench while the run waits."""
         self._looking += 1
@@ -411,6 +379,23 @@ class RunContext:
             return answer.result()
         finally:
             await cancel(answer)
+
+    async def _waive(self, error: UnwalkedError) -> None:
+        await self._gate.waive(error, self, self._store)
+
+    async def _first_motion(self, here: Joints | None, way: Sequence[Joints]) -> None:
+        """Show where the arm is led from where it stands, before it moves."""
+        stands: Json = None if here is None else list(here)
+        await self.event("first-motion", stands=stands, way=[list(target) for target in way])
+
+    async def _acknowledge(self, reason: str) -> None:
+        """Ask whether the arm may move again; whoever was in the cell may have touched what the count rests on."""
+        await self._acknowledging(reason)
+        self._zeroed = False
+
+    def _acknowledged(self, reason: str) -> None:
+        if self._acknowledging.taken(reason):
+            self._zeroed = False
 
     async def _timed(self, motion: Awaitable[None]) -> None:
         start_s = self._clock.monotonic_s()
@@ -494,7 +479,3 @@ class RunContext:
             await self.event("hands", prompt=prompt.id, **answer.done)
         self._announcer.say("answer", id=prompt.id, answer=answer.text, who=answer.who)
         return answer.text
-
-
-def _listed(joints: Joints) -> str:
-    return ", ".join(f"{value:.2f}" for value in joints)

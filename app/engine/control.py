@@ -6,7 +6,7 @@ from collections.abc import Awaitable, Callable, Coroutine, Mapping
 from typing import Any, Final, TypeVar
 
 from app.engine.halt import HaltLimits, HaltReport, halt
-from app.engine.states import ENDED, Effect, Event, State, transition
+from app.engine.states import ENDED, INTERRUPTED, Effect, Event, State, transition
 from app.engine.waiting import cancel, uncancelled
 from app.errors import (
     CatseyeError,
@@ -16,6 +16,7 @@ from app.errors import (
     TerminatedRunError,
 )
 from drivers.clock import Clock
+from drivers.errors import AlarmError, NotArrivedError, NotReadyError, RefusedError
 from procedures.devices import Robot
 
 T = TypeVar("T")
@@ -27,6 +28,8 @@ INTERRUPT_LADDER: Final[Mapping[State, Event]] = {
     State.HELD: Event.STOP,
     State.UNHOLDING: Event.STOP,
     State.SUSPENDED: Event.STOP,
+    State.SUSPENDING: Event.STOP,
+    State.UNSUSPENDING: Event.STOP,
     State.STOPPING: Event.ABORT,
 }
 """What a Ctrl-C means in each state: the first holds, the second stops, the third aborts."""
@@ -34,7 +37,8 @@ INTERRUPT_LADDER: Final[Mapping[State, Event]] = {
 SIGNALS: Final = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP, signal.SIGUSR1)
 """Signals that `RunControl.on_signal` understands."""
 
-_WAITING = frozenset({State.HOLDING, State.HELD, State.SUSPENDED})
+_WAITING = frozenset({State.HOLDING, State.HELD, State.SUSPENDED}) | INTERRUPTED
+_IDLE = frozenset({State.HELD, State.SUSPENDED}) | INTERRUPTED
 _BEFORE_MOTION = frozenset({State.IDLE, State.STARTING})
 
 
@@ -51,6 +55,10 @@ class RunControl:
         ending: why the run ends early, raised by every further checkpoint; None while it goes on.
         reports: how each halt ended.
         moving: a motion is under way.
+        interruption: why the surroundings stopped the robot last; empty when they never did.
+        interruptions: how often they did.
+        on_interrupted: asks whether to go on after an interruption and returns when `acknowledge` was called; without
+            it somebody else has to call that.
         waits: how often the run was held or suspended so far; somebody may have moved the arm meanwhile.
     """
 
@@ -69,9 +77,13 @@ class RunControl:
         self._halting = 0
         self._changed = asyncio.Event()
         self._motion_permitted = False
+        self._motion: asyncio.Task[Any] | None = None
         self._hold_first: str | None = None
         self._hold_reason = ""
         self.moving = False
+        self.interruption = ""
+        self.interruptions = 0
+        self.on_interrupted: Callable[[str], Awaitable[None]] | None = None
         self.waits = 0
         self._waited_s = 0.0
         self._waits_since_s: float | None = None
@@ -87,8 +99,12 @@ class RunControl:
         self._robot = robot
 
     def hold(self, reason: str) -> None:
-        """Hold at the next checkpoint; the move under way ends by itself."""
+        """Hold at the next checkpoint; the move under way ends by itself. An interruption comes first."""
         self._hold_reason = reason
+        if self.state in INTERRUPTED:
+            self._hold_first = reason
+            self._on_change(self.state, f"held as soon as the interruption is acknowledged: {reason}")
+            return
         self._apply(Event.HOLD, reason)
 
     def hold_before_motion(self, reason: str) -> None:
@@ -100,6 +116,8 @@ class RunControl:
 
     def unhold(self, reason: str) -> None:
         """Go on after a hold."""
+        if self.state in INTERRUPTED:
+            self._hold_first = None
         self._apply(Event.UNHOLD, reason)
 
     def suspend(self, reason: str) -> None:
@@ -109,6 +127,21 @@ class RunControl:
     def condition_back(self, reason: str) -> None:
         """End a suspension."""
         self._apply(Event.CONDITION_BACK, reason)
+
+    def interrupt(self, reason: str) -> None:
+        """Stop the robot now; the run goes on when somebody has acknowledged that, held if it was held."""
+        if transition(self.state, Event.INTERRUPT).state == self.state:
+            return
+        if self.state in {State.HOLDING, State.HELD}:
+            self._hold_first = self._hold_reason
+        self.interruption = reason
+        self.interruptions += 1
+        self._apply(Event.INTERRUPT, reason)
+
+    def acknowledge(self, reason: str) -> None:
+        """Permit motion again after an interruption."""
+        self._apply(Event.ACKNOWLEDGE, reason)
+        self._hold_if_asked()
 
     def stop(self, reason: str) -> None:
         """Stop the robot now and end the run."""
@@ -143,8 +176,7 @@ class RunControl:
     def started(self) -> None:
         """The devices are ready."""
         self._apply(Event.STARTED, "devices are ready")
-        if self._hold_first is not None:
-            self.hold(self._hold_first)
+        self._hold_if_asked()
 
     def done(self) -> None:
         """The procedure has come to its end."""
@@ -156,7 +188,7 @@ class RunControl:
         self._apply(Event.CLEARED, reason)
 
     async def checkpoint(self) -> None:
-        """Wait while the run is held or suspended.
+        """Wait while the run is held, suspended or interrupted.
 
         Raises:
             CatseyeError: the run ends: stopped, aborted or failed.
@@ -166,8 +198,11 @@ class RunControl:
             if self.state == State.HOLDING:
                 self._apply(Event.HELD, f"at a checkpoint: {self._hold_reason}")
             self.waits += 1
-            self._changed.clear()
-            await self._changed.wait()
+            if self.state == State.UNSUSPENDING and self.on_interrupted is not None:
+                await self.on_interrupted(self.interruption)
+            else:
+                self._changed.clear()
+                await self._changed.wait()
             self.raise_ending()
         if self.state == State.UNHOLDING:
             self._apply(Event.RESUMED, "the operator goes on")
@@ -189,7 +224,7 @@ class RunControl:
         while not await back():
             self.raise_ending()
             await self._clock.sleep(poll_s)
-            if self.state in {State.HOLDING, State.HELD}:
+            if self.state in _WAITING - {State.SUSPENDED}:
                 await self.checkpoint()
             self.raise_ending()
             if self.state == State.EXECUTE:
@@ -228,8 +263,8 @@ class RunControl:
         """Run a command that moves the robot; it begins only while motion is permitted.
 
         Args:
-            gate: looks whether the motion may begin; it looks again after each hold.
-            action: moves the robot.
+            gate: looks whether the motion may begin; it looks again after each hold and each interruption.
+            action: moves the robot; called again when an interruption has cut it short and is acknowledged.
 
         Raises:
             CatseyeError: the run ends, or the gate refuses.
@@ -252,9 +287,23 @@ class RunControl:
             return ()
         self.moving = True
         try:
-            return (await action(),)
+            return await self._interruptible(action())
         finally:
             self.moving = False
+
+    async def _interruptible(self, action: Coroutine[Any, Any, T]) -> tuple[T] | tuple[()]:
+        """Run an action to its end; nothing comes back from one that an interruption has cut short."""
+        before = self.interruptions
+        self._motion = task = asyncio.create_task(action)
+        try:
+            await asyncio.wait({task})
+        finally:
+            self._motion = None
+            if not task.done():
+                await cancel(task)
+        if self.interruptions != before and _cut_short(task):
+            return ()
+        return (task.result(),)
 
     async def halted(self) -> None:
         """Wait until every halt under way has ended."""
@@ -288,8 +337,13 @@ class RunControl:
         self._count_waiting()
         self._changed.set()
 
+    def _hold_if_asked(self) -> None:
+        reason, self._hold_first = self._hold_first, None
+        if reason is not None:
+            self.hold(reason)
+
     def _count_waiting(self) -> None:
-        if self.state not in {State.HELD, State.SUSPENDED}:
+        if self.state not in _IDLE:
             self._waited_s, self._waits_since_s = self.waited_s, None
         elif self._waits_since_s is None:
             self._waits_since_s = self._clock.monotonic_s()
@@ -301,13 +355,28 @@ class RunControl:
             case Effect.FORBID_MOTION:
                 self._motion_permitted = False
             case Effect.STOP_ROBOT:
-                task = asyncio.create_task(self._halt())
-                self._halts.add(task)
-                task.add_done_callback(self._halts.discard)
+                self._begin(self._halt())
+            case Effect.STOP_MOTION:
+                self._begin(self._rest())
             case Effect.PUBLISH:
                 self._on_change(self.state, reason)
             case Effect.REPORT_IGNORED:
                 self._on_change(self.state, f"{event} means nothing in state {self.state} ({reason})")
+
+    def _begin(self, halting: Coroutine[Any, Any, None]) -> None:
+        task = asyncio.create_task(halting)
+        self._halts.add(task)
+        task.add_done_callback(self._halts.discard)
+
+    async def _rest(self) -> None:
+        """Bring the robot to rest; a standstill that nobody sees is more than an interruption."""
+        if self._robot is not None:
+            report = await halt(self._robot, self._clock, self._limits, self._drop_motion)
+            if not report.standstill:
+                self.reports.append(report)
+                self.abort(SafetyError(f"{self.interruption}; {report.text}"))
+        if self.state == State.SUSPENDING:
+            self._apply(Event.INTERRUPTED, f"the arm stands: {self.interruption}")
 
     async def _halt(self) -> None:
         self._halting += 1
@@ -328,6 +397,10 @@ class RunControl:
         for command in self._commands:
             command.cancel()
 
+    def _drop_motion(self) -> None:
+        if self._motion is not None:
+            self._motion.cancel()
+
     def raise_ending(self) -> None:
         """Raise why the run ends, if it does.
 
@@ -336,3 +409,13 @@ class RunControl:
         """
         if self.ending is not None:
             raise self.ending
+
+
+def _cut_short(motion: "asyncio.Task[Any]") -> bool:
+    """Return whether a motion ended as one does that a STOP has overtaken."""
+    if motion.cancelled():
+        return True
+    error = motion.exception()
+    if isinstance(error, (AlarmError, NotReadyError)):
+        return False
+    return isinstance(error, (RefusedError, NotArrivedError))

@@ -29,7 +29,8 @@ class Ending:
     """How a run ended.
 
     Attributes:
-        status: complete; stopped by the operator and resumable; aborted for safety or from outside; failed.
+        status: complete; stopped by the operator, or for want of one, and resumable; aborted for safety or from
+            outside; failed.
         exit_code: of the process.
         text: why; empty for a complete run.
     """
@@ -46,7 +47,7 @@ def react(control: RunControl, error: Exception) -> None:
     """Bring the robot to rest after an error: what makes motion unsafe aborts, everything else stops."""
     fault = error if isinstance(error, CatseyeError) else DeviceFaultError(error)
     if isinstance(error, (AlarmError, NotReadyError, NotArrivedError)) or (
-        isinstance(error, SafetyError) and not isinstance(error, LimitError)
+        isinstance(error, SafetyError) and not isinstance(error, (LimitError, NotAcknowledgedError))
     ):
         control.abort(fault)
     else:

@@ -5,7 +5,8 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 from app.engine.conditions import Condition
-from app.errors import ConditionLostError, LimitError, SafetyError, UnwalkedError
+from app.engine.door_watch import DoorWatch
+from app.errors import ConditionLostError, InterruptionError, LimitError, SafetyError, UnwalkedError
 from app.store.run_store import RunStore
 from app.walk.rule import Desk, WalkRule
 from procedures.devices import ControllerStatus, Joints, Robot
@@ -70,7 +71,8 @@ class MotionGate:
         limits: ranges of the cell.
         blocked: tells why bodies are in the way of a motion.
         override_cap_percent: highest speed override that the cell allows.
-        conditions: of the surroundings: door, air.
+        conditions: of the surroundings that come back by themselves: the air.
+        door: of the cell; None where no door is watched.
 
     Attributes:
         on_override: is told each override that was lowered on request and read back, percent.
@@ -85,8 +87,10 @@ class MotionGate:
         blocked: WayCheck,
         override_cap_percent: float,
         conditions: Sequence[Condition] = (),
+        door: DoorWatch | None = None,
     ) -> None:
         self._conditions = conditions
+        self._door = door
         self._robot = robot
         self._limits = limits
         self._blocked = blocked
@@ -126,7 +130,7 @@ class MotionGate:
         percent = (await self._robot.status()).override_percent
         if percent > self._cap_percent:
             percent = await self._set_override(self._cap_percent)
-        self._require_override(percent)
+        self.require_override(percent)
         self._read_percent = percent
         return percent
 
@@ -140,18 +144,19 @@ class MotionGate:
         Raises:
             LimitError: a target is outside the limits, or a body is in the way there or between the targets.
             UnwalkedError: the motion has to be walked first.
-            ConditionLostError: door or air forbid motion now.
-            SafetyError: the controller's state or override forbid motion.
+            InterruptionError: the door is open, or the override was raised above the cap.
+            ConditionLostError: the air forbids motion now.
+            SafetyError: the controller's state forbids motion.
         """
         for target in targets:
             self._limits.require(target)
         if targets:
             self._require_clear((await self._robot.joints() if here is None else here, *targets))
-        await self.require_conditions()
+        await self.require_surroundings()
         status = await self._robot.status()
         require_ready(status)
         require_right(status)
-        self._require_override(status.override_percent)
+        self.require_override(status.override_percent)
         if self.walk_rule is not None and self.walk_rule.in_force:
             self.walk_rule.require(await self._robot.joints(), targets)
         self._read_percent = status.override_percent
@@ -172,18 +177,42 @@ class MotionGate:
         if (blocked := self._blocked(way)) is not None:
             raise LimitError(f"{blocked}; the robot was not moved")
 
-    async def require_conditions(self) -> None:
-        """Check door and air afresh.
+    async def require_surroundings(self) -> None:
+        """Check the door as it was seen last, and the air afresh.
 
         Raises:
-            ConditionLostError: one does not hold; the text says which and what to do.
+            InterruptionError: the door is open or does not answer.
+            ConditionLostError: a condition does not hold; the text says which and what to do.
         """
+        self.require_door()
         for condition in self._conditions:
             if (trouble := await condition.trouble()) is not None:
                 raise ConditionLostError(trouble)
 
+    def require_door(self) -> None:
+        """Check the door as it was seen last, at most a tick of the watch ago.
+
+        Raises:
+            InterruptionError: it is open or does not answer.
+        """
+        if self._door is not None and self._door.trouble is not None:
+            raise InterruptionError(self._door.trouble)
+
+    def require_override(self, percent: float) -> None:
+        """Check an override that the controller reads.
+
+        Raises:
+            InterruptionError: it is above the cap: somebody has raised it.
+        """
+        # Written so that an override that reads NaN is refused too.
+        if not percent <= self._cap_percent + _OVERRIDE_TOLERANCE_PERCENT:
+            raise InterruptionError(
+                f"the controller's override reads {percent:g} % and the cell allows {self._cap_percent:g} %: "
+                "no motion; lower it on the controller or check who else sets it"
+            )
+
     async def conditions_hold(self) -> bool:
-        """Return whether door and air permit motion."""
+        """Return whether the air permits motion."""
         return all([await condition.trouble() is None for condition in self._conditions])
 
     async def _lower_to(self, wanted: float) -> None:
@@ -200,14 +229,6 @@ class MotionGate:
     async def _set_override(self, percent: float) -> float:
         self.permit()
         return await self._robot.set_override(percent)
-
-    def _require_override(self, percent: float) -> None:
-        # Written so that an override that reads NaN is refused too.
-        if not percent <= self._cap_percent + _OVERRIDE_TOLERANCE_PERCENT:
-            raise SafetyError(
-                f"the controller's override reads {percent:g} % and the cell allows {self._cap_percent:g} %: "
-                "no motion; lower it on the controller or check who else sets it"
-            )
 
 
 def require_ready(status: ControllerStatus) -> None:

@@ -3,16 +3,13 @@
 import asyncio
 import logging
 import os
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from contextlib import nullcontext
-from dataclasses import dataclass, field
-from pathlib import Path
-from typing import Any, Protocol
 
 from app.engine.announcer import Announcer, Publish
 from app.engine.before_motion import require_within_controller, unconfirmed_text
-from app.engine.compensation import AirRule, Compensation
-from app.engine.conditions import AirInRange, AirLimits, ClosedDoor, Condition, Watchman
+from app.engine.compensation import Compensation
+from app.engine.conditions import AirInRange, Condition
 from app.engine.context import RunContext
 from app.engine.control import RunControl
 from app.engine.crash_points import arm, crash_point
@@ -24,136 +21,33 @@ from app.engine.devices import (
     identities_as_json,
     require_permission,
 )
-from app.engine.ending import COMPLETE, DeviceFaultError, Ending, EndStatus, ending_of, react
-from app.engine.gate import WHOLE_PERCENT, JointLimits, MotionGate, WayCheck, require_ready
-from app.engine.halt import FAILURES, HaltLimits
-from app.engine.handle import OnOpen, RunHandle
-from app.engine.hands import Hands
-from app.engine.interlock import StackLight
+from app.engine.drives import DrivesLeft, leave_drives
+from app.engine.ending import COMPLETE, Ending, ending_of, react
+from app.engine.first_motion import require_rest
+from app.engine.gate import WHOLE_PERCENT, MotionGate, require_ready
+from app.engine.halt import FAILURES
+from app.engine.handle import RunHandle
+from app.engine.interlock import NO_DOOR, StackLight
 from app.engine.measuring import AirCache
-from app.engine.operator import Answerer, Operator
+from app.engine.operator import Operator
 from app.engine.reentry import Reentry
+from app.engine.request import RunOutcome, RunRequest
 from app.engine.signals import SignalInstaller, loop_signals
 from app.engine.states import State
-from app.engine.timekeeping import StepTime
-from app.engine.waiting import cancel, uncancelled, within
+from app.engine.waiting import uncancelled, within
+from app.engine.watches import POLL_S, Watches
 from app.errors import SafetyError, StorageError, TerminatedRunError, UsageError
-from app.exitcode import ExitCode
 from app.guard.client import ArmGuard
 from app.store.lines import LogHandler
 from app.store.reader import Accept, RunReader
-from app.store.run_store import DEFAULT_RESERVE_BYTES, RunStore
-from app.walk.rule import WalkRule
+from app.store.run_store import RunStore
 from drivers.clock import Clock
-from procedures.context import Context, Json
+from procedures.context import Json
 
 _log = logging.getLogger(__name__)
 
-_POLL_S = 0.5
-"""Real seconds between two looks at what is missing, or may be."""
-
-
 _CLOSING_LIMIT_S = 5.0
 """Real seconds for the lamps, and for the links: a bench that is gone keeps nobody waiting who ends the run."""
-
-
-class Procedure(Protocol):
-    """What happens on the bench.
-
-    Attributes:
-        name: as on the command line and in the run's name.
-        title: one line for people.
-    """
-
-    @property
-    def name(self) -> str: ...  # noqa: D102  # said above
-    @property
-    def title(self) -> str: ...  # noqa: D102  # said above
-
-    # Each procedure has a plan type of its own, which only it and its planner know.
-    async def run(self, ctx: Context, plan: Any) -> None:
-        """Carry the plan out, step by step."""
-        ...
-
-    async def teardown(self, ctx: Context) -> None:
-        """Leave the bench as it should be; the robot cannot be moved after a stop."""
-        ...
-
-
-@dataclass(frozen=True)
-class RunRequest:
-    """What is to be run, and within which bounds.
-
-    Attributes:
-        procedure: what happens.
-        plan: what the procedure's own `plan()` returned.
-        root: directory of all runs.
-        cell: name of the cell.
-        limits: ranges of the joints.
-        blocked: tells why bodies are in the way of a motion.
-        override_cap_percent: highest speed override.
-        meta: resolved configuration with origins, operator, parameters; stored with the run.
-        arm: the cell's name as typed by the operator; None when nothing was typed.
-        answers: answers file, by prompt id.
-        answerer: a front end that answers prompts.
-        hands: do on an emulated bench what prompts ask for.
-        resume: directory of a run to go on with, instead of a new one.
-        air: how the program corrects for the air where the instrument does not.
-        air_limits: ranges of the air in which a measurement goes on.
-        reserve_bytes: free disk space needed.
-        halt_limits: how long a halt may take, real time.
-        teardown_limit_s: how long the teardown, and the closing of the devices, may take, real s.
-        unconfirmed: dimensions of bodies that nobody has confirmed; they are named before a real arm moves.
-        aim_simulated: whether the search that the plan aims with was made on emulated devices; None without one.
-        clock_speed: bench seconds in one real second; anything but 1 is for emulated devices only.
-        speed_deg_s: fastest J1, J2, J4 at 100 % override, as questions before a motion tell them.
-        on_open: lets a service reach the run while its record is open.
-        walk_rule: what a real arm has to be walked first; None where nothing has to be.
-    """
-
-    procedure: Procedure
-    plan: object
-    root: Path
-    cell: str
-    limits: JointLimits
-    blocked: WayCheck
-    override_cap_percent: float
-    meta: Mapping[str, Json] = field(default_factory=dict)
-    arm: str | None = None
-    answers: Mapping[str, str] = field(default_factory=dict)
-    answerer: Answerer | None = None
-    hands: Hands | None = None
-    resume: Path | None = None
-    air: AirRule = field(default_factory=AirRule)
-    air_limits: AirLimits = field(default_factory=AirLimits)
-    reserve_bytes: int = DEFAULT_RESERVE_BYTES
-    halt_limits: HaltLimits = field(default_factory=HaltLimits)
-    teardown_limit_s: float = 60.0
-    clock_speed: float = 1.0
-    speed_deg_s: tuple[float, float, float] | None = None
-    aim_simulated: bool | None = None
-    unconfirmed: Sequence[str] = ()
-    on_open: OnOpen | None = None
-    walk_rule: WalkRule | None = None
-
-
-@dataclass(frozen=True)
-class RunOutcome:
-    """How a run ended.
-
-    Attributes:
-        path: the run's directory.
-        status: complete, stopped, aborted or failed.
-        exit_code: of the process.
-        text: why it did not complete; empty otherwise.
-        step_times: where the time of each step that ran went.
-    """
-
-    path: Path
-    status: EndStatus
-    exit_code: ExitCode
-    text: str
-    step_times: list[StepTime]
 
 
 async def run_procedure(
@@ -209,7 +103,8 @@ class _Run:
         self._announcer = Announcer(store.path.name, clock, self._tell, self._front_end_lost)
         self._context: RunContext | None = None
         self._torn_down = False
-        self._watch: asyncio.Task[None] | None = None
+        self._watches: Watches | None = None
+        self._drives_on = False
         self._bound_s = request.teardown_limit_s * request.clock_speed
         self._closing_bound_s = min(request.teardown_limit_s, _CLOSING_LIMIT_S) * request.clock_speed
         store.on_failure = self._control.fault
@@ -245,6 +140,7 @@ class _Run:
             # A stop that came after the last checkpoint still counts.
             await self._control.checkpoint()
             ending = await self._teardown(context, COMPLETE)
+            await self._control.halted()
             self._control.done()
         except Exception as error:  # noqa: BLE001  # the last line of defence: whatever failed, the robot must stop
             return await uncancelled(self._failed(error))
@@ -276,10 +172,17 @@ class _Run:
             self._warn(text)
         if devices.io is not None:
             self._light = StackLight(devices.io, self._warn)
-        conditions = self._conditions(devices)
         request = self._request
+        self._watches = watches = Watches(self._control, devices, self._clock, request.clock_speed)
+        await self._control.command(watches.watch_door())
+        conditions = self._conditions(devices)
         gate = MotionGate(
-            devices.robot, request.limits, request.blocked, request.override_cap_percent, conditions
+            devices.robot,
+            request.limits,
+            request.blocked,
+            request.override_cap_percent,
+            conditions,
+            watches.door,
         )
         gate.on_override = self._override_lowered
         gate.permit = self._control.raise_ending
@@ -295,7 +198,7 @@ class _Run:
             operator,
             self._announcer,
             self._request.air,
-            _POLL_S * self._request.clock_speed,
+            POLL_S * self._request.clock_speed,
             self._request.speed_deg_s,
         )
         if reentry is not None:
@@ -304,21 +207,12 @@ class _Run:
             gate.walk_rule = request.walk_rule
             here = await self._control.command(devices.robot.joints())
             await gate.walk_rule.begin(identities["robot"], here, context, self._store)
-        await self._control.command(self._ready(devices, gate))
+        await self._control.command(self._ready(devices, gate, context))
         self._handle.gate = gate
-        await self._tell_notes(devices)
+        await self._tell_notes(devices, context)
         self._context = context
         self._control.started()
-        watchman = Watchman(
-            self._control,
-            devices.robot,
-            conditions,
-            require_ready,
-            self._clock,
-            _POLL_S * self._request.clock_speed,
-        )
-        self._watch = asyncio.create_task(watchman.watch())
-        self._watch.add_done_callback(self._watch_ended)
+        watches.watch_controller(gate, conditions)
         return self._context
 
     async def _own(self, guard: ArmGuard, simulated: bool) -> None:
@@ -332,11 +226,6 @@ class _Run:
     def _guard_stopped(self, reason: str) -> None:
         self._control.stop_unacknowledged(reason)
 
-    def _watch_ended(self, watch: "asyncio.Task[None]") -> None:
-        """Nothing goes on unwatched: a watchman who fails, by a fault of the program, ends the run."""
-        if not watch.cancelled() and (error := watch.exception()) is not None:
-            self._control.fault(DeviceFaultError(error))
-
     async def _reenter(self, reentry: Reentry, context: RunContext, identities: dict[str, Json]) -> None:
         """Look and ask whether the bench is still the one of the points; an abort is cleared first."""
         for text in reentry.require_same_devices(identities):
@@ -348,8 +237,6 @@ class _Run:
 
     def _conditions(self, devices: Devices) -> list[Condition]:
         conditions: list[Condition] = []
-        if devices.io is not None:
-            conditions.append(ClosedDoor(devices.io))
         if self._request.air_limits.ranges:
             air = AirCache(devices.environment, self._clock, self._request.air.max_age_s)
             conditions.append(AirInRange(air, self._request.air_limits))
@@ -374,13 +261,13 @@ class _Run:
                 "one: its points would not belong together; set [air] and the instrument as they were, or start anew"
             )
 
-    async def _tell_notes(self, devices: Devices) -> None:
-        """Tell what the drivers know about their connections."""
+    async def _tell_notes(self, devices: Devices, context: RunContext) -> None:
+        """Tell what the drivers know about their connections, and that no door is watched."""
         for name, device in devices.named().items():
             for note in getattr(device, "notes", ()):
-                text = f"{name}: {note}"
-                await self._store.event("warning", {"text": text})
-                self._announcer.say("warning", text=text, data={"device": name})
+                await context.warn(f"{name}: {note}", device=name)
+        if devices.io is None and not self._handle.simulated:
+            await context.warn(NO_DOOR)
 
     async def _describe(self, facts: dict[str, Json], simulated: bool) -> None:
         stored = RunReader(self._store.path, Accept.UNCHECKED).meta
@@ -397,14 +284,17 @@ class _Run:
             await self._store.event("warning", {"text": text})
             self._announcer.say("warning", text=text, data={"simulated": True})
 
-    async def _ready(self, devices: Devices, gate: MotionGate) -> None:
-        await gate.require_conditions()
+    async def _ready(self, devices: Devices, gate: MotionGate, context: RunContext) -> None:
+        await gate.require_surroundings()
         if text := await require_within_controller(devices.robot, self._request.limits):
             self._warn(text)
+        here = await require_rest(devices.robot, self._clock, self._request.clock_speed, context.warn)
         percent = await gate.lower_override()
+        self._drives_on = True
         await devices.robot.servo(on=True)
         require_ready(await devices.robot.status())
-        await self._store.event("ready", {"override_percent": percent})
+        context.stands(here)
+        await context.event("ready", override_percent=percent, joints=list(here))
         cap_percent = self._request.override_cap_percent
         if percent <= cap_percent - WHOLE_PERCENT:
             # Left so by somebody who moved the arm by hand, as often as not.
@@ -443,10 +333,13 @@ class _Run:
         return ending
 
     async def _close(self, devices: Devices, ending: Ending) -> RunOutcome:
-        if self._watch is not None:
-            await cancel(self._watch)
+        if self._watches is not None:
+            await self._watches.end()
+        left = await self._leave_drives(devices, ending)
         troubles = await self._let_go(devices)
         try:
+            if left is not None:
+                await self._store.event("drives", {"on": left.on, "text": left.text})
             if troubles:
                 await self._store.event("close-failed", dict(troubles))
             self._sealed = True
@@ -455,15 +348,30 @@ class _Run:
         except StorageError as error:
             ending = Ending("failed", error.exit_code, str(error))
             self._report(ending, error)
+        drives_on = left is not None and left.on
         self._announcer.say(
             "run-ended",
             status=ending.status,
             exit_code=int(ending.exit_code),
             text=ending.text,
             path=str(self._store.path),
+            drives_on=drives_on,
         )
         times = self._context.step_times if self._context else []
-        return RunOutcome(self._store.path, ending.status, ending.exit_code, ending.text, times)
+        return RunOutcome(
+            self._store.path, ending.status, ending.exit_code, ending.text, times, drives_on=drives_on
+        )
+
+    async def _leave_drives(self, devices: Devices, ending: Ending) -> DrivesLeft | None:
+        """Switch the drives off after an abort, or unless they are to be kept; None when this run left them alone."""
+        if not self._drives_on or any(not report.standstill for report in self._control.reports):
+            # A halt without a standstill that was seen has switched them off already, and says so.
+            return None
+        keep = self._request.keep_drives and ending.status != "aborted"
+        left = await leave_drives(devices.robot, self._clock, self._closing_bound_s, keep=keep)
+        data: dict[str, Json] = {"on": left.on, "text": left.text}
+        self._announcer.say("state", state=self._control.state, kind="drives", data=data)
+        return left
 
     async def _let_go(self, devices: Devices) -> dict[str, str]:
         """Put the lamps out and disconnect, whatever happens to either; return what went wrong."""

@@ -2,7 +2,7 @@
 
 import asyncio
 from collections.abc import Callable
-from typing import Literal, Protocol, runtime_checkable
+from typing import Final, Literal, Protocol, runtime_checkable
 
 from app.engine.states import State
 from app.engine.waiting import cancel
@@ -18,6 +18,8 @@ _LIGHTS: dict[str, Light] = {
     State.HOLDING: "amber",
     State.HELD: "amber",
     State.SUSPENDED: "amber",
+    State.SUSPENDING: "amber",
+    State.UNSUSPENDING: "amber",
     State.STOPPING: "red",
     State.ABORTING: "red",
     State.ABORTED: "red",
@@ -25,6 +27,12 @@ _LIGHTS: dict[str, Light] = {
     State.STOPPED: "red",
 }
 """States that do not stand here show nothing."""
+
+
+NO_DOOR: Final = (
+    "no door is watched: the cell file has no [io], so nothing stops the arm when somebody comes near it; wire the "
+    "door into the controller's own safety circuit, and add [io]"
+)
 
 
 @runtime_checkable
@@ -46,17 +54,6 @@ class RemoteIo(Protocol):
     async def show(self, light: Light) -> None:
         """Light one lamp and put the others out."""
         ...
-
-
-async def door_trouble(io: RemoteIo) -> str | None:
-    """Return why the door forbids motion, None when it is closed; no answer counts as open."""
-    try:
-        closed = await io.door_closed()
-    except DeviceError as error:
-        return f"the door interlock does not answer, which counts as open: no motion; see to [io]: {error}"
-    if closed:
-        return None
-    return "the door is open: no motion; close it when nobody is inside, the run goes on by itself then"
 
 
 class StackLight:

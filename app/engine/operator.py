@@ -59,8 +59,8 @@ class Operator:
 
     On emulated devices an answer that says that the prompt's task is done has it done, whoever gives the answer.
 
-    On real hardware a confirmation is given by a person at a front end and by nothing else: the answers file
-    was written before anybody saw the robot.
+    On real hardware an answer after which the arm moves is given by a person at a front end and by nothing else: the
+    answers file was written before anybody saw the robot. Where nobody is there the procedure's safe answer counts.
 
     Args:
         clock: of the run.
@@ -104,20 +104,25 @@ class Operator:
         return replace(found, done=await self._hands.do(prompt.task))
 
     async def _find(self, prompt: Prompt) -> Answer:
-        if prompt.id in self._answers and (self._simulated or prompt.kind != "confirm"):
+        if self._permits(prompt, self._answers.get(prompt.id)):
             return self._from_file(prompt)
         try:
             found = await self._from_person(prompt)
         except TimeoutError as error:
-            if prompt.safe_answer is None:
+            found = self._safe(prompt, "safe answer after the time was over")
+            if found is None:
                 raise PromptUnansweredError(f"no answer to {prompt.id!r} in {prompt.timeout_s} s") from error
-            return Answer(prompt.safe_answer, "safe answer after the time was over")
-        found = found or self._by_itself(prompt) or self._safe(prompt)
+            return found
+        found = found or self._by_itself(prompt) or self._safe(prompt, "safe answer, nobody was there")
         if found is None:
             raise PromptUnansweredError(
                 f"nobody is there to answer {prompt.id!r}: {prompt.text} {self._remedy(prompt)}"
             )
         return found
+
+    def _permits(self, prompt: Prompt, text: str | None) -> bool:
+        """Return whether the answers file gives an answer, and may."""
+        return text is not None and (self._simulated or not prompt.moves_after(text))
 
     def _from_file(self, prompt: Prompt) -> Answer:
         text = self._answers[prompt.id]
@@ -144,14 +149,12 @@ class Operator:
         text = _best_answer(prompt)
         return None if text is None else Answer(text, "emulated operator")
 
-    def _safe(self, prompt: Prompt) -> Answer | None:
-        if prompt.safe_answer is None:
-            return None
-        return Answer(prompt.safe_answer, "safe answer, nobody was there")
+    def _safe(self, prompt: Prompt, who: str) -> Answer | None:
+        return None if prompt.safe_answer is None else Answer(prompt.safe_answer, who)
 
     def _remedy(self, prompt: Prompt) -> str:
-        if prompt.kind == "confirm" and not self._simulated:
-            return "(a confirmation for real hardware is given at a terminal)"
+        if prompt.motion and not self._simulated:
+            return "(an answer after which a real arm moves is given by a person at a terminal or the terminal UI)"
         return "(write it into the answers file)"
 
 

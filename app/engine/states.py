@@ -17,6 +17,8 @@ class State(StrEnum):
     HELD = "HELD"
     UNHOLDING = "UNHOLDING"
     SUSPENDED = "SUSPENDED"
+    SUSPENDING = "SUSPENDING"
+    UNSUSPENDING = "UNSUSPENDING"
     STOPPING = "STOPPING"
     STOPPED = "STOPPED"
     ABORTING = "ABORTING"
@@ -36,6 +38,9 @@ class Event(StrEnum):
     RESUMED = "resumed"
     SUSPEND = "suspend"
     CONDITION_BACK = "condition_back"
+    INTERRUPT = "interrupt"
+    INTERRUPTED = "interrupted"
+    ACKNOWLEDGE = "acknowledge"
     STOP = "stop"
     STOPPED = "stopped"
     ABORT = "abort"
@@ -61,6 +66,9 @@ class Effect(StrEnum):
     STOP_ROBOT = "stop_robot"
     """Stop the robot now, past everything else; switch its drives off unless standstill is confirmed in time."""
 
+    STOP_MOTION = "stop_motion"
+    """Stop the robot now, past everything else; the run itself goes on."""
+
     REPORT_IGNORED = "report_ignored"
     """Say that the event means nothing here."""
 
@@ -79,14 +87,27 @@ class Transition:
 
 
 _HALT = (Effect.FORBID_MOTION, Effect.STOP_ROBOT, Effect.PUBLISH)
+_INTERRUPT = (Effect.FORBID_MOTION, Effect.STOP_MOTION, Effect.PUBLISH)
 _FORBID = (Effect.FORBID_MOTION, Effect.PUBLISH)
 _PERMIT = (Effect.PERMIT_MOTION, Effect.PUBLISH)
 _TELL = (Effect.PUBLISH,)
 
 RUNNING = frozenset(
-    {State.STARTING, State.EXECUTE, State.HOLDING, State.HELD, State.UNHOLDING, State.SUSPENDED}
+    {
+        State.STARTING,
+        State.EXECUTE,
+        State.HOLDING,
+        State.HELD,
+        State.UNHOLDING,
+        State.SUSPENDED,
+        State.SUSPENDING,
+        State.UNSUSPENDING,
+    }
 )
 """States of a run that goes on, now or later."""
+
+INTERRUPTED = frozenset({State.SUSPENDING, State.UNSUSPENDING})
+"""The surroundings stopped the robot: being brought to rest, then waiting until somebody acknowledges that."""
 
 ENDED = frozenset({State.STOPPED, State.ABORTED, State.COMPLETE})
 """States in which a run stays."""
@@ -106,11 +127,15 @@ _TABLE: dict[tuple[State, Event], tuple[State, tuple[Effect, ...]]] = {
     # The operator's hold outlasts the condition: only the operator ends it. It takes effect at a checkpoint, since a
     # move may have been under way when the run was suspended.
     (State.SUSPENDED, Event.HOLD): (State.HOLDING, _TELL),
+    (State.SUSPENDING, Event.INTERRUPTED): (State.UNSUSPENDING, _TELL),
+    # No condition that comes back by itself leads here: only an acknowledgement permits motion again.
+    (State.UNSUSPENDING, Event.ACKNOWLEDGE): (State.EXECUTE, _PERMIT),
     (State.EXECUTE, Event.DONE): (State.COMPLETE, _FORBID),
     # The procedure may end before it meets another checkpoint.
     (State.HOLDING, Event.DONE): (State.COMPLETE, _TELL),
     (State.UNHOLDING, Event.DONE): (State.COMPLETE, _FORBID),
     (State.SUSPENDED, Event.DONE): (State.COMPLETE, _TELL),
+    (State.UNSUSPENDING, Event.DONE): (State.COMPLETE, _TELL),
     (State.IDLE, Event.STOP): (State.STOPPED, _FORBID),
     (State.IDLE, Event.ABORT): (State.ABORTED, _FORBID),
     (State.STOPPING, Event.STOPPED): (State.STOPPED, _TELL),
@@ -119,6 +144,10 @@ _TABLE: dict[tuple[State, Event], tuple[State, tuple[Effect, ...]]] = {
     (State.ABORTED, Event.CLEAR): (State.CLEARING, _TELL),
     (State.CLEARING, Event.CLEARED): (State.STOPPED, _TELL),
     (State.CLEARING, Event.ABORT): (State.ABORTING, _HALT),
+}
+_TABLE |= {
+    (state, Event.INTERRUPT): (State.SUSPENDING, _INTERRUPT)
+    for state in RUNNING - INTERRUPTED - {State.STARTING}
 }
 _TABLE |= {(state, Event.STOP): (State.STOPPING, _HALT) for state in RUNNING}
 _TABLE |= {(state, Event.FAULT): (State.STOPPING, _HALT) for state in RUNNING}

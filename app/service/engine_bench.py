@@ -14,6 +14,7 @@ from app.cell.bench import bench_of
 from app.cell.load import load_cell
 from app.cell.model import Cell
 from app.engine.devices import DeviceBuilder
+from app.engine.interlock import RemoteIo
 from app.errors import CatseyeError, StorageError, UsageError
 from app.running import PlannedRun
 from app.service.errors import RefusedError
@@ -72,6 +73,7 @@ class EngineBench:
             self._tell_hands,
             self._clock,
             self._root,
+            self._door,
         )
 
     async def end(self) -> None:
@@ -95,6 +97,11 @@ class EngineBench:
                 "watches this engine, so that it takes the cell file anew"
             )
         return facts
+
+    def _door(self) -> RemoteIo | None:
+        """Return the block with the door's interlock, while the devices are made."""
+        devices = self.idle.devices()
+        return None if devices is None else devices.io
 
     def _identities(self) -> dict[str, DeviceIdentity]:
         """Return who answers now: of a link that is not held nothing is known."""

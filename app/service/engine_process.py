@@ -10,10 +10,11 @@ from functools import partial
 from pathlib import Path
 
 from app.bench.by_hand import ByHand
+from app.bench.drives import RestingDrives
 from app.cell.load import load_cell
 from app.engine.handle import RunHandle
 from app.engine.heap import settled_heap
-from app.engine.host import RunOutcome
+from app.engine.request import RunOutcome
 from app.engine.signals import loop_signals
 from app.engine.states import Event, State, transition
 from app.engine.waiting import uncancelled
@@ -31,6 +32,7 @@ from app.service.server import Server
 from app.service.sparse_log import SparseLog
 from app.walk.planning import as_walk
 from drivers.clock import SystemClock
+from procedures.context import Json
 
 _log = logging.getLogger(__name__)
 
@@ -55,6 +57,9 @@ class EngineProcess:
         self.hub = Hub(self._clock, waits=True)
         self._bench = EngineBench(self.hub, self._clock, cell, root)
         self.by_hand = ByHand(self.hub, self._bench.for_hands(), self._require_idle, self._abort)
+        self._drives = RestingDrives(
+            self._bench.idle, self._clock, self._tell_drives, lambda: self.by_hand.occupied is not None
+        )
         self._server = Server(self.hub, self._clock, self, telemetry=self._bench.telemetry)
         self._cell = cell
         self._root = root
@@ -113,7 +118,9 @@ class EngineProcess:
             try:
                 await self._bench.idle.release()
                 planned = await asyncio.to_thread(self._planned, request)
-                return await self._carry_out(request, planned, opened, publish)
+                return await self._carry_out(
+                    request, planned, opened, publish, keep_drives=request.keep_drives
+                )
             finally:
                 await uncancelled(self._bench.end())
                 await uncancelled(self._server.end())
@@ -216,9 +223,10 @@ class EngineProcess:
 
         try:
             planned = await asyncio.to_thread(self._planned, request)
+            await self._drives.cancel()
             await self._bench.idle.release()
             self._planning = False
-            outcome = await self._carry_out(request, planned, tell, self.hub.publish)
+            outcome = await self._carry_out(request, planned, tell, self.hub.publish, keep_drives=True)
         except asyncio.CancelledError:
             if not self._dropped:
                 raise
@@ -232,6 +240,8 @@ class EngineProcess:
             self.hub.beginning = False
             self._job = None
             self._bench.idle.take_up()
+        if outcome.drives_on and not request.keep_drives:
+            self._drives.begin(planned.loaded.cell.robot.drives_off_after_s)
         if outcome.status == "aborted":
             self.hub.idle_state, self._aborted = State.ABORTED, outcome.text
         else:
@@ -263,6 +273,8 @@ class EngineProcess:
         planned: PlannedRun,
         opened: Callable[[Path], None],
         publish: Callable[[Message], None],
+        *,
+        keep_drives: bool,
     ) -> RunOutcome:
         self.hub.policy = planned.on_client_lost
         with settled_heap():
@@ -274,6 +286,7 @@ class EngineProcess:
                 arm=request.arm,
                 answers=Path(request.answers) if request.answers else None,
                 install_signals=self._to_run,
+                keep_drives=keep_drives,
                 answerer=self.hub.desk,
                 on_open=partial(self._serve_run, opened),
                 observe=partial(self._bench.observe, planned),
@@ -294,6 +307,11 @@ class EngineProcess:
             "runs": str(self._root.resolve()),
             "aborted": self._aborted or None,
         }
+
+    def _tell_drives(self, event: str, **fields: Json) -> None:
+        """Tell every client, and those that come later, when the drives go off."""
+        self.hub.facts["drives"] = self._drives.facts
+        self.hub.say(event, **fields)
 
     def _deliver(self, number: int) -> None:
         """Take a signal; the engine outlives its terminal, so SIGHUP means nothing to it."""
@@ -337,6 +355,7 @@ class EngineProcess:
                 self._job.cancel()
             await asyncio.wait({self._job})
         await self.by_hand.end("the engine ends")
+        await self._drives.end()
         await self._bench.end()
         await self._server.end()
 

@@ -113,6 +113,8 @@ class Start(Request):
         answers: file of prompt id = answer.
         walk: walk its motions through instead; nothing is measured.
         waive_walk: why a real arm may be driven where it was not walked.
+        keep_drives: leave the drives on at the end for good; otherwise an engine switches them off after some rest,
+            and one that runs once at the end.
     """
 
     op: Literal["start"]
@@ -125,6 +127,7 @@ class Start(Request):
     answers: Text | None = None
     walk: bool = False
     waive_walk: Text | None = None
+    keep_drives: bool = False
 
 
 class Resume(Request):
@@ -135,6 +138,8 @@ class Resume(Request):
         arm: the cell's name, typed to let real hardware move.
         answers: file of prompt id = answer.
         waive_walk: why a real arm may be driven where it was not walked.
+        keep_drives: leave the drives on at the end for good; otherwise an engine switches them off after some rest,
+            and one that runs once at the end.
     """
 
     op: Literal["resume"]
@@ -142,6 +147,7 @@ class Resume(Request):
     arm: Text | None = None
     answers: Text | None = None
     waive_walk: Text | None = None
+    keep_drives: bool = False
 
 
 class Watch(Request):

@@ -39,6 +39,17 @@ def plain(kind: str, data: Data) -> str:
     return text if len(text) <= _LONGEST else text[: _LONGEST - 1] + "…"
 
 
+def first_motion_text(data: Data) -> str:
+    """Return where the arm stands before its first motion, and where it is led."""
+    stands = data.get("stands")
+    start = _pose_text(stands) if stands else "where it is"
+    return f"first motion: from {start} to {', then '.join(map(_pose_text, data['way']))} (J1, J2, J3, J4)"
+
+
+def _pose_text(pose: list[float]) -> str:
+    return " ".join(f"{value:.2f}{unit}" for value, unit in zip(pose, ("°", "°", " mm", "°"), strict=True))
+
+
 def device_text(facts: Data) -> str:
     """Return who answered."""
     told = (
@@ -174,6 +185,8 @@ _WORDS: Mapping[str, Callable[[Data], str]] = {
     "warning": _warning,
     "error": lambda data: f"ERROR: {data.get('text')}",
     "ready": lambda data: f"drives on, override {_value(data.get('override_percent'))} %",
+    "first-motion": first_motion_text,
+    "drives": lambda data: str(data.get("text")),
     "override": lambda data: f"override lowered to {_value(data.get('percent'))} %",
     "zero": lambda data: (
         f"count zeroed (no. {data.get('number')}), dead path {float(data.get('dead_path_mm', 0.0)):.2f} mm"

@@ -65,7 +65,8 @@ class RegisterClient:
         target: socket, or serial line for RTU.
         device_id: unit identifier.
         name: what to call the device in texts.
-        timeout_s: for connecting and for an answer, real s.
+        timeout_s: for connecting, real s.
+        answer_timeout_s: for an answer, real s; `timeout_s` by default.
         sink: is shown all bytes.
     """
 
@@ -76,12 +77,14 @@ class RegisterClient:
         device_id: int = 1,
         name: str = "air sensor",
         timeout_s: float = 3.0,
+        answer_timeout_s: float | None = None,
         sink: Sink | None = None,
     ) -> None:
         self._target = target
         self._name = name
         self._device_id = device_id
         self._timeout_s = timeout_s
+        self._answer_timeout_s = answer_timeout_s or timeout_s
         self._sink = sink
         self._client: _Client | None = None
         self._received = b""
@@ -117,7 +120,7 @@ class RegisterClient:
         self._client = client
         if self._in_doubt and isinstance(self._target, SerialEndpoint):
             # An answer without a number must have passed before the next question is asked.
-            await asyncio.sleep(self._timeout_s)
+            await asyncio.sleep(self._answer_timeout_s)
         self._in_doubt = False
 
     async def _connects(self, client: _Client) -> bool:
@@ -251,8 +254,9 @@ class RegisterClient:
             # Until the answer is there; whoever is cancelled meanwhile leaves an answer behind.
             self._in_doubt = True
             try:
-                answer = await _cancellable(call(client))
-            except ModbusException as exc:
+                async with asyncio.timeout(self._answer_timeout_s):
+                    answer = await _cancellable(call(client))
+            except (ModbusException, TimeoutError) as exc:
                 self._losses.lost()
                 raise await self._lost(what, exc) from None
             self._in_doubt = False
@@ -275,7 +279,9 @@ class RegisterClient:
                 f"{self._name} at {self.endpoint} refused {what}: exception {code}, {meaning}", code
             )
 
-    async def _lost(self, what: str, cause: ModbusException) -> LinkError | ProtocolError | WrongDeviceError:
+    async def _lost(
+        self, what: str, cause: ModbusException | TimeoutError
+    ) -> LinkError | ProtocolError | WrongDeviceError:
         """Close the link, so that the next request opens it anew, and return the error."""
         await self.close()
         if self._received and self._answered:
@@ -289,8 +295,8 @@ class RegisterClient:
                 f"check {self._suspects} in the cell file; {cause}"
             )
         return LinkTimeoutError(
-            f"{self._name} at {self.endpoint}: no answer to {what} within {self._timeout_s:g} s, no byte came: "
-            f"check device_id and that the device is not busy with other clients; {cause}"
+            f"{self._name} at {self.endpoint}: no answer to {what} within {self._answer_timeout_s:g} s, no byte "
+            f"came: check device_id and that the device is not busy with other clients; {cause}"
         )
 
     @property

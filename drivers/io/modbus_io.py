@@ -28,7 +28,9 @@ class IoSettings(BaseModel):
         amber_coil: output of the amber light.
         red_coil: output of the red light.
         address_base: number that the documents give to the first address.
-        timeout_s: for connecting and for an answer, real s.
+        timeout_s: for connecting, real s.
+        answer_timeout_s: for an answer, real s: so short that a door whose answer is lost is asked again before its
+            silence counts as open.
     """
 
     model_config = ConfigDict(strict=True, extra="forbid", frozen=True)
@@ -42,6 +44,7 @@ class IoSettings(BaseModel):
     red_coil: int | None = Field(default=2, ge=0, le=0xFFFF)
     address_base: Literal[0, 1] = 0
     timeout_s: float = Field(default=1.0, gt=0)
+    answer_timeout_s: float = Field(default=0.1, gt=0, le=0.1)
 
     @model_validator(mode="after")
     def _apart(self) -> Self:
@@ -121,6 +124,7 @@ class ModbusIo:
             device_id=checked.device_id,
             name="remote I/O",
             timeout_s=checked.timeout_s,
+            answer_timeout_s=checked.answer_timeout_s,
             sink=sink,
         )
         return cls(client, checked)

@@ -222,6 +222,7 @@ class Session:
             override_percent=state.override_percent,
             alarm_number=number,
             alarm_text=describe(number, level) if number else "",
+            program=state.program,
         )
 
     async def joints(self) -> Joints:

@@ -110,6 +110,11 @@ class MelfaDatalink(LedArm):
         return cls(controller, transport, checked)
 
     @property
+    def own_program(self) -> str:
+        """Name of the program that this driver has running on the controller; empty when the operator starts it."""
+        return self._settings.program
+
+    @property
     def notes(self) -> tuple[str, ...]:
         """What an operator should know about these connections; empty when all is as it should be."""
         return self._controller.notes

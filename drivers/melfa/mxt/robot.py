@@ -106,6 +106,11 @@ class MelfaMxt(LedArm):
         return cls(controller, stream, checked)
 
     @property
+    def own_program(self) -> str:
+        """Name of the program that this driver has running on the controller; empty when the operator starts it."""
+        return self._settings.program
+
+    @property
     def notes(self) -> tuple[str, ...]:
         """What an operator should know about these connections; empty when all is as it should be."""
         lost = f"{self._stream.lost} answers to set points were lost" if self._stream.lost else ""

@@ -99,3 +99,9 @@ def test_wrong_settings_are_refused(settings: dict[str, object]) -> None:
 def test_a_datagram_endpoint_is_refused() -> None:
     with pytest.raises(LinkError, match="datagrams"):
         ModbusIo.at("udp://127.0.0.1:502", StepClock())
+
+
+def test_an_answer_may_not_take_so_long_that_none_is_asked_again() -> None:
+    assert IoSettings().answer_timeout_s == 0.1
+    with pytest.raises(ValidationError, match=r"less than or equal to 0\.1"):
+        IoSettings(answer_timeout_s=0.2)

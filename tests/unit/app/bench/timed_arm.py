@@ -212,7 +212,14 @@ class HandFixture:
             None,
         )
         self.bench = HandBench(
-            self, self._facts, self._identities, self._record, self._tell, VirtualClock(), Path()
+            self,
+            self._facts,
+            self._identities,
+            self._record,
+            self._tell,
+            VirtualClock(),
+            Path(),
+            lambda: self.door,
         )
 
     @asynccontextmanager

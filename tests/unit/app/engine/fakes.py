@@ -11,7 +11,7 @@ from typing import Any, Literal
 from app.engine.devices import Devices, WireRecorder
 from app.engine.gate import JointLimits
 from app.engine.halt import HaltLimits
-from app.engine.host import RunRequest
+from app.engine.request import RunRequest
 from drivers.errors import DeviceError
 from drivers.readings import AirSample, CounterReading, CounterStatus, Identity, Joints, RobotStatus
 from procedures.context import Context, Json, Row

@@ -1,4 +1,4 @@
-"""Door and air before a motion, and the watchman while nothing moves."""
+"""The air before a motion; controller and air under the eyes of the watchman."""
 
 import asyncio
 import logging
@@ -8,18 +8,18 @@ from typing import Any
 
 import pytest
 
-from app.engine.conditions import AirInRange, AirLimits, ClosedDoor, Condition, Watchman
+from app.engine.conditions import AirInRange, AirLimits, Condition, Watchman
 from app.engine.control import RunControl
 from app.engine.gate import require_ready
 from app.engine.halt import HaltLimits
 from app.engine.measuring import AirCache
 from app.engine.states import State
 from app.engine.waiting import cancel
-from app.errors import SafetyError
+from app.errors import InterruptionError, SafetyError
 from drivers.errors import LinkError
 from drivers.readings import AirSample, RobotStatus
+from procedures.devices import ControllerStatus
 from tests.unit.app.engine.fakes import FakeAir, FakeRobot, ManualClock
-from tests.unit.app.engine.test_interlock import Block
 
 LIMITS = AirLimits({"temperature_c": (15.0, 25.0), "pressure_hpa": (800.0, 1100.0)})
 
@@ -35,14 +35,13 @@ class Sensor(FakeAir):
 
 
 class Surroundings:
-    """A run with a door and air, and the watchman over it."""
+    """A run with air in two places, and the watchman over it."""
 
     def __init__(self) -> None:
         self.clock = ManualClock()
         self.robot = FakeRobot(self.clock)
         self.robot.state = replace(self.robot.state, servo_on=True, override_percent=20.0)
-        self.door = Block()
-        self.air = Sensor(self.clock)
+        self.air, self.elsewhere = Sensor(self.clock), Sensor(self.clock)
         self.told: list[str] = []
         self.control = RunControl(
             self.clock, lambda state, _reason: self.told.append(state), HaltLimits(standstill_s=0.5)
@@ -51,11 +50,15 @@ class Surroundings:
         self.control.starting()
         self.control.started()
         conditions: list[Condition] = [
-            ClosedDoor(self.door),
-            AirInRange(AirCache(self.air, self.clock, 2.0), LIMITS),
+            AirInRange(AirCache(air, self.clock, 2.0), LIMITS) for air in (self.air, self.elsewhere)
         ]
         # Longer than what the clock lets pass at once: the test decides when the watchman looks.
-        self.watchman = Watchman(self.control, self.robot, conditions, require_ready, self.clock, 5.0)
+        self.watchman = Watchman(self.control, self.robot, conditions, self.ready, self.clock, 5.0)
+
+    def ready(self, status: ControllerStatus) -> None:
+        require_ready(status)
+        if status.override_percent > 20.0:
+            raise InterruptionError("the override was raised")
 
     async def look(self) -> State:
         """Let the watchman look once."""
@@ -98,12 +101,12 @@ async def test_air_outside_its_range_is_named_with_value_and_unit(
     assert (words or "") in (trouble or "")
 
 
-async def test_a_door_suspends_a_run_that_stands_and_lets_it_go_on(around: Surroundings) -> None:
+async def test_air_suspends_a_run_that_stands_and_lets_it_go_on(around: Surroundings) -> None:
     assert await around.look() == State.EXECUTE
-    around.door.closed = False
+    around.air.temperature_c = 30.0
     assert await around.look() == State.SUSPENDED
     assert await around.look() == State.SUSPENDED
-    around.door.closed = True
+    around.air.temperature_c = 20.0
     assert await around.look() == State.EXECUTE
     assert around.told[2:] == ["SUSPENDED", "EXECUTE"]
 
@@ -162,7 +165,7 @@ async def test_a_link_that_does_not_answer_is_told_once_and_left_to_the_next_com
     ]
 
 
-async def test_a_silent_sensor_hides_no_open_door_and_proves_nothing_to_be_back(
+async def test_a_silent_sensor_hides_no_other_and_proves_nothing_back(
     around: Surroundings, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     async def silent() -> AirSample:
@@ -170,15 +173,36 @@ async def test_a_silent_sensor_hides_no_open_door_and_proves_nothing_to_be_back(
 
     answering = around.air.sample
     monkeypatch.setattr(around.air, "sample", silent)
-    around.door.closed = False
+    around.elsewhere.temperature_c = 30.0
     assert await around.look() == State.SUSPENDED
-    around.door.closed = True
+    around.elsewhere.temperature_c = 20.0
     assert await around.look() == State.SUSPENDED
     monkeypatch.setattr(around.air, "sample", answering)
     assert await around.look() == State.EXECUTE
 
 
-async def test_nobody_looks_during_a_motion(around: Surroundings) -> None:
+async def test_the_air_is_not_looked_at_during_a_motion(around: Surroundings) -> None:
     around.control.moving = True
-    around.door.closed = False
+    around.air.temperature_c = 30.0
     assert await around.look() == State.EXECUTE
+
+
+async def test_an_override_raised_during_a_motion_stops_it(around: Surroundings) -> None:
+    around.control.moving = True
+    around.robot.state = replace(around.robot.state, override_percent=50.0)
+    await around.look()
+    await around.control.halted()
+    assert around.robot.calls == ["stop"]
+    assert around.control.state == State.UNSUSPENDING
+
+
+@pytest.mark.parametrize("change", [{"emergency_stop": True}, {"servo_on": False}, {"teach_mode": True}])
+async def test_a_controller_that_may_not_move_aborts_during_a_motion(
+    around: Surroundings, change: dict[str, Any]
+) -> None:
+    around.control.moving = True
+    around.robot.state = replace(around.robot.state, **change)
+    await around.look()
+    await around.control.halted()
+    assert around.robot.calls[0] == "stop"
+    assert around.control.state == State.ABORTED

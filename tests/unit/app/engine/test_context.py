@@ -203,8 +203,6 @@ def test_limits_of_j3_are_optional() -> None:
         (replace(READY, alarm_number=2500, alarm_text="tracking: look"), "alarm 2500: tracking"),
         (replace(READY, teach_mode=True), "TEACH"),
         (replace(READY, servo_on=False), "drives are off"),
-        (replace(READY, override_percent=21.0), "reads 21 %"),
-        (replace(READY, override_percent=float("nan")), "reads nan %"),
     ],
 )
 async def test_the_controllers_state_is_looked_at_before_each_move(
@@ -215,6 +213,23 @@ async def test_the_controllers_state_is_looked_at_before_each_move(
     with pytest.raises(SafetyError, match=text):
         await parts.ctx.move(AWAY)
     assert parts.bench.robot.calls.count("move") == 1
+
+
+async def test_a_raised_override_is_acknowledged_and_lowered(parts: Parts) -> None:
+    await parts.ctx.move(AWAY)
+    robot = parts.bench.robot
+    robot.state = replace(READY, override_percent=21.0)
+    await parts.ctx.move(HOME)
+    assert robot.calls[-4:] == ["move", "stop", "override 20", "move"]
+    assert [said["id"] for said in parts.bench.said("prompt")] == ["acknowledge/1"]
+
+
+async def test_an_override_that_stays_up_is_never_driven_with(parts: Parts) -> None:
+    robot = parts.bench.robot
+    robot.state = replace(READY, override_percent=float("nan"))
+    with pytest.raises(SafetyError, match="reads nan %"):
+        await parts.ctx.move(HOME)
+    assert "move" not in robot.calls
 
 
 class WayFakeRobot(FakeRobot):
@@ -230,13 +245,14 @@ async def test_a_way_is_one_motion_where_the_robot_can_pass_targets(parts: Parts
     parts.control.attach(robot)
     gate = MotionGate(robot, LIMITS, free_way, 20.0)
     parts.ctx._gate = gate  # noqa: SLF001  # the fixture's own context, with another robot
+    parts.ctx._mover._robot, parts.ctx._mover._gate = robot, gate  # noqa: SLF001  # as above
     parts.ctx._devices = replace(parts.ctx._devices, robot=robot)  # noqa: SLF001  # as above
     await parts.ctx.follow((HOME, AWAY, HOME))
     assert robot.calls == ["follow 3"]
     with pytest.raises(LimitError, match="J1 = 171"):
         await parts.ctx.follow((HOME, (171.0, 0.0, 0.0, 0.0), HOME))
-    robot.state = replace(READY, override_percent=50.0)
-    with pytest.raises(SafetyError, match="50 %"):
+    robot.state = replace(READY, alarm_number=2500)
+    with pytest.raises(SafetyError, match="alarm 2500"):
         await parts.ctx.follow((HOME, AWAY))
     assert robot.calls == ["follow 3"]
 

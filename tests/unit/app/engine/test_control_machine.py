@@ -44,7 +44,9 @@ class EngineMachine(RuleBasedStateMachine):
         self.robot = Robot(self.clock)
         self.robot.state = replace(self.robot.state, servo_on=True)
         self.back = True
-        self.stops_asked = 0
+        self.stops_asked = self.began_at_stop = 0
+        self.acknowledged_at: list[int] = []
+        self.interrupted_at: list[int] = []
         self.tasks: list[asyncio.Task[Any]] = []
         self.control = RunControl(self.clock, lambda _state, _reason: None, HaltLimits(standstill_s=0.5))
         self.robot.watch(self.control)
@@ -110,15 +112,37 @@ class EngineMachine(RuleBasedStateMachine):
         self.ask(self._call(name, "test"))
 
     @rule()
+    def the_door_opens(self) -> None:
+        """The surroundings stop the robot."""
+        before = self.control.interruptions
+        self.ask(self._call("interrupt", "the door is open"))
+        if self.control.interruptions > before:
+            self.interrupted_at.append(len(self.robot.began))
+
+    @rule()
+    def somebody_acknowledges(self) -> None:
+        """A person lets the arm move again."""
+        waited = self.control.state == State.UNSUSPENDING
+        self.ask(self._call("acknowledge", "test"))
+        if waited:
+            self.acknowledged_at.append(len(self.robot.began))
+
+    def note_stop(self) -> None:
+        """Remember how many motions had begun when the first stop was asked for."""
+        if not self.stops_asked:
+            self.began_at_stop = len(self.robot.began)
+        self.stops_asked += 1
+
+    @rule()
     def somebody_stops(self) -> None:
         """A front end stops the run."""
-        self.stops_asked += 1
+        self.note_stop()
         self.ask(self._call("stop", "test"))
 
     @rule()
     def somebody_aborts(self) -> None:
         """Something makes motion unsafe."""
-        self.stops_asked += 1
+        self.note_stop()
         self.ask(self._call("abort", SafetyError("alarm")))
 
     @rule(count=st.integers(1, 40))
@@ -135,14 +159,24 @@ class EngineMachine(RuleBasedStateMachine):
     def nothing_begins_after_a_stop(self) -> None:
         """Behind the first stop on the wire stands no motion command."""
         calls = self.robot.calls
-        if "stop" in calls:
-            assert "move" not in calls[calls.index("stop") :]
+        if self.stops_asked and "stop" in calls:
+            last = len(calls) - 1 - calls[::-1].index("stop")
+            assert "move" not in calls[last:]
+            assert len(self.robot.began) == self.began_at_stop
+
+    @invariant()
+    def nothing_begins_between_a_door_and_its_acknowledgement(self) -> None:
+        """As many motions have begun at the acknowledgement as at the interruption."""
+        done = len(self.acknowledged_at)
+        assert self.interrupted_at[:done] == self.acknowledged_at
+        for begun in self.interrupted_at[done:]:
+            assert len(self.robot.began) == begun
 
     @invariant()
     def a_move_goes_on_only_where_it_may(self) -> None:
         """While the arm moves the run executes, holds or is suspended, or a stop is on its way."""
         if self.robot.state.running and not self.stops_asked:
-            assert self.control.state in MAY_GO_ON
+            assert self.control.state in MAY_GO_ON | {State.SUSPENDING}
 
     def teardown(self) -> None:
         """A stop ends every run, whatever came before, and it reaches the robot."""

@@ -14,7 +14,8 @@ from typing import NamedTuple
 import pytest
 
 from app.engine.conditions import Watchman
-from app.engine.host import RunOutcome, run_procedure
+from app.engine.host import run_procedure
+from app.engine.request import RunOutcome
 from app.engine.signals import loop_signals
 from app.errors import MeasurementRejectedError, StorageError, UsageError
 from app.exitcode import ExitCode
@@ -75,8 +76,43 @@ async def test_a_complete_run_is_stored_sealed_and_told(bench: FakeBench) -> Non
 async def test_the_override_is_lowered_before_the_drives_are_on(bench: FakeBench) -> None:
     await run(bench, measuring(0))
     assert bench.robot.calls[:4] == ["connect", "override 20", "servo on", "move"]
-    assert bench.robot.calls[-1] == "close"
+    assert bench.robot.calls[-2:] == ["servo off", "close"]
+
+
+async def test_drives_that_are_kept_are_said(bench: FakeBench) -> None:
+    outcome = await run(bench, measuring(0), keep_drives=True)
+    assert outcome.drives_on
     assert "servo off" not in bench.robot.calls
+    (told,) = [said["data"] for said in bench.said("state") if said.get("kind") == "drives"]
+    assert told == {
+        "on": True,
+        "text": "the drives stay on: the arm holds its place and can be moved at once",
+    }
+    assert bench.said("run-ended")[0]["drives_on"] is True
+    assert [e.data for e in RunReader(outcome.path).events() if e.kind == "drives"] == [told]
+
+
+async def test_an_abort_switches_drives_off_that_were_to_be_kept(bench: FakeBench) -> None:
+    bench.robot.move_error = AlarmError("alarm 2500: look at the drive", 2500)
+    outcome = await run(bench, measuring(0), keep_drives=True)
+    assert (outcome.status, outcome.drives_on) == ("aborted", False)
+    assert bench.robot.calls[-3:] == ["stop", "servo off", "close"]
+
+
+async def test_drives_that_do_not_go_off_are_said(bench: FakeBench, monkeypatch: pytest.MonkeyPatch) -> None:
+    switch = bench.robot.servo
+
+    async def servo(*, on: bool) -> None:
+        if not on:
+            raise LinkError("robot: link lost")
+        await switch(on=on)
+
+    monkeypatch.setattr(bench.robot, "servo", servo)
+    outcome = await run(bench, measuring(0))
+    assert (outcome.status, outcome.drives_on) == ("complete", True)
+    (told,) = [said["data"] for said in bench.said("state") if said.get("kind") == "drives"]
+    assert isinstance(told, dict)
+    assert "not certain to be off: switch them off at the controller (robot: link lost)" in str(told["text"])
 
 
 async def test_a_run_that_is_slower_than_planned_says_so(bench: FakeBench) -> None:
@@ -154,7 +190,8 @@ async def test_armed_real_hardware_runs_without_a_banner(bench: FakeBench) -> No
     bench.make_real()
     outcome = await run(bench, measuring(0), arm="lab-1")
     assert outcome.status == "complete"
-    assert bench.said("warning") == []
+    (warning,) = bench.said("warning")
+    assert str(warning["text"]).startswith("no door is watched: the cell file has no [io]")
     assert RunReader(outcome.path).meta["simulated"] is False
 
 
@@ -212,7 +249,7 @@ async def test_a_device_error_stops_the_robot_and_fails_the_run(bench: FakeBench
     procedure = measuring(0)
     outcome = await run(bench, procedure)
     assert (outcome.status, outcome.exit_code) == ("failed", ExitCode.DEVICE)
-    assert bench.robot.calls[-2:] == ["stop", "close"]
+    assert bench.robot.calls[-3:] == ["stop", "servo off", "close"]
     assert bench.states()[-2:] == ["STOPPING", "STOPPED"]
     assert procedure.torn_down == 1
     assert RunReader(outcome.path).points() == []
@@ -256,7 +293,7 @@ async def test_a_rejected_measurement_has_its_exit_code(bench: FakeBench) -> Non
 
 async def test_an_unanswered_prompt_on_real_hardware(bench: FakeBench) -> None:
     async def body(ctx: Context) -> None:
-        await ctx.ask(Prompt("clear", "confirm", "Confirm that the cell is clear."))
+        await ctx.ask(Prompt("clear", "confirm", "Confirm that the cell is clear.", motion=True))
 
     bench.make_real()
     outcome = await run(bench, Script(body), arm="lab-1", answers={"clear": "yes"})
@@ -315,7 +352,7 @@ async def test_two_ctrl_c_during_a_move_stop_first_and_keep_the_run_resumable(be
     outcome, procedure = await stopped_while_moving(bench, signal.SIGINT, signal.SIGINT)
     assert (outcome.status, outcome.exit_code) == ("stopped", ExitCode.INTERRUPTED)
     moved = bench.robot.calls[bench.robot.calls.index("move") :]
-    assert moved == ["move", "stop", "move cancelled", "close"]
+    assert moved == ["move", "stop", "move cancelled", "servo off", "close"]
     assert procedure.torn_down == 1
     assert bench.states() == ["STARTING", "EXECUTE", "HOLDING", "STOPPING", "STOPPED"]
     stored = [event.data["state"] for event in RunReader(outcome.path).events() if event.kind == "state"]
@@ -354,7 +391,7 @@ async def test_a_cancelled_run_stops_the_robot_and_closes_the_record(bench: Fake
     running.cancel()
     with pytest.raises(asyncio.CancelledError):
         await running
-    assert bench.robot.calls[-3:] == ["stop", "move cancelled", "close"]
+    assert bench.robot.calls[-4:] == ["stop", "move cancelled", "servo off", "close"]
     ended = bench.said("run-ended")[0]
     assert (ended["status"], ended["exit_code"]) == ("aborted", 143)
     assert RunReader(Path(str(ended["path"]))).status == "aborted"
@@ -401,7 +438,7 @@ async def test_a_storage_failure_during_a_move_stops_it(
     stores[0].on_failure(StorageError("no space: make room"))
     outcome = await running
     assert (outcome.status, outcome.exit_code) == ("failed", ExitCode.STORAGE)
-    assert bench.robot.calls[-3:] == ["stop", "move cancelled", "close"]
+    assert bench.robot.calls[-4:] == ["stop", "move cancelled", "servo off", "close"]
 
 
 async def test_a_resumed_run_repeats_only_what_was_not_done(bench: FakeBench) -> None:

@@ -1,21 +1,18 @@
-"""An open door forbids motion; the stack light follows the run and never holds it up."""
+"""The door before the first motion; the stack light follows the run and never holds it up."""
 
 import asyncio
 from pathlib import Path
 
 import pytest
 
-from app.engine.conditions import ClosedDoor
 from app.engine.devices import Devices, WireRecorder
-from app.engine.gate import MotionGate
 from app.engine.host import run_procedure
 from app.engine.interlock import Light, StackLight
-from app.errors import SafetyError
 from app.exitcode import ExitCode
 from drivers.errors import LinkTimeoutError
 from drivers.readings import Identity
 from procedures.context import Context
-from tests.unit.app.engine.fakes import AWAY, HOME, LIMITS, FakeBench, Script, free_way, identity
+from tests.unit.app.engine.fakes import AWAY, FakeBench, Script, identity
 
 
 class Block:
@@ -23,12 +20,13 @@ class Block:
 
     def __init__(self) -> None:
         self.closed = True
+        self.simulated = True
         self.silent = False
         self.hangs = False
         self.shown: list[Light] = []
 
     async def connect(self) -> Identity:
-        return identity(simulated=True)
+        return identity(simulated=self.simulated)
 
     async def close(self) -> None:
         """Nothing is open."""
@@ -62,46 +60,6 @@ def bench(tmp_path: Path) -> GuardedBench:
     made = GuardedBench(tmp_path)
     made.block = Block()
     return made
-
-
-async def test_an_open_or_unknown_door_forbids_motion(bench: GuardedBench) -> None:
-    await bench.robot.servo(on=True)
-    await bench.robot.set_override(20.0)
-    gate = MotionGate(bench.robot, LIMITS, free_way, 20.0, [ClosedDoor(bench.block)])
-    await gate.require(HOME)
-    bench.block.closed = False
-    with pytest.raises(SafetyError, match="door is open: no motion; close it"):
-        await gate.require(HOME)
-    bench.block.closed, bench.block.silent = True, True
-    with pytest.raises(SafetyError, match=r"counts as open.*\[io\]"):
-        await gate.require(HOME)
-
-
-async def test_a_door_that_opens_on_the_way_suspends_the_run_until_it_is_closed(bench: GuardedBench) -> None:
-    moves_when_open = []
-
-    async def close_later() -> None:
-        # The bench tells its states by a list.
-        while "SUSPENDED" not in bench.states():  # noqa: ASYNC110  # see above
-            await asyncio.sleep(0)
-        moves_when_open.append(bench.robot.calls.count("move"))
-        bench.block.closed = True
-
-    async def body(ctx: Context) -> None:
-        await ctx.move(AWAY)
-        bench.block.closed = False
-        closing = asyncio.create_task(close_later())
-        await ctx.move(HOME)
-        await closing
-
-    outcome = await run_procedure(
-        bench.request(Script(body)), bench.build, bench.clock, bench.publish, bench.install
-    )
-    assert (outcome.status, outcome.exit_code) == ("complete", ExitCode.DONE)
-    assert moves_when_open == [1]
-    assert bench.robot.calls.count("move") == 2
-    assert bench.states() == ["STARTING", "EXECUTE", "SUSPENDED", "EXECUTE", "COMPLETE"]
-    assert "amber" in bench.block.shown
 
 
 async def test_a_door_that_is_open_at_the_start_refuses_the_run(bench: GuardedBench) -> None:

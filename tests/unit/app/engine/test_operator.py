@@ -9,7 +9,7 @@ from app.errors import ConfigError, PromptUnansweredError
 from procedures.context import Prompt
 from tests.unit.app.engine.fakes import ManualClock
 
-CLEAR = Prompt("clear", "confirm", "Confirm that the cell is clear.")
+CLEAR = Prompt("clear", "confirm", "Confirm that the cell is clear.", motion=True)
 COLOUR = Prompt("colour", "choice", "Choose.", choices=("red", "green"))
 HEIGHT = Prompt("height", "number", "Type the height.", unit="mm")
 

@@ -6,8 +6,9 @@ from pathlib import Path
 
 import pytest
 
-from app.engine.host import RunOutcome, run_procedure
+from app.engine.host import run_procedure
 from app.engine.operator import Answer, Answerer
+from app.engine.request import RunOutcome
 from app.exitcode import ExitCode
 from app.store.reader import RunReader
 from app.store.run_store import RunStore

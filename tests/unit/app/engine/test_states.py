@@ -4,7 +4,7 @@ import pytest
 from hypothesis import strategies as st
 from hypothesis.stateful import RuleBasedStateMachine, invariant, rule
 
-from app.engine.states import ENDED, RUNNING, Effect, Event, State, transition
+from app.engine.states import ENDED, INTERRUPTED, RUNNING, Effect, Event, State, transition
 
 
 @pytest.mark.parametrize("state", sorted(RUNNING))
@@ -43,6 +43,20 @@ def test_a_procedure_that_is_over_is_complete_wherever_it_ends(state: State) -> 
     assert transition(state, Event.DONE).state == State.COMPLETE
 
 
+@pytest.mark.parametrize("state", sorted(RUNNING - {State.STARTING, State.SUSPENDING, State.UNSUSPENDING}))
+def test_the_surroundings_stop_the_robot_and_not_the_run(state: State) -> None:
+    result = transition(state, Event.INTERRUPT)
+    assert result.state == State.SUSPENDING
+    assert result.effects[:2] == (Effect.FORBID_MOTION, Effect.STOP_MOTION)
+
+
+@pytest.mark.parametrize("event", [event for event in Event if event != Event.ACKNOWLEDGE])
+def test_nothing_but_an_acknowledgement_permits_motion_after_that(event: Event) -> None:
+    for state in INTERRUPTED:
+        assert Effect.PERMIT_MOTION not in transition(state, event).effects
+    assert transition(State.SUSPENDING, Event.ACKNOWLEDGE).state == State.SUSPENDING
+
+
 class RunMachine(RuleBasedStateMachine):
     """Walks at random and remembers what the effects have permitted."""
 
@@ -51,18 +65,24 @@ class RunMachine(RuleBasedStateMachine):
         self.state = State.IDLE
         self.permitted = False
         self.halted = False
+        self.unacknowledged = False
 
     @rule(event=st.sampled_from(Event))
     def happen(self, event: Event) -> None:
         before = self.state
         result = transition(before, event)
         self.state = result.state
+        if event == Event.ACKNOWLEDGE and Effect.REPORT_IGNORED not in result.effects:
+            self.unacknowledged = False
         for effect in result.effects:
             if effect == Effect.PERMIT_MOTION:
                 assert not self.halted, "motion was permitted after a stop"
+                assert not self.unacknowledged, "motion was permitted before an acknowledgement"
                 self.permitted = True
             if effect == Effect.FORBID_MOTION:
                 self.permitted = False
+            if effect == Effect.STOP_MOTION:
+                self.unacknowledged = True
             if effect == Effect.STOP_ROBOT:
                 self.halted = True
         ignored = Effect.REPORT_IGNORED in result.effects

@@ -6,8 +6,9 @@ from pathlib import Path
 
 import pytest
 
-from app.engine.host import RunOutcome, run_procedure
+from app.engine.host import run_procedure
 from app.engine.operator import Answer
+from app.engine.request import RunOutcome
 from app.service.console import Console
 from app.service.errors import RefusedError
 from app.service.prompt_desk import PromptDesk

@@ -1,0 +1,84 @@
+"""Drives that a run has left on: off after some time of rest, told all the while."""
+
+import asyncio
+from collections.abc import Callable
+from datetime import timedelta
+from typing import Final
+
+from app.bench.lending import Lender, Tell
+from app.engine.drives import leave_drives
+from app.engine.waiting import cancel
+from app.errors import CatseyeError
+from drivers.clock import Clock
+from drivers.errors import DeviceError
+from procedures.context import Json
+
+_TICK_S: Final = 0.5
+_LIMIT_S: Final = 6.0
+"""For the answer of the controller, real s."""
+
+
+class RestingDrives:
+    """Counts down while the arm rests; a jog begins the count anew.
+
+    Args:
+        lender: of the robot.
+        clock: real time.
+        tell: tells every client.
+        occupied: something is done by hand.
+
+    Attributes:
+        facts: for clients that come later; None while no count is under way.
+    """
+
+    def __init__(self, lender: Lender, clock: Clock, tell: Tell, occupied: Callable[[], bool]) -> None:
+        self.facts: dict[str, Json] | None = None
+        self._lender = lender
+        self._clock = clock
+        self._tell = tell
+        self._occupied = occupied
+        self._task: asyncio.Task[None] | None = None
+
+    def begin(self, after_s: float) -> None:
+        """The drives are on and the arm rests: switch them off after some time, real s."""
+        self._task = asyncio.create_task(self._count(after_s))
+
+    async def cancel(self) -> None:
+        """A run takes the drives over."""
+        if self._task is not None:
+            await cancel(self._task)
+            self._task = None
+            self.facts = None
+
+    async def end(self) -> None:
+        """The engine ends, and nobody counts any more: switch them off now if they are on."""
+        counting = self._task is not None and not self._task.done()
+        await self.cancel()
+        if counting:
+            await self._switch_off("the engine ends")
+
+    async def _count(self, after_s: float) -> None:
+        end_s = self._told_end_s(after_s)
+        while (left_s := end_s - self._clock.monotonic_s()) > 0.0:
+            await self._clock.sleep(min(left_s, _TICK_S))
+            if self._occupied():
+                while self._occupied():
+                    await self._clock.sleep(_TICK_S)
+                end_s = self._told_end_s(after_s)
+        await self._switch_off(f"the arm has rested for {after_s:g} s")
+
+    def _told_end_s(self, after_s: float) -> float:
+        off_at = self._clock.now_utc() + timedelta(seconds=after_s)
+        self.facts = {"on": True, "off_at_utc": off_at.isoformat()}
+        self._tell("drives", **self.facts)
+        return self._clock.monotonic_s() + after_s
+
+    async def _switch_off(self, why: str) -> None:
+        self.facts = None
+        try:
+            async with self._lender.lent_robot("robot") as robot:
+                left = await leave_drives(robot, self._clock, _LIMIT_S, keep=False)
+        except (CatseyeError, DeviceError) as error:
+            self._tell("drives", on=True, reason=f"the drives are not certain to be off: {error}")
+            return
+        self._tell("drives", on=left.on, reason=left.text if left.on else f"{why}: {left.text}")

@@ -1,0 +1,96 @@
+"""The door of a cell while bytes are sent to its arm by hand."""
+
+import asyncio
+from collections.abc import AsyncIterator, Callable
+from contextlib import asynccontextmanager
+
+from app.engine.door_watch import DoorWatch
+from app.engine.interlock import RemoteIo
+from app.engine.waiting import cancel
+from app.errors import SafetyError
+from drivers.clock import Clock
+from drivers.errors import DeviceError
+from drivers.melfa.codec import encode
+from drivers.transport import Transport
+
+_STOP = b"\r" + encode("STOP")
+"""After what may be half a request, in a request of its own."""
+
+
+class RawDoor:
+    """Lets bytes pass while the door is closed; when it opens the arm is told to stop before anybody is told.
+
+    Args:
+        transport: of the robot's controller; it is open.
+        on_open: called when the door has opened, with what it says.
+
+    Attributes:
+        watch: of the door; None where no door is watched.
+    """
+
+    def __init__(self, transport: Transport, on_open: Callable[[str], None]) -> None:
+        self._transport = transport
+        self._on_open = on_open
+        self._open = False
+        self._stops: set[asyncio.Task[None]] = set()
+        self.watch: DoorWatch | None = None
+
+    def require_closed(self) -> None:
+        """Check that bytes may pass.
+
+        Raises:
+            SafetyError: the door is open or does not answer.
+        """
+        if self.watch is not None and self.watch.trouble is not None:
+            raise SafetyError(self.watch.trouble)
+        self._open = False
+
+    def opened(self, trouble: str) -> None:
+        """Stop the arm, once each time that the door is opened."""
+        if self._open:
+            return
+        self._open = True
+        task = asyncio.create_task(self._stop())
+        self._stops.add(task)
+        task.add_done_callback(self._stops.discard)
+        self._on_open(trouble)
+
+    async def ended(self) -> None:
+        """Wait until STOP is written."""
+        if self._stops:
+            await asyncio.wait(set(self._stops))
+
+    async def _stop(self) -> None:
+        try:
+            await self._transport.write(_STOP)
+        except DeviceError as error:
+            self._on_open(f"STOP cannot be sent: PRESS THE EMERGENCY STOP if the arm moves ({error})")
+
+
+@asynccontextmanager
+async def raw_door(
+    io: RemoteIo | None,
+    transport: Transport,
+    clock: Clock,
+    on_open: Callable[[str], None],
+) -> AsyncIterator[RawDoor]:
+    """Watch the door of a cell meanwhile.
+
+    Args:
+        io: block with the interlock; None where no door is watched.
+        transport: of the robot's controller.
+        clock: real time.
+        on_open: called when the door has opened, with what it says.
+    """
+    door = RawDoor(transport, on_open)
+    if io is None:
+        yield door
+        return
+    door.watch = DoorWatch(io, clock, door.opened)
+    await door.watch.look()
+    task = asyncio.create_task(door.watch.watch())
+    try:
+        yield door
+    finally:
+        await cancel(task)
+        await door.ended()

@@ -1,0 +1,108 @@
+"""After the surroundings have stopped the robot: asking somebody whether it may move again."""
+
+from collections.abc import Awaitable, Callable
+from typing import Final
+
+from app.engine.control import RunControl
+from app.engine.gate import MotionGate
+from app.errors import InterruptionError, NotAcknowledgedError, PromptUnansweredError, SafetyError
+from drivers.clock import Clock
+from procedures.context import Prompt
+
+ACKNOWLEDGE_PROMPT: Final = "acknowledge"
+
+_RESUME = "the robot stands and the run is over; when all is well go on with catseye resume"
+
+
+class Acknowledging:
+    """Asks until a person has said yes and the door is closed.
+
+    Args:
+        control: the stop ladder.
+        gate: of the motions.
+        clock: of the run.
+        poll_s: between two looks at a door that is still open, s of the clock.
+        ask: puts a question to the operator, whatever state the run is in.
+        warn: stores and publishes a warning.
+    """
+
+    def __init__(
+        self,
+        control: RunControl,
+        gate: MotionGate,
+        clock: Clock,
+        poll_s: float,
+        ask: Callable[[Prompt], Awaitable[str]],
+        warn: Callable[[str], Awaitable[None]],
+    ) -> None:
+        self._control = control
+        self._gate = gate
+        self._clock = clock
+        self._poll_s = poll_s
+        self._ask = ask
+        self._warn = warn
+        self._asked = 0
+
+    async def __call__(self, reason: str) -> None:
+        """Ask whether to go on, and permit motion when it is so.
+
+        Args:
+            reason: why the robot was stopped.
+
+        Raises:
+            NotAcknowledgedError: nobody is there, or the answer is no.
+            SafetyError: the override does not come down to the cap.
+        """
+        while True:
+            await self._asked_once(reason)
+            try:
+                self._gate.require_door()
+            except InterruptionError as error:
+                await self._warn(f"not yet: {error}")
+                await self._until_closed()
+                continue
+            await self._lower_override()
+            if self.taken("the operator has acknowledged the interruption"):
+                return
+
+    def taken(self, reason: str) -> bool:
+        """Permit motion if the door is closed now; return whether it is so."""
+        try:
+            self._gate.require_door()
+        except InterruptionError:
+            return False
+        self._control.acknowledge(reason)
+        return True
+
+    async def _asked_once(self, reason: str) -> None:
+        self._asked += 1
+        prompt = Prompt(
+            id=f"{ACKNOWLEDGE_PROMPT}/{self._asked}",
+            kind="confirm",
+            text=f"The robot was stopped: {reason}. Is nobody in its way and everything in its place? The arm then "
+            "moves on.",
+            motion=True,
+        )
+        try:
+            answer = await self._ask(prompt)
+        except PromptUnansweredError as error:
+            raise NotAcknowledgedError(f"{reason}; nobody was there to acknowledge it: {_RESUME}") from error
+        if answer != "yes":
+            raise NotAcknowledgedError(f"{reason}; the operator did not let it go on: {_RESUME}")
+
+    async def _lower_override(self) -> None:
+        try:
+            await self._gate.lower_override()
+        except InterruptionError as error:
+            # Acknowledged or not: a controller that keeps its override up is not to be moved.
+            raise SafetyError(str(error)) from error
+
+    async def _until_closed(self) -> None:
+        while True:
+            self._control.raise_ending()
+            try:
+                self._gate.require_door()
+            except InterruptionError:
+                await self._clock.sleep(self._poll_s)
+            else:
+                return

@@ -1,0 +1,83 @@
+"""The door of a cell, asked again and again: as fast while the arm moves as while it stands."""
+
+import asyncio
+from collections.abc import Callable
+from typing import Final
+
+from app.engine.interlock import RemoteIo
+from app.engine.waiting import cancel
+from drivers.clock import Clock
+from drivers.errors import DeviceError
+
+TICK_S: Final = 0.06
+"""Between two questions, real s."""
+
+_SILENT_TICKS = 5
+"""Without a valid answer for 0.3 s the door counts as open. Ticks and not the time are counted: while the event loop
+is held up nothing is sent to the robot either, and an answer that waits in the link's buffer is no silence."""
+
+_TRIES = 2
+"""A single lost answer stops no arm: the question is asked again before the silence is over."""
+
+_OPEN = "the door is open: no motion; close it when nobody is inside"
+_UNSEEN = "the door has not been looked at yet: no motion"
+
+
+class DoorWatch:
+    """Asks for the door until cancelled; no question delays anything else.
+
+    Args:
+        io: block with the interlock; its own time-out ends a question.
+        clock: of the run.
+        on_trouble: called with each look at which the door forbids motion, and with each tick of its silence.
+        speed: seconds of the clock in one real second: the door is a real device on a real link.
+
+    Attributes:
+        trouble: why the door forbids motion, as it was seen last; None while it is closed.
+    """
+
+    def __init__(
+        self, io: RemoteIo, clock: Clock, on_trouble: Callable[[str], None], speed: float = 1.0
+    ) -> None:
+        self.trouble: str | None = _UNSEEN
+        self._io = io
+        self._clock = clock
+        self._on_trouble = on_trouble
+        self._tick_s = TICK_S * speed
+        self._silent_ticks = 0
+        self._failure = "no answer"
+
+    async def watch(self) -> None:
+        """Ask until cancelled."""
+        question = asyncio.create_task(self.look())
+        try:
+            while True:
+                await self._clock.sleep(self._tick_s)
+                self._silent_ticks += 1
+                if self._silent_ticks >= _SILENT_TICKS:
+                    self._found(
+                        "the door interlock does not answer, which counts as open: no motion; see to [io]: "
+                        f"{self._failure}"
+                    )
+                if question.done():
+                    question.result()
+                    question = asyncio.create_task(self.look())
+        finally:
+            await cancel(question)
+
+    async def look(self) -> None:
+        """Ask once, and once more when no valid answer comes."""
+        for _ in range(_TRIES):
+            try:
+                closed = await self._io.door_closed()
+            except DeviceError as error:
+                self._failure = str(error)
+                continue
+            self._silent_ticks = 0
+            self._found(None if closed else _OPEN)
+            return
+
+    def _found(self, trouble: str | None) -> None:
+        self.trouble = trouble
+        if trouble is not None:
+            self._on_trouble(trouble)

@@ -1,0 +1,44 @@
+"""The drives at the end of a run: off, or left on and said."""
+
+from dataclasses import dataclass
+
+from app.engine.halt import FAILURES
+from app.engine.waiting import within
+from drivers.clock import Clock
+from procedures.devices import Robot
+
+
+@dataclass(frozen=True)
+class DrivesLeft:
+    """What became of the drives.
+
+    Attributes:
+        on: they are on, or not certain to be off.
+        text: what a person has to know.
+    """
+
+    on: bool
+    text: str
+
+
+_KEPT = "the drives stay on: the arm holds its place and can be moved at once"
+
+
+async def leave_drives(robot: Robot, clock: Clock, limit_s: float, *, keep: bool) -> DrivesLeft:
+    """Switch the drives of a robot that stands off, unless they are to be kept.
+
+    Args:
+        robot: the controller.
+        clock: of the run.
+        limit_s: for the answer, s of the clock.
+        keep: leave them on.
+    """
+    if keep:
+        return DrivesLeft(True, _KEPT)
+    try:
+        await within(clock, limit_s, robot.servo(on=False))
+    except FAILURES as error:
+        return DrivesLeft(
+            True, f"the drives are not certain to be off: switch them off at the controller ({error})"
+        )
+    return DrivesLeft(False, "the drives are off")

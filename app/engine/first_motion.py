@@ -1,0 +1,72 @@
+"""Before the first motion of a process: an arm that somebody else moves is not driven."""
+
+from collections.abc import Awaitable, Callable
+from typing import Final
+
+from app.errors import SafetyError
+from drivers.clock import Clock
+from procedures.devices import ControllerStatus, Joints, Robot
+
+REST_S: Final = 0.3
+"""For so long the joints have to stay the same, real s."""
+
+PATIENCE_S: Final = 30.0
+"""A motion that a dead process has left behind may come to its end, real s."""
+
+_POLL_S = 0.1
+_SAME_PLACE = 0.01
+"""Rounding of what a controller reports, deg or mm."""
+
+
+async def require_rest(
+    robot: Robot, clock: Clock, speed: float, tell: Callable[[str], Awaitable[None]]
+) -> Joints:
+    """Wait until the arm stands and no program but our own runs; return where it stands.
+
+    Args:
+        robot: the controller.
+        clock: of the run.
+        speed: seconds of the clock in one real second.
+        tell: takes why it takes so long, once.
+
+    Raises:
+        SafetyError: it does not come to rest, or another program runs.
+        DeviceError: the controller does not tell.
+    """
+    begun_s = since_s = clock.monotonic_s()
+    place = await robot.joints()
+    told = False
+    while clock.monotonic_s() - begun_s <= PATIENCE_S * speed:
+        await clock.sleep(_POLL_S * speed)
+        here = await robot.joints()
+        if not _same(here, place):
+            place, since_s = here, clock.monotonic_s()
+            if not told:
+                told = True
+                await tell("the arm is moving and nothing of this run moves it: waiting until it stands")
+        elif clock.monotonic_s() - since_s >= REST_S * speed:
+            _require_no_program(robot, await robot.status())
+            return place
+    raise SafetyError(
+        f"the arm was still moving after {PATIENCE_S:g} s, and not by this program: nothing was moved; stop it at "
+        "the controller and find out what moves it, then start again"
+    )
+
+
+def _require_no_program(robot: Robot, status: ControllerStatus) -> None:
+    """Check that nothing runs on the controller but what the driver itself has running there."""
+    if not status.running:
+        return
+    # What observes a robot shows its driver, which alone knows its own program.
+    own: str | None = getattr(getattr(robot, "driver", robot), "own_program", None)
+    name = status.program.upper().partition(".")[0]
+    # A driver whose program is started by the operator does not know its name, and a controller may tell none.
+    if own is None or (own and name and name != own):
+        raise SafetyError(
+            f"the program {name or '(without a name)'} runs on the controller and may move the arm at any time: "
+            "nothing was moved; stop it at the controller, then start again"
+        )
+
+
+def _same(first: Joints, second: Joints) -> bool:
+    return all(abs(a - b) <= _SAME_PLACE for a, b in zip(first, second, strict=True))

@@ -1,0 +1,145 @@
+"""Motions of a run: through stop ladder and gate, from where the arm is known to stand."""
+
+from collections.abc import Awaitable, Callable, Sequence
+
+from app.engine.control import RunControl
+from app.engine.crash_points import crash_point
+from app.engine.cut_short import rest_of_way
+from app.engine.gate import MotionGate
+from app.errors import ConditionLostError, InterruptionError, UnwalkedError
+from procedures.devices import Joints, Robot, WayRobot
+from procedures.errors import ArmMovedError
+from procedures.motion.entry import stands_at
+
+
+class Mover:
+    """Drives ways; every way is checked from where the procedure knows the arm to stand.
+
+    After a wait the arm need not stand there any more. After an interruption the rest of the way is driven if the
+    arm stands on it.
+
+    Args:
+        robot: the controller.
+        control: the stop ladder.
+        gate: passes motions.
+        wait_until: suspends the run until a condition is back.
+        timed: awaits a motion and takes its time.
+        waive: has somebody say why the arm may be driven where it was not walked.
+        first: called with where the arm stands, if that is known, and the way that it is led from there first.
+    """
+
+    def __init__(
+        self,
+        robot: Robot,
+        control: RunControl,
+        gate: MotionGate,
+        wait_until: Callable[[str, Callable[[], Awaitable[bool]]], Awaitable[None]],
+        timed: Callable[[Awaitable[None]], Awaitable[None]],
+        waive: Callable[[UnwalkedError], Awaitable[None]],
+        first: Callable[[Joints | None, Sequence[Joints]], Awaitable[None]],
+    ) -> None:
+        self._robot = robot
+        self._control = control
+        self._gate = gate
+        self._wait_until = wait_until
+        self._timed = timed
+        self._waive = waive
+        self._first = first
+        self._begun = False
+        self._stood: Joints | None = None
+        self._waits_then = 0
+
+    def stands(self, here: Joints, waits: int) -> None:
+        """Take note of where the procedure knows the arm to stand.
+
+        Args:
+            here: reported joints.
+            waits: of the control, before they were asked for.
+        """
+        self._stood, self._waits_then = here, waits
+
+    async def drive(self, way: Sequence[Joints]) -> None:
+        """Drive a way; while a condition is missing the run is suspended and the gate asked again.
+
+        Raises:
+            LimitError: a target is outside the limits.
+            SafetyError: the controller may not move.
+            ArmMovedError: the arm was moved while the run waited, or was stopped beside its way.
+        """
+        motion = _Motion(self, way)
+        while True:
+            try:
+                await self._control.motion(motion.look, motion.move)
+            except ConditionLostError as error:
+                await self._wait_until(str(error), self._gate.conditions_hold)
+            except UnwalkedError as error:
+                await self._waive(error)
+            except InterruptionError as error:
+                self._control.interrupt(str(error))
+            else:
+                crash_point("after-motion")
+                return
+
+    async def look(self, motion: "_Motion") -> None:
+        """Check that a motion may begin, or go on."""
+        waits = self._control.waits
+        if self._stood is None and motion.start is not None:
+            here = await self._robot.joints()
+            motion.ahead = _rest(motion.start, motion.ahead, here)
+            self._stood, self._waits_then = here, waits
+        elif self._stood is not None and waits != self._waits_then:
+            _require_place(await self._robot.joints(), self._stood)
+        await self._gate.require(*motion.ahead, here=self._stood)
+        if not self._begun:
+            self._begun = True
+            await self._first(self._stood, motion.ahead)
+
+    async def move(self, motion: "_Motion") -> None:
+        """Move along what is left of a way."""
+        motion.start, self._stood = self._stood, None
+        ahead, robot = motion.ahead, self._robot
+        if len(ahead) > 1 and isinstance(robot, WayRobot):
+            await self._timed(robot.follow(ahead))
+        else:
+            await self._timed(robot.move_joints(ahead[0]))
+        self._stood, self._waits_then = ahead[-1], self._control.waits
+
+
+class _Motion:
+    """One motion that may be cut short and gone on with."""
+
+    def __init__(self, mover: Mover, way: Sequence[Joints]) -> None:
+        self.ahead = tuple(way)
+        self.start: Joints | None = None
+        self._mover = mover
+
+    async def look(self) -> None:
+        await self._mover.look(self)
+
+    async def move(self) -> None:
+        await self._mover.move(self)
+
+
+def _rest(start: Joints, way: Sequence[Joints], here: Joints) -> tuple[Joints, ...]:
+    rest = rest_of_way(start, way, here)
+    if rest is None:
+        raise ArmMovedError(
+            f"the arm was stopped, and its joints are {_listed(here)} now, beside the way that it was on from "
+            f"{_listed(start)} to {_listed(way[-1])} (J1 deg, J2 deg, J3 mm, J4 deg); the rest was not driven; go on "
+            "with catseye resume"
+        )
+    return rest
+
+
+def _require_place(here: Joints, stood: Joints) -> None:
+    """Refuse to drive on from where nobody planned to be."""
+    if not stands_at(here, stood):
+        raise ArmMovedError(
+            f"the arm was moved while the run was held or suspended: its joints are {_listed(here)} and were "
+            f"{_listed(stood)} when it was left (J1 deg, J2 deg, J3 mm, J4 deg); the rest of its way was not "
+            "driven; go on with catseye resume, and leave the arm alone while a run is under way"
+        )
+
+
+def _listed(joints: Joints) -> str:
+    return ", ".join(f"{value:.2f}" for value in joints)

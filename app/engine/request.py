@@ -1,0 +1,123 @@
+"""What is to be run and within which bounds, and how it ended."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any, Protocol
+
+from app.engine.compensation import AirRule
+from app.engine.conditions import AirLimits
+from app.engine.ending import EndStatus
+from app.engine.gate import JointLimits, WayCheck
+from app.engine.halt import HaltLimits
+from app.engine.handle import OnOpen
+from app.engine.hands import Hands
+from app.engine.operator import Answerer
+from app.engine.timekeeping import StepTime
+from app.exitcode import ExitCode
+from app.store.run_store import DEFAULT_RESERVE_BYTES
+from app.walk.rule import WalkRule
+from procedures.context import Context, Json
+
+
+class Procedure(Protocol):
+    """What happens on the bench.
+
+    Attributes:
+        name: as on the command line and in the run's name.
+        title: one line for people.
+    """
+
+    @property
+    def name(self) -> str: ...  # noqa: D102  # said above
+    @property
+    def title(self) -> str: ...  # noqa: D102  # said above
+
+    # Each procedure has a plan type of its own, which only it and its planner know.
+    async def run(self, ctx: Context, plan: Any) -> None:
+        """Carry the plan out, step by step."""
+        ...
+
+    async def teardown(self, ctx: Context) -> None:
+        """Leave the bench as it should be; the robot cannot be moved after a stop."""
+        ...
+
+
+@dataclass(frozen=True)
+class RunRequest:
+    """What is to be run, and within which bounds.
+
+    Attributes:
+        procedure: what happens.
+        plan: what the procedure's own `plan()` returned.
+        root: directory of all runs.
+        cell: name of the cell.
+        limits: ranges of the joints.
+        blocked: tells why bodies are in the way of a motion.
+        override_cap_percent: highest speed override.
+        meta: resolved configuration with origins, operator, parameters; stored with the run.
+        arm: the cell's name as typed by the operator; None when nothing was typed.
+        answers: answers file, by prompt id.
+        answerer: a front end that answers prompts.
+        hands: do on an emulated bench what prompts ask for.
+        resume: directory of a run to go on with, instead of a new one.
+        air: how the program corrects for the air where the instrument does not.
+        air_limits: ranges of the air in which a measurement goes on.
+        reserve_bytes: free disk space needed.
+        halt_limits: how long a halt may take, real time.
+        teardown_limit_s: how long the teardown, and the closing of the devices, may take, real s.
+        unconfirmed: dimensions of bodies that nobody has confirmed; they are named before a real arm moves.
+        aim_simulated: whether the search that the plan aims with was made on emulated devices; None without one.
+        clock_speed: bench seconds in one real second; anything but 1 is for emulated devices only.
+        speed_deg_s: fastest J1, J2, J4 at 100 % override, as questions before a motion tell them.
+        keep_drives: leave the drives on at the end, unless the run is aborted.
+        on_open: lets a service reach the run while its record is open.
+        walk_rule: what a real arm has to be walked first; None where nothing has to be.
+    """
+
+    procedure: Procedure
+    plan: object
+    root: Path
+    cell: str
+    limits: JointLimits
+    blocked: WayCheck
+    override_cap_percent: float
+    meta: Mapping[str, Json] = field(default_factory=dict)
+    arm: str | None = None
+    answers: Mapping[str, str] = field(default_factory=dict)
+    answerer: Answerer | None = None
+    hands: Hands | None = None
+    resume: Path | None = None
+    air: AirRule = field(default_factory=AirRule)
+    air_limits: AirLimits = field(default_factory=AirLimits)
+    reserve_bytes: int = DEFAULT_RESERVE_BYTES
+    halt_limits: HaltLimits = field(default_factory=HaltLimits)
+    teardown_limit_s: float = 60.0
+    clock_speed: float = 1.0
+    speed_deg_s: tuple[float, float, float] | None = None
+    aim_simulated: bool | None = None
+    unconfirmed: Sequence[str] = ()
+    keep_drives: bool = False
+    on_open: OnOpen | None = None
+    walk_rule: WalkRule | None = None
+
+
+@dataclass(frozen=True)
+class RunOutcome:
+    """How a run ended.
+
+    Attributes:
+        path: the run's directory.
+        status: complete, stopped, aborted or failed.
+        exit_code: of the process.
+        text: why it did not complete; empty otherwise.
+        step_times: where the time of each step that ran went.
+        drives_on: the drives were left on.
+    """
+
+    path: Path
+    status: EndStatus
+    exit_code: ExitCode
+    text: str
+    step_times: list[StepTime]
+    drives_on: bool = False

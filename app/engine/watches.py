@@ -1,0 +1,70 @@
+"""Who looks at controller, air and door while a run is under way."""
+
+import asyncio
+from collections.abc import Sequence
+
+from app.engine.conditions import Condition, Watchman
+from app.engine.control import RunControl
+from app.engine.devices import Devices
+from app.engine.door_watch import DoorWatch
+from app.engine.ending import DeviceFaultError
+from app.engine.gate import MotionGate, require_ready
+from app.engine.waiting import cancel
+from drivers.clock import Clock
+from procedures.devices import ControllerStatus
+
+POLL_S = 0.5
+"""Real seconds between two looks at what is missing, or may be."""
+
+
+class Watches:
+    """The watches of a run, each a task of its own: none waits for another one.
+
+    Args:
+        control: of the run.
+        devices: of the run.
+        clock: of the run.
+        speed: seconds of the clock in one real second.
+
+    Attributes:
+        door: None where the cell has no door that is watched.
+    """
+
+    def __init__(self, control: RunControl, devices: Devices, clock: Clock, speed: float) -> None:
+        self.door = None if devices.io is None else DoorWatch(devices.io, clock, control.interrupt, speed)
+        self._control = control
+        self._devices = devices
+        self._clock = clock
+        self._speed = speed
+        self._tasks: list[asyncio.Task[None]] = []
+
+    async def watch_door(self) -> None:
+        """From now on the door is looked at; it has been when this returns."""
+        if self.door is not None:
+            await self.door.look()
+            self._begin(asyncio.create_task(self.door.watch()))
+
+    def watch_controller(self, gate: MotionGate, conditions: Sequence[Condition]) -> None:
+        """From now on the controller is looked at, and the air."""
+
+        def ready(status: ControllerStatus) -> None:
+            require_ready(status)
+            gate.require_override(status.override_percent)
+
+        watchman = Watchman(
+            self._control, self._devices.robot, conditions, ready, self._clock, POLL_S * self._speed
+        )
+        self._begin(asyncio.create_task(watchman.watch()))
+
+    async def end(self) -> None:
+        """Look no more."""
+        await cancel(*self._tasks)
+
+    def _begin(self, task: "asyncio.Task[None]") -> None:
+        self._tasks.append(task)
+        task.add_done_callback(self._ended)
+
+    def _ended(self, task: "asyncio.Task[None]") -> None:
+        """Nothing goes on unwatched: a watch that fails, by a fault of the program, ends the run."""
+        if not task.cancelled() and (error := task.exception()) is not None:
+            self._control.fault(DeviceFaultError(error))

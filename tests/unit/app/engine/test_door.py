@@ -1,0 +1,244 @@
+"""A door that opens during a run: STOP at once, and nothing moves before somebody has acknowledged it."""
+
+import asyncio
+from collections.abc import Awaitable, Callable
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+
+import pytest
+
+from app.engine.control import RunControl
+from app.engine.host import run_procedure
+from app.engine.operator import Answer
+from app.engine.request import RunOutcome
+from app.engine.waiting import cancel
+from app.exitcode import ExitCode
+from procedures.context import Context, Prompt
+from procedures.devices import Joints
+from procedures.errors import ArmMovedError
+from tests.unit.app.engine.fakes import AWAY, HOME, FakeRobot, Script
+from tests.unit.app.engine.test_interlock import Block, GuardedBench
+
+HALFWAY: Joints = (5.0, 10.0, 0.0, 15.0)
+
+
+@dataclass
+class HalfwayRobot(FakeRobot):
+    """The first motion stands still halfway until it is stopped there."""
+
+    targets: list[Joints] = field(default_factory=list)
+    stopped_at: Joints = HALFWAY
+
+    async def move_joints(self, target: Joints) -> None:
+        self.targets.append(target)
+        self.blocks = len(self.targets) == 1
+        await super().move_joints(target)
+
+    async def stop(self) -> None:
+        if self.state.running:
+            self.pose = self.stopped_at
+        await super().stop()
+
+
+@pytest.fixture
+def bench(tmp_path: Path) -> GuardedBench:
+    made = GuardedBench(tmp_path)
+    made.block = Block()
+    made.robot = HalfwayRobot(made.clock)
+    return made
+
+
+async def moving(ctx: Context) -> None:
+    await ctx.move(AWAY)
+    await ctx.move(HOME)
+
+
+async def opened(
+    bench: GuardedBench,
+    body: Callable[[Context], Awaitable[None]] = moving,
+    answerer: Callable[[Prompt], Awaitable[Answer | None]] | None = None,
+    *,
+    close: bool = True,
+    real: bool = False,
+) -> RunOutcome:
+    """Run; the door opens while the arm moves, and is closed when it stands unless it stays open."""
+    if real:
+        bench.make_real()
+        bench.block.simulated = False
+    request = bench.request(Script(body), answerer=answerer, arm="lab-1" if real else None)
+    running = asyncio.create_task(
+        run_procedure(request, bench.build, bench.clock, bench.publish, bench.install)
+    )
+    moves = asyncio.create_task(bench.robot.moving.wait())
+    await asyncio.wait({running, moves}, return_when=asyncio.FIRST_COMPLETED)
+    await cancel(moves)
+    bench.block.closed = False
+    while "UNSUSPENDING" not in bench.states() and not running.done():  # noqa: ASYNC110  # the bench tells by a list
+        await asyncio.sleep(0)
+    bench.block.closed = close
+    return await running
+
+
+async def test_an_open_door_stops_the_motion_at_once(bench: GuardedBench) -> None:
+    outcome = await opened(bench)
+    assert outcome.status == "complete"
+    calls = bench.robot.calls[bench.robot.calls.index("move") :]
+    assert calls == ["move", "stop", "move cancelled", "move", "move", "servo off", "close"]
+    assert bench.states() == ["STARTING", "EXECUTE", "SUSPENDING", "UNSUSPENDING", "EXECUTE", "COMPLETE"]
+
+
+async def test_the_rest_of_the_way_is_driven_after_the_acknowledgement(bench: GuardedBench) -> None:
+    order: list[str] = []
+
+    async def ada(prompt: Prompt) -> Answer:
+        order.append(f"{prompt.id} {bench.robot.calls.count('move')}")
+        assert prompt.motion
+        return Answer("yes", "Ada")
+
+    outcome = await opened(bench, answerer=ada, real=True)
+    assert outcome.status == "complete"
+    assert order == ["acknowledge/1 1"]
+    assert isinstance(bench.robot, HalfwayRobot)
+    assert bench.robot.targets == [AWAY, AWAY, HOME]
+
+
+async def test_where_nobody_acknowledges_the_run_ends_stopped(bench: GuardedBench) -> None:
+    outcome = await opened(bench, real=True)
+    assert (outcome.status, outcome.exit_code) == ("stopped", ExitCode.SAFETY)
+    assert "the door is open" in outcome.text
+    assert "catseye resume" in outcome.text
+    assert bench.robot.calls.count("move") == 1
+
+
+async def test_an_answer_of_no_ends_the_run_resumable(bench: GuardedBench) -> None:
+    async def ada(_prompt: Prompt) -> Answer:
+        return Answer("no", "Ada")
+
+    outcome = await opened(bench, answerer=ada)
+    assert (outcome.status, outcome.exit_code) == ("stopped", ExitCode.SAFETY)
+    assert bench.robot.calls.count("move") == 1
+
+
+async def test_a_yes_before_an_open_door_is_asked_again(bench: GuardedBench) -> None:
+    asked: list[str] = []
+
+    async def ada(prompt: Prompt) -> Answer:
+        asked.append(prompt.id)
+        assert bench.robot.calls.count("move") == 1
+        return Answer("yes", "Ada")
+
+    running = asyncio.create_task(opened(bench, answerer=ada, close=False))
+    while not bench.said("warning")[1:] and not running.done():  # noqa: ASYNC110  # the bench tells by a list
+        await asyncio.sleep(0)
+    bench.block.closed = True
+    outcome = await running
+    assert outcome.status == "complete"
+    assert asked == ["acknowledge/1", "acknowledge/2"]
+    assert any("not yet: the door is open" in str(said["text"]) for said in bench.said("warning"))
+
+
+async def test_an_arm_moved_beside_its_way_is_not_driven_on(bench: GuardedBench) -> None:
+    assert isinstance(bench.robot, HalfwayRobot)
+    bench.robot.stopped_at = (5.0, 14.0, 0.0, 15.0)
+    found: list[str] = []
+
+    async def body(ctx: Context) -> None:
+        with pytest.raises(ArmMovedError) as raised:
+            await ctx.move(AWAY)
+        found.append(str(raised.value))
+
+    await opened(bench, body)
+    assert "beside the way" in found[0]
+    assert bench.robot.calls.count("move") == 1
+
+
+async def test_a_count_is_worth_nothing_after_the_door(bench: GuardedBench) -> None:
+    found: list[bool] = []
+
+    async def body(ctx: Context) -> None:
+        await ctx.zero(0.0)
+        found.append((await ctx.measure(0.0, 0.0, 1)).beam_ok)
+        await ctx.move(AWAY)
+        found.append((await ctx.measure(0.0, 0.0, 1)).beam_ok)
+        await ctx.zero(0.0)
+        found.append((await ctx.measure(0.0, 0.0, 1)).beam_ok)
+
+    await opened(bench, body)
+    assert found == [True, False, True]
+
+
+async def test_a_door_that_opens_while_nothing_moves_is_acknowledged(bench: GuardedBench) -> None:
+    async def body(ctx: Context) -> None:
+        bench.robot.moving.set()
+        while "UNSUSPENDING" not in bench.states():  # noqa: ASYNC110  # the bench tells by a list
+            await asyncio.sleep(0)
+        bench.robot.moving.clear()
+        await ctx.event("measured", ok=True)
+        assert isinstance(bench.robot, HalfwayRobot)
+        bench.robot.targets.append(HOME)
+        await ctx.move(AWAY)
+
+    outcome = await opened(bench, body)
+    assert outcome.status == "complete"
+    assert [said["id"] for said in bench.said("prompt")] == ["acknowledge/1"]
+    assert bench.robot.calls.count("move") == 1
+
+
+async def test_an_answer_that_lets_the_arm_move_acknowledges_too(bench: GuardedBench) -> None:
+    """Whoever puts a reflector into its nest opens the door on the way, and is not asked twice."""
+
+    async def ada(_prompt: Prompt) -> Answer:
+        bench.robot.moving.set()
+        while "UNSUSPENDING" not in bench.states() or not bench.block.closed:  # noqa: ASYNC110  # as above
+            await asyncio.sleep(0)
+        for _ in range(50):
+            await asyncio.sleep(0)
+        return Answer("yes", "Ada")
+
+    async def body(ctx: Context) -> None:
+        await ctx.ask(Prompt("place/P1", "confirm", "Put it there.", motion=True))
+        assert isinstance(bench.robot, HalfwayRobot)
+        bench.robot.targets.append(HOME)
+        await ctx.move(AWAY)
+
+    outcome = await opened(bench, body, ada)
+    assert outcome.status == "complete"
+    assert [said["id"] for said in bench.said("prompt")] == ["place/P1"]
+
+
+async def test_a_hold_outlasts_the_acknowledgement(bench: GuardedBench) -> None:
+    async def ada(_prompt: Prompt) -> Answer:
+        controls[0].hold("Ada holds")
+        return Answer("yes", "Ada")
+
+    controls: list[RunControl] = []
+
+    async def body(ctx: Context) -> None:
+        controls.append(ctx._control)  # type: ignore[attr-defined]  # noqa: SLF001  # the run's own ladder
+        await ctx.move(AWAY)
+
+    running = asyncio.create_task(opened(bench, body, ada))
+    while "HELD" not in bench.states() and not running.done():  # noqa: ASYNC110  # the bench tells by a list
+        await asyncio.sleep(0)
+    assert bench.robot.calls.count("move") == 1
+    controls[0].unhold("Ada goes on")
+    assert (await running).status == "complete"
+    assert bench.robot.calls.count("move") == 2
+
+
+async def test_a_standstill_that_is_not_seen_aborts(bench: GuardedBench) -> None:
+    bench.robot.ignores_stop = True
+    outcome = await opened(bench)
+    assert (outcome.status, outcome.exit_code) == ("aborted", ExitCode.SAFETY)
+    assert "standstill was not confirmed" in outcome.text
+    assert bench.robot.calls.count("move") == 1
+
+
+async def test_an_alarm_during_the_interruption_aborts(bench: GuardedBench) -> None:
+    async def ada(_prompt: Prompt) -> Answer:
+        bench.robot.state = replace(bench.robot.state, emergency_stop=True)
+        return Answer("yes", "Ada")
+
+    outcome = await opened(bench, answerer=ada)
+    assert (outcome.status, outcome.exit_code) == ("aborted", ExitCode.SAFETY)
+    assert bench.robot.calls.count("move") == 1

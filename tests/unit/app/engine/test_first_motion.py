@@ -1,0 +1,71 @@
+"""Before the first motion of a process: the arm stands, and no foreign program runs."""
+
+from dataclasses import replace
+
+import pytest
+
+from app.engine.first_motion import PATIENCE_S, REST_S, require_rest
+from app.errors import SafetyError
+from procedures.devices import Joints
+from tests.unit.app.engine.fakes import HOME, FakeRobot, ManualClock
+
+
+class DriftingRobot(FakeRobot):
+    """Moves by itself until a time."""
+
+    until_s = 0.0
+
+    async def joints(self) -> Joints:
+        one = 0.5 * min(self.clock.monotonic_s(), self.until_s)
+        return (one, *HOME[1:])
+
+
+class ProgramRobot(FakeRobot):
+    """Has a program of its own on the controller."""
+
+    own_program = "CATSDL"
+
+
+async def nobody(_text: str) -> None:
+    """Take no note."""
+
+
+async def test_an_arm_that_stands_is_seen_to_do_so() -> None:
+    robot = FakeRobot(ManualClock())
+    assert await require_rest(robot, robot.clock, 1.0, nobody) == HOME
+    assert robot.clock.monotonic_s() >= REST_S
+
+
+async def test_a_motion_left_behind_is_waited_for_and_told() -> None:
+    robot, told = DriftingRobot(ManualClock()), list[str]()
+
+    async def tell(text: str) -> None:
+        told.append(text)
+
+    robot.until_s = 16.0
+    place = await require_rest(robot, robot.clock, 1.0, tell)
+    assert place[0] == pytest.approx(8.0)
+    assert robot.clock.monotonic_s() > 16.0 + 0.9 * REST_S
+    assert told == ["the arm is moving and nothing of this run moves it: waiting until it stands"]
+
+
+async def test_an_arm_that_does_not_come_to_rest_is_not_driven() -> None:
+    robot = DriftingRobot(ManualClock())
+    robot.until_s = 10.0 * PATIENCE_S
+    with pytest.raises(SafetyError, match=r"still moving after 30 s.*stop it at the controller"):
+        await require_rest(robot, robot.clock, 1.0, nobody)
+
+
+@pytest.mark.parametrize("kind", [FakeRobot, ProgramRobot])
+async def test_a_foreign_program_is_named_and_refused(kind: type[FakeRobot]) -> None:
+    robot = kind(ManualClock())
+    robot.state = replace(robot.state, running=True, program="PALLET.MB4")
+    with pytest.raises(SafetyError, match="program PALLET runs on the controller"):
+        await require_rest(robot, robot.clock, 1.0, nobody)
+
+
+@pytest.mark.parametrize("name", ["CATSDL.MB4", ""])
+async def test_a_program_of_the_driver_itself_may_run(name: str) -> None:
+    robot = ProgramRobot(ManualClock())
+    robot.state = replace(robot.state, running=True, program=name)
+    assert await require_rest(robot, robot.clock, 1.0, nobody) == HOME
