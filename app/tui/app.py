@@ -214,7 +214,7 @@ class CatseyeApp(App[int]):
             self.action_stop()
         elif not picture.running:
             self.notify("Ctrl-Q quits; F12 stops", title="nothing runs")
-        elif picture.state in {"HOLDING", "HELD", "SUSPENDED", "STARTING"}:
+        elif picture.state in {"HOLDING", "HELD", "SUSPENDED", "SUSPENDING", "UNSUSPENDING", "STARTING"}:
             self.action_stop()
         elif picture.state in {"STOPPING", "ABORTING"}:
             self.action_abort()

@@ -2,6 +2,7 @@
 
 from collections import deque
 from dataclasses import dataclass, field
+from datetime import UTC, datetime
 from typing import Any, Final
 
 from app.tui.run_picture import LogLine, RunPicture
@@ -51,6 +52,7 @@ class Picture:
         strip_period_s: bench time of one column.
         strip_at_s: when the last columns came.
         jog: last message about jogging.
+        drives_off_at_s: when the drives go off by themselves, monotonic s; None while nobody counts down to that.
         wire: raw traffic, oldest first.
         wire_seen: lines of it ever.
         raw: who has taken a device's link from its driver, by device.
@@ -76,6 +78,7 @@ class Picture:
     strip_period_s: float = 0.02
     strip_at_s: float = 0.0
     jog: Event | None = None
+    drives_off_at_s: float | None = None
     wire: deque[Event] = field(default_factory=lambda: deque(maxlen=WIRE_LINES))
     wire_seen: int = 0
     raw: dict[str, str] = field(default_factory=dict)
@@ -125,6 +128,7 @@ class Picture:
         self.reason = str(snapshot.get("reason") or "")
         self.aborted = str(snapshot.get("aborted") or "")
         self.jog = snapshot.get("jog")
+        self._drives(snapshot.get("drives") or {}, now_s)
         self.raw = {}
         # Nobody knows how much time has passed unseen.
         self.strip.clear()
@@ -138,7 +142,7 @@ class Picture:
     def lost(self, trouble: str) -> None:
         """The engine is gone, or was never there."""
         self.connected, self.trouble, self.silent_since_s = False, trouble, None
-        self.control, self.jog, self.bench = None, None, None
+        self.control, self.jog, self.bench, self.drives_off_at_s = None, None, None, None
         self.clients, self.raw = [], {}
         self.revision += 1
 
@@ -161,6 +165,13 @@ class Picture:
                 self._count("wire", event.get("missed"))
             case "jog":
                 self.jog = event
+            case "drives":
+                self._drives(event, now_s)
+                if event.get("reason"):
+                    self._say(event, "warning" if event.get("on") else "info", str(event["reason"]))
+            case "run-started":
+                self.drives_off_at_s = None
+                self._of_run(event, now_s)
             case "raw":
                 self._raw(event)
             case "control":
@@ -209,6 +220,14 @@ class Picture:
         else:
             self.raw.pop(device, None)
             self._say(event, "info", f"{device} has its link again: {event.get('reason') or by}")
+
+    def _drives(self, told: Event, now_s: float) -> None:
+        off_at_utc = told.get("off_at_utc")
+        if off_at_utc is None:
+            self.drives_off_at_s = None
+        else:
+            left = datetime.fromisoformat(str(off_at_utc)) - datetime.now(UTC)
+            self.drives_off_at_s = now_s + left.total_seconds()
 
     def _control(self, event: Event) -> None:
         who = event.get("by")

@@ -422,6 +422,10 @@ def _instruction(picture: Picture) -> Content:
             )
         case "SUSPENDED":
             return Content.styled(f"Suspended: {run.reason}", "$warning")
+        case "SUSPENDING":
+            return Content.styled(f"Keep clear until the arm stands: {run.reason}", "$error")
+        case "UNSUSPENDING":
+            return Content.styled(f"Stopped, and nothing moves before you agree: {run.reason}", "$warning")
         case "STOPPING" | "ABORTING":
             return Content.styled(f"Wait for standstill: {run.reason}", "$error")
         case "STARTING" | "IDLE":

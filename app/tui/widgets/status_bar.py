@@ -4,6 +4,7 @@ from textual.app import RenderResult
 from textual.content import Content
 from textual.widget import Widget
 
+from app.commands.progress import duration_text as whole_duration_text
 from app.tui.picture import Picture
 from app.tui.words import bytes_text, duration_text
 
@@ -16,6 +17,8 @@ _STATES = {
     "HELD": "$warning bold",
     "HOLDING": "$warning bold",
     "SUSPENDED": "$warning bold",
+    "SUSPENDING": "$error bold",
+    "UNSUSPENDING": "$warning bold",
     "ABORTED": "$error bold",
     "ABORTING": "$error bold",
     "STOPPING": "$error bold",
@@ -92,6 +95,10 @@ class StatusBar(Widget):
     def _second_line(self) -> list[Part]:
         picture = self._picture
         text: list[Part] = []
+        if picture.drives_off_at_s is not None:
+            left_s = max(0.0, picture.drives_off_at_s - self._now_s)
+            text.append((f"DRIVES ON, off in {whole_duration_text(left_s)} ", _BANNER))
+            text.append((" ", ""))
         bench = picture.bench
         if bench is None:
             text.append(("bench: no sample yet" if picture.connected else "", "dim"))

@@ -1,6 +1,7 @@
 """Texts longer than their place: what happened and what to do is read whole, and no key goes out of sight."""
 
 import copy
+from datetime import UTC, datetime, timedelta
 
 from app.tui.app import CatseyeApp
 from app.tui.screens.run import RunScreen
@@ -68,6 +69,27 @@ async def test_why_a_run_is_suspended_is_read_to_its_end() -> None:
         measure(link)
         tell(link, "state", state="SUSPENDED", reason=LASER)
         assert f"Suspended: {LASER}" in in_one(await shown(app, pilot))
+
+
+async def test_a_stop_by_the_door_says_that_nothing_moves_unasked() -> None:
+    link = ScriptedLink(SNAPSHOT)
+    app = app_of(link)
+    async with app.run_test(size=(80, 24)) as pilot:
+        measure(link)
+        tell(link, "state", state="UNSUSPENDING", reason="the arm stands: the door is open")
+        told = in_one(await shown(app, pilot))
+        assert "Stopped, and nothing moves before you agree: the arm stands: the door is open" in told
+
+
+async def test_drives_that_go_off_by_themselves_are_counted_down() -> None:
+    link = ScriptedLink(SNAPSHOT)
+    app = app_of(link)
+    async with app.run_test(size=(80, 24)) as pilot:
+        off_at = datetime.now(UTC) + timedelta(seconds=250)
+        link.tell("drives", on=True, off_at_utc=off_at.isoformat())
+        assert "DRIVES ON, off in 4 min" in in_one(await shown(app, pilot))
+        link.tell("drives", on=False, reason="the arm has rested for 300 s: the drives are off")
+        assert "DRIVES ON" not in in_one(await shown(app, pilot))
 
 
 async def test_the_log_on_the_whole_screen_is_wrapped_and_its_newest_line_is_whole() -> None:
