@@ -92,17 +92,20 @@ def motions(bench: Emulated) -> int:
     return sum(entry["kind"] == "motion" and entry["text"].startswith("motion to") for entry in entries)
 
 
-def test_an_open_door_suspends_and_a_closed_one_lets_it_go_on(bench: Emulated, run: Run) -> None:
+def test_an_open_door_stops_until_it_is_closed_and_acknowledged(bench: Emulated, run: Run) -> None:
     bench.ask(op="fault", name="door", open=True)
-    reason = run.until(event="state", state="SUSPENDED")["reason"]
+    reason = run.until(event="state", state="SUSPENDING")["reason"]
     assert "the door is open: no motion; close it when nobody is inside" in reason
-    while bench.ask(op="state")["moving"]:
-        time.sleep(0.01)
+    run.until(event="state", state="UNSUSPENDING")
+    assert not bench.ask(op="state")["moving"]
     before = motions(bench)
-    # A second of bench time would be enough for several moves.
+    # The emulated operator says yes at once; a second of bench time would be enough for several moves.
+    run.until(event="answer", id="acknowledge/1")
+    run.until(event="warning")
     time.sleep(0.3)
     assert motions(bench) == before
     bench.ask(op="fault", name="door", open=False)
+    run.until(event="answer", id="acknowledge/2")
     run.until(event="state", state="EXECUTE")
     ended = run.end()
     assert ended["status"] == "complete"
@@ -116,7 +119,7 @@ def test_an_open_door_suspends_and_a_closed_one_lets_it_go_on(bench: Emulated, r
         if event.kind == "state"
     ]
     assert told == stored
-    assert told == ["STARTING", "EXECUTE", "SUSPENDED", "EXECUTE", "COMPLETE"]
+    assert told == ["STARTING", "EXECUTE", "SUSPENDING", "UNSUSPENDING", "EXECUTE", "COMPLETE"]
 
 
 def test_air_out_of_its_range_suspends_until_it_is_back(bench: Emulated, run: Run) -> None:
