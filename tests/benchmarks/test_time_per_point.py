@@ -6,7 +6,7 @@ from datetime import datetime
 from pathlib import Path
 
 from app.cell.load import load_cell
-from app.engine.host import RunOutcome
+from app.engine.request import RunOutcome
 from app.procedure_list import load_procedure, parse_params
 from app.running import carry_out, plan_run
 from app.store.reader import RunReader

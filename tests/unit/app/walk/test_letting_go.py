@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from app.engine.host import RunOutcome
+from app.engine.request import RunOutcome
 from procedures.devices import Joints
 from tests.unit.app.engine.fakes import ManualClock
 from tests.unit.app.walk.tours import ELSEWHERE, FIRST, SECOND, Tour, TourBench

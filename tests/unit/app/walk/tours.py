@@ -10,8 +10,8 @@ from pydantic import BaseModel
 from app.cell.bench import bench_of
 from app.cell.load import load_cell
 from app.cell.template import TEMPLATE
-from app.engine.host import RunOutcome
 from app.engine.operator import Answer
+from app.engine.request import RunOutcome
 from app.running import PlannedRun, carry_out
 from app.walk.feed import Feed
 from app.walk.planning import as_walk
