@@ -14,9 +14,11 @@ class KeyLine(Footer):
 
     def compose(self) -> ComposeResult:
         """Make the keys, once they are known."""
-        to_show = self._to_show()
+        self._shown = None
         for key in super().compose():
-            self._shown = to_show
+            # None is made before a screen is shown, which this asks for.
+            if self._shown is None:
+                self._shown = self._to_show()
             yield key
 
     async def recompose(self) -> None:

@@ -58,7 +58,7 @@ async def test_a_fact_of_another_type_is_a_damaged_run(tmp_path: Path) -> None:
 
 async def test_duration_is_from_the_first_record_to_the_last(tmp_path: Path) -> None:
     store = await make_run(tmp_path, TickingClock())
-    with sqlite3.connect(store.path / DATABASE) as connection:
+    with closing(sqlite3.connect(store.path / DATABASE)) as connection:
         times = [datetime.fromisoformat(row[0]) for row in connection.execute("SELECT time_utc FROM events")]
     line = next(RunHistory(tmp_path).changes())
     assert line.duration_s == (max(times) - min(times)).total_seconds()
