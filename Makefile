@@ -1,68 +1,99 @@
 # Everything starts here: `make demo` and `make test` set up all they need in .venv.
 PYTHON ?= python3
-BIN := .venv/bin
+# `make pythons` and its like take other environments than .venv, `make lowest` other versions.
+VENV := .venv
+VERSIONS := constraints.txt
+PACKAGES := -e '.[dev]'
+# Relative, and programs as modules: the path of the checkout may have spaces, which the first line of a script cannot.
+BIN := $(VENV)/bin
 # Small matrices: threads of the linear algebra wait for one another on busy machines.
 export OMP_NUM_THREADS ?= 1
 # Tests and the programs that they start are compiled once, also where the shell forbids it.
 export PYTHONDONTWRITEBYTECODE :=
 
-.PHONY: demo test lint types contracts bench soak campaigns peers seeds pictures clean help
+.PHONY: demo test suite tests lint types contracts newest start pythons lowest tests-lowest bench soak campaigns peers seeds \
+  pictures clean help
 
 help:  ## list the targets
 	@grep -E '^[a-z]+:.*##' $(MAKEFILE_LIST) | sed 's/:.*##/\t/'
 
-.venv/installed: pyproject.toml constraints.txt
-	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11))' \
+$(VENV)/installed: pyproject.toml $(VERSIONS)
+	@"$(PYTHON)" -c 'import sys; sys.exit(sys.version_info < (3, 11))' \
 	  || { echo "catseye needs Python 3.11 or newer; call: make PYTHON=/path/to/python3.11"; exit 2; }
-	@$(PYTHON) -c 'import ensurepip, venv' 2>/dev/null \
+	@"$(PYTHON)" -c 'import ensurepip, venv' 2>/dev/null \
 	  || { test "$$(id -u)" = 0 && apt-get install -y python3-venv; } \
 	  || { echo "this Python has no venv module; call: apt-get install python3-venv"; exit 2; }
-	$(PYTHON) -m venv --clear .venv
-	$(BIN)/pip install --quiet --disable-pip-version-check -c constraints.txt -e '.[dev]'
+	"$(PYTHON)" -m venv --clear $(VENV)
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check -c $(VERSIONS) $(PACKAGES)
 	@touch $@
 
-demo: .venv/installed  ## the whole measurement on emulated hardware
-	$(BIN)/catseye demo
+demo: $(VENV)/installed  ## the whole measurement on emulated hardware
+	$(BIN)/python -m app demo
 
-lint: .venv/installed  ## ruff
-	$(BIN)/ruff check .
-	$(BIN)/ruff format --check .
+lint: $(VENV)/installed  ## ruff
+	$(BIN)/python -m ruff check .
+	$(BIN)/python -m ruff format --check .
 
-types: .venv/installed  ## mypy --strict
-	$(BIN)/mypy
+types: $(VENV)/installed  ## mypy --strict
+	$(BIN)/python -m mypy
 
-contracts: .venv/installed  ## who may import whom
-	$(BIN)/lint-imports
+contracts: $(VENV)/installed  ## who may import whom
+	$(BIN)/python -c "from importlinter.cli import lint_imports_command as main; main()"
 
-test: lint types contracts  ## everything that CI runs; two tests at a time, those of one file in their order, long ones first
+test: suite  ## everything that CI runs; the terminal UI and a measurement on the newest Python found as well
+	@$(MAKE) --no-print-directory newest
+
+suite: lint types contracts tests  ## the checks and the whole suite in one environment
+
+tests: $(VENV)/installed  ## the whole suite: two at a time, those of one file in their order, long ones first
 	$(BIN)/python -m pytest -n 2 --dist loadfile --no-loadscope-reorder tests/system tests/unit
 
-peers: .venv/installed  ## public clients of the protocols, unmodified, against the emulators
+newest:  ## what `start` does on the newest Python found, where it is newer than PYTHON
+	"$(PYTHON)" -m tests.pythons newer start .venv-newest
+
+# Fewer packages than the suite takes: they are installed in seconds.
+start: PACKAGES := -e . pytest pytest-asyncio pytest-timeout pyte
+start: $(VENV)/installed  ## the terminal UI and a measurement by its keys
+	$(BIN)/python -m pytest tests/system/test_start.py tests/system/test_tui_measures.py
+
+pythons:  ## lint, types, contracts and the whole suite on every Python found
+	"$(PYTHON)" -m tests.pythons each suite
+
+lowest: .venv-lowest.txt  ## the whole suite with the oldest versions that pyproject.toml allows, on the oldest Python found
+	"$(PYTHON)" -m tests.pythons oldest tests-lowest .venv-lowest
+
+tests-lowest: VERSIONS := .venv-lowest.txt
+tests-lowest: tests
+
+.venv-lowest.txt: pyproject.toml tests/lowest.py
+	"$(PYTHON)" -m tests.lowest > $@
+
+peers: $(VENV)/installed  ## public clients of the protocols, unmodified, against the emulators
 	@command -v mbpoll >/dev/null || { test "$$(id -u)" = 0 && apt-get install -y mbpoll; } \
 	  || { echo "mbpoll is missing; call: apt-get install mbpoll"; exit 2; }
-	test -d .venv-peers || $(PYTHON) -m venv .venv-peers
-	.venv-peers/bin/pip install --quiet --disable-pip-version-check melfapy==0.1.0 numpy matplotlib
-	.venv-peers/bin/pip install --quiet --disable-pip-version-check --no-deps feather-xrol==0.1.1
+	test -d .venv-peers || "$(PYTHON)" -m venv .venv-peers
+	.venv-peers/bin/python -m pip install --quiet --disable-pip-version-check melfapy==0.1.0 numpy matplotlib
+	.venv-peers/bin/python -m pip install --quiet --disable-pip-version-check --no-deps feather-xrol==0.1.1
 	$(BIN)/python -m pytest -c pyproject.toml tests/peers
 
-bench: .venv/installed  ## the figures of the README, side by side with their peers
+bench: $(VENV)/installed  ## the figures of the README, side by side with their peers
 	$(BIN)/python -m pytest -c pyproject.toml tests/benchmarks -s -q --timeout 900
 
-soak: .venv/installed  ## ten minutes of a stream with 1000 samples a second
+soak: $(VENV)/installed  ## ten minutes of a stream with 1000 samples a second
 	CATSEYE_STREAM_S=600 $(BIN)/python -m pytest -c pyproject.toml tests/benchmarks/test_stream.py -s -q --timeout 900
 
-campaigns: .venv/installed  ## long runs: the paper's whole plan, ways of following, killed runs
+campaigns: $(VENV)/installed  ## long runs: the paper's whole plan, ways of following, killed runs
 	$(BIN)/python -m pytest -c pyproject.toml tests/campaigns -s -q
 
-seeds: .venv/installed  ## the demo with seeds 1 to 7: what the error map leaves of the conventional model's error
+seeds: $(VENV)/installed  ## the demo with seeds 1 to 7: what the error map leaves of the conventional model's error
 	@for seed in 1 2 3 4 5 6 7; do \
-	  $(BIN)/catseye demo --seed $$seed --out catseye-demo/seed-$$seed --json 2>/dev/null | $(BIN)/python -c \
+	  $(BIN)/python -m app demo --seed $$seed --out catseye-demo/seed-$$seed --json 2>/dev/null | $(BIN)/python -c \
 	  "import json, sys; d = json.load(sys.stdin); print('seed', $$seed, 'ratio', round(d['validation']['ratio'], 3), \
 	  'normalised errors', round(d['rms_normalised_error'], 2), 'points', d['fit']['n_points'])"; done
 
-pictures: .venv/installed demo  ## the pictures of the README and of the terminal user interface
+pictures: $(VENV)/installed demo  ## the pictures of the README and of the terminal user interface
 	$(BIN)/python docs/pictures.py catseye-demo
 	$(BIN)/python docs/screens.py
 
 clean:  ## remove the environment and caches
-	rm -rf .venv .mypy_cache .ruff_cache .pytest_cache .hypothesis .import_linter_cache build *.egg-info
+	rm -rf .venv .venv-* .mypy_cache .ruff_cache .pytest_cache .hypothesis .import_linter_cache build *.egg-info
