@@ -14,8 +14,9 @@ from pathlib import Path
 
 import pytest
 
+from tests.patience import HANG_S
 from tests.system.command import Emulated, emulated
-from tests.system.screen import LIMIT_S, Screen, on_screen
+from tests.system.screen import Screen, on_screen
 from tests.system.test_engine_service import SMALL, SPEED, held, while_the_arm_moves
 
 STOPS = 20
@@ -104,7 +105,7 @@ def _press(screen: Screen) -> float:
     pressed_s = time.monotonic()
     screen.press("w")
     while _length(screen.text) == before:
-        assert time.monotonic() < pressed_s + LIMIT_S, screen.text
+        assert time.monotonic() < pressed_s + HANG_S, screen.text
         select.select([screen.descriptor], [], [], 0.5)
     return 1e3 * (time.monotonic() - pressed_s)
 

@@ -13,9 +13,8 @@ from typing import Any
 import numpy as np
 
 from calibration.types import Floats
+from tests.patience import HANG_S
 from tests.system.command import Emulated, start
-
-_LIMIT_S = 600
 
 
 @dataclass(frozen=True)
@@ -69,7 +68,7 @@ def run_blocked(bench: Emulated, blocks: Iterable[Block], speed: str, *options: 
     due = {block.after_step: block for block in blocks}
     try:
         events = list(_watched(process, bench, due, float(speed)))
-        _, stderr = process.communicate(timeout=_LIMIT_S)
+        _, stderr = process.communicate(timeout=HANG_S)
     finally:
         process.kill()
         process.communicate()

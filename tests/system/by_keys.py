@@ -5,7 +5,7 @@ import time
 from pathlib import Path
 from typing import Any, Protocol
 
-PATIENCE_S = 90.0
+from tests.patience import HANG_S
 
 
 class Console(Protocol):
@@ -20,7 +20,7 @@ class Console(Protocol):
         """Press keys by their names, or characters."""
         ...
 
-    def shows(self, *texts: str, limit_s: float = PATIENCE_S) -> str:
+    def shows(self, *texts: str, limit_s: float = HANG_S) -> str:
         """Wait until all texts stand on the screen; return it."""
         ...
 

@@ -17,17 +17,16 @@ from typing import IO, Any
 from app.cell.load import load_cell
 from app.cell.template import TEMPLATE
 from app.emulation import emulated_devices
+from tests.patience import HANG_S
 from tests.system import forked
 
 SPEED = "400"
-_LIMIT_S = 110
-_END_S = 10
 
 
 def catseye(*arguments: str | Path, cwd: Path, crash: str = "") -> subprocess.CompletedProcess[str]:
     """Run the command to its end, or to a crash point at which it dies."""
     env = {**environment(), "CATSEYE_CRASHPOINT": crash}
-    return forked.run("app", arguments, cwd=cwd, env=env, limit_s=_LIMIT_S)
+    return forked.run("app", arguments, cwd=cwd, env=env, limit_s=HANG_S)
 
 
 @contextmanager
@@ -74,7 +73,7 @@ class Emulated:
 
     def ask(self, **request: object) -> dict[str, Any]:
         """Put a request to the control port."""
-        with socket.create_connection(self.control, timeout=10) as connection:
+        with socket.create_connection(self.control, timeout=HANG_S) as connection:
             connection.sendall(json.dumps(request).encode() + b"\n")
             answer: dict[str, Any] = json.loads(connection.makefile("rb").readline())
         assert answer["ok"], answer
@@ -111,7 +110,7 @@ def emulated(
             yield Emulated(cell, ("127.0.0.1", int(served[-1].rpartition(":")[2])), process)
         finally:
             process.send_signal(signal.SIGTERM)
-            process.wait(_END_S)
+            process.wait(HANG_S)
 
 
 def only(reflector: str) -> dict[str, str]:

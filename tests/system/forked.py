@@ -22,6 +22,7 @@ from typing import IO, Any
 import app.commands
 import procedures
 import simulators
+from tests.patience import HANG_S
 
 _CONTEXT = multiprocessing.get_context("forkserver")
 _CONTEXT.set_forkserver_preload(
@@ -31,8 +32,6 @@ _CONTEXT.set_forkserver_preload(
         for module in pkgutil.walk_packages(package.__path__, f"{package.__name__}.")
     ]
 )
-
-_END_S = 10.0
 
 
 class Forked:
@@ -106,7 +105,7 @@ def talking(
             yield process, lines
         finally:
             process.kill()
-            process.wait(_END_S)
+            process.wait(HANG_S)
 
 
 def run(

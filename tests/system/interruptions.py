@@ -15,10 +15,10 @@ from app.errors import StorageError
 from app.store.catalog import list_runs
 from app.store.reader import RunReader
 from app.store.verify import verify
+from tests.patience import HANG_S
 from tests.system import forked
 from tests.system.command import Emulated, environment
 
-LIMIT_S = 600
 POINT_KEY = ("reflector", "theta1_deg", "theta2_deg", "direction1", "direction2")
 
 Command = tuple[object, ...]
@@ -197,7 +197,7 @@ def _until_its_end(
             events.append(event)
             if moment is not None and len(events) == moment.event:
                 end_after(moment.delay_s, number)
-        return process.wait(LIMIT_S), events
+        return process.wait(HANG_S), events
 
 
 def _life(returncode: int, events: list[dict[str, Any]], stderr: str) -> Process:

@@ -15,9 +15,8 @@ from pathlib import Path
 
 import pyte
 
+from tests.patience import HANG_S
 from tests.system.command import environment
-
-LIMIT_S = 60.0
 
 KEYS = {
     "f1": "\x1bOP",
@@ -90,7 +89,7 @@ class Screen:
             assert key in KEYS or len(key) == 1, key
             os.write(self.descriptor, KEYS.get(key, key).encode())
 
-    def shows(self, *texts: str, limit_s: float = LIMIT_S) -> str:
+    def shows(self, *texts: str, limit_s: float = HANG_S) -> str:
         """Wait until all texts stand on the screen; return it."""
         end_s = time.monotonic() + limit_s
         while not all(text in self.text for text in texts):
@@ -98,7 +97,7 @@ class Screen:
             assert self._take_in(0.2), f"the program ended without {texts}:\n{self.text}"
         return self.text
 
-    def ended(self, limit_s: float = LIMIT_S) -> int:
+    def ended(self, limit_s: float = HANG_S) -> int:
         """Wait for the end of the program, its output taken in; return its exit code."""
         end_s = time.monotonic() + limit_s
         while self.process.poll() is None:
@@ -136,7 +135,7 @@ def on_screen(*arguments: str | Path, cwd: Path, size: tuple[int, int] = (80, 24
     finally:
         screen.close()
         screen.process.kill()
-        screen.process.wait(LIMIT_S)
+        screen.process.wait(HANG_S)
 
 
 def _own_terminal() -> None:

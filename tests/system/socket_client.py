@@ -4,7 +4,7 @@ import json
 import socket
 from typing import Any
 
-_LIMIT_S = 60
+from tests.patience import HANG_S
 
 
 class Lines:
@@ -16,7 +16,7 @@ class Lines:
 
     def __init__(self, path: str) -> None:
         self._socket = socket.socket(socket.AF_UNIX)
-        self._socket.settimeout(_LIMIT_S)
+        self._socket.settimeout(HANG_S)
         self._socket.connect(path)
         self._lines = self._socket.makefile("rb")
 

@@ -18,6 +18,7 @@ from pathlib import Path
 import pytest
 
 from app.cell.template import TEMPLATE
+from tests.patience import HANG_S
 from tests.system import forked
 
 NODES1 = (-40, -20, 0, 20)
@@ -59,7 +60,7 @@ def put_cell(folder: Path, *changes: tuple[str, str]) -> Path:
 def catseye(folder: Path, *arguments: str) -> Said:
     """Run the command in a folder and check what holds for every refusal."""
     environment = {k: v for k, v in os.environ.items() if not k.startswith("CATSEYE")}
-    done = forked.run("app", arguments, cwd=folder, env=environment, limit_s=60)
+    done = forked.run("app", arguments, cwd=folder, env=environment, limit_s=HANG_S)
     said = Said(done.returncode, done.stdout, done.stderr)
     assert "Traceback" not in said.out + said.err, said
     assert "internal error" not in said.err, said

@@ -13,13 +13,13 @@ from typing import Any
 
 import pytest
 
+from tests.patience import HANG_S
 from tests.system.command import Emulated, begun, emulated, environment
 from tests.system.feeder import FEED_S, hold
 from tests.system.forked import Forked
 from tests.system.socket_client import Lines
 
 NARROW = {"j1 = [-170.0, 170.0]": "j1 = [-170.0, 10.0]"}
-_LIMIT_S = 60
 
 
 @pytest.fixture(scope="module")
@@ -129,11 +129,11 @@ def feeder(engine: Engine, joint: str) -> Iterator["subprocess.Popen[str]"]:
         yield process
     finally:
         process.kill()
-        process.communicate(timeout=_LIMIT_S)
+        process.communicate(timeout=HANG_S)
 
 
 def until(holds: Callable[[], bool]) -> None:
-    end_s = time.monotonic() + _LIMIT_S
+    end_s = time.monotonic() + HANG_S
     while not holds():
         assert time.monotonic() < end_s
         time.sleep(0.005)
@@ -216,7 +216,7 @@ def test_a_stop_of_somebody_else_stops_the_arm(engine: Engine) -> None:
         assert engine.requests("STOP")[0] - asked_s < 0.1
         assert engine.rest_s() - asked_s < 0.2
         # The feeder goes on asking, and nothing moves: its next feed is refused, which ends it.
-        client.wait(_LIMIT_S)
+        client.wait(HANG_S)
     assert engine.drives_off()
     # Two connections: what was sent just before the STOP may be read just after it.
     assert not [time_s for time_s in engine.requests("JOG") if time_s > engine.requests("STOP")[0] + 0.02]
@@ -299,7 +299,7 @@ def test_an_engine_that_is_ended_leaves_an_arm_that_stands(engine: Engine, numbe
     with feeder(engine, "j2"):
         asked_s = engine.now_s()
         engine.process.send_signal(number)
-        assert engine.process.wait(_LIMIT_S) == {signal.SIGTERM: 143, signal.SIGINT: 130}[number]
+        assert engine.process.wait(HANG_S) == {signal.SIGTERM: 143, signal.SIGINT: 130}[number]
         assert engine.rest_s() - asked_s < 0.3
         assert engine.drives_off()
 

@@ -18,10 +18,10 @@ from app.testing.checks.check import run_check
 from drivers.registry import driver_names
 from simulators.config import Option
 from tests.left_behind import nothing_left, warnings_fail
+from tests.patience import HANG_S
 from tests.system.quick import short_timeouts
 
 AT_A_TIME = 3
-LIMIT_S = 100.0
 
 _OPTIONS: dict[str, dict[str, Option]] = {"attocube-ids": {"start_time_s": 0.0}}
 """Emulators whose warming up would take longer than the check."""
@@ -68,7 +68,7 @@ def examined(request: pytest.FixtureRequest) -> Iterator[dict[tuple[str, str], "
 
 @pytest.mark.parametrize(("name", "module"), groups())
 def test_conforms(name: str, module: str, examined: dict[tuple[str, str], "AsyncResult[None]"]) -> None:
-    examined[name, module].get(LIMIT_S)
+    examined[name, module].get(HANG_S)
 
 
 def test_every_check_has_a_name_of_its_own_within_a_kind_and_says_what_it_asks() -> None:

@@ -8,15 +8,14 @@ from pathlib import Path
 
 import pytest
 
+from tests.patience import HANG_S
 from tests.system.command import start
 
 
 @pytest.mark.slow
-def test_demo_does_the_whole_job_within_a_minute(tmp_path: Path) -> None:
-    start_s = time.monotonic()
+def test_demo_does_the_whole_job(tmp_path: Path) -> None:
     process = start("demo", "--out", tmp_path / "demo", "--json", cwd=tmp_path)
-    stdout, stderr = process.communicate(timeout=110)
-    elapsed_s = time.monotonic() - start_s
+    stdout, stderr = process.communicate(timeout=HANG_S)
     assert process.returncode == 0, stderr
     summary = json.loads(stdout)
     assert summary["validation"]["ratio"] < 0.25
@@ -28,7 +27,6 @@ def test_demo_does_the_whole_job_within_a_minute(tmp_path: Path) -> None:
     assert page.count("<svg") >= 5
     assert "SIMULATION" in page
     assert Path(summary["run"], "manifest.json").is_file()
-    assert elapsed_s < 60.0
 
 
 def emulators(folder: Path) -> set[str]:
@@ -54,7 +52,7 @@ def test_a_demo_ended_between_two_runs_says_so_and_leaves_no_emulator(
             if line.startswith("HELD"):
                 process.send_signal(number)
                 break
-    _, stderr = process.communicate(timeout=60)
+    _, stderr = process.communicate(timeout=HANG_S)
     assert process.returncode == code, stderr
     assert "Traceback" not in stderr
     assert not emulators(tmp_path)
@@ -68,8 +66,8 @@ def test_an_emulator_ends_with_the_demo_that_was_killed(tmp_path: Path) -> None:
             break
     assert emulators(tmp_path)
     process.kill()
-    process.communicate(timeout=30)
-    deadline_s = time.monotonic() + 10
+    process.communicate(timeout=HANG_S)
+    deadline_s = time.monotonic() + HANG_S
     while emulators(tmp_path) and time.monotonic() < deadline_s:
         time.sleep(0.1)
     assert not emulators(tmp_path)

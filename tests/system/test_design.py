@@ -10,6 +10,7 @@ from pathlib import Path
 import pytest
 
 from app.cell.template import TEMPLATE
+from tests.patience import HANG_S
 from tests.system.command import catseye, environment
 
 
@@ -81,6 +82,6 @@ def test_ctrl_c_in_the_midst_of_a_sweep_leaves_no_process_and_no_traceback(tmp_p
         # A terminal sends Ctrl-C to the whole group, the workers included.
         os.killpg(process.pid, signal.SIGINT)
         said += process.stderr.read()
-        assert process.wait(timeout=30.0) == 130
+        assert process.wait(timeout=HANG_S) == 130
     assert b"Traceback" not in said
     assert not alive_in_group(process.pid)

@@ -7,13 +7,14 @@ from urllib.parse import urlsplit
 import pytest
 
 from app.cell.load import load_cell
+from tests.patience import HANG_S
 from tests.system.command import catseye, emulated
 
 
 def test_the_controller_tells_the_axes_and_ends_as_a_client_needs_it(tmp_path: Path) -> None:
     with emulated(tmp_path, "--axes", "8", "--suffix", "crlf") as bench:
         at = urlsplit(load_cell(bench.cell).cell.robot.endpoint)
-        with socket.create_connection((str(at.hostname), int(at.port or 0)), timeout=5) as robot:
+        with socket.create_connection((str(at.hostname), int(at.port or 0)), timeout=HANG_S) as robot:
             robot.sendall(b"1;1;OPEN=USERTOOL")
             assert robot.recv(512).startswith(b"QoKFF;FF;")
             robot.sendall(b"1;1;JPOSF")

@@ -9,6 +9,7 @@ import pytest
 
 from app.testing.bench import RunningBench
 from app.testing.process import bench_in_process
+from tests.patience import HANG_S
 
 
 def test_a_process_serves_the_template_on_free_ports(catseye_process: Callable[..., RunningBench]) -> None:
@@ -16,7 +17,7 @@ def test_a_process_serves_the_template_on_free_ports(catseye_process: Callable[.
     assert list(bench.endpoints) == ["environment", "interferometer", "robot"]
     assert bench.ask("identify")["speed"] == 50.0
     host, _, port = bench.endpoint("robot").removeprefix("tcp://").rpartition(":")
-    with socket.create_connection((host, int(port)), timeout=5) as robot:
+    with socket.create_connection((host, int(port)), timeout=HANG_S) as robot:
         robot.sendall(b"1;1;OPEN=TEST\r")
         assert b"EMULATOR" in robot.recv(4096)
     assert bench.journal("robot")[-1].text == "1;1;OPEN=TEST"
@@ -34,7 +35,7 @@ def test_the_process_is_gone_after_the_context_even_after_a_failure() -> None:
         use_it_and_fail()
     host, _, port = controls[0].removeprefix("tcp://").rpartition(":")
     with pytest.raises(ConnectionRefusedError):
-        socket.create_connection((host, int(port)), timeout=5)
+        socket.create_connection((host, int(port)), timeout=HANG_S)
 
 
 def test_a_cell_file_that_cannot_be_used_is_told(tmp_path: Path) -> None:

@@ -24,6 +24,7 @@ import pytest
 
 from app.service.address import find_socket
 from app.store.reader import RunReader
+from tests.patience import HANG_S
 from tests.system.command import Emulated, begun, catseye, emulated, environment, start
 from tests.system.socket_client import Lines
 
@@ -35,7 +36,6 @@ SMALL = {
     ),
     "theta2_deg = [0.0, 20.0, 40.0, 60.0, 80.0, 100.0, 120.0, 140.0]": "theta2_deg = [40.0, 60.0]",
 }
-_LIMIT_S = 60
 _clients: list[subprocess.Popen[str]] = []
 
 
@@ -81,7 +81,7 @@ def detached(bench: Emulated, *options: str) -> Path:
 def held(bench: Emulated, *options: str) -> Path:
     """Start a measurement by itself and hold it, so that clients have time to come."""
     run = detached(bench, *options)
-    end_s = time.monotonic() + _LIMIT_S
+    end_s = time.monotonic() + HANG_S
     while (path := find_socket(run)) is None:
         assert time.monotonic() < end_s
     with contextlib.closing(Lines(str(path))) as client:
@@ -109,7 +109,7 @@ def joined(bench: Emulated, run: Path, *options: str) -> subprocess.Popen[str]:
 def told(client: subprocess.Popen[str], event: str, **fields: object) -> dict[str, Any]:
     """Wait until a client is told something."""
     assert client.stdout is not None
-    watchdog = threading.Timer(_LIMIT_S, client.kill)
+    watchdog = threading.Timer(HANG_S, client.kill)
     watchdog.start()
     try:
         for line in client.stdout:
@@ -130,7 +130,7 @@ def ask(client: subprocess.Popen[str], **request: object) -> None:
 
 
 def ended(process: subprocess.Popen[str]) -> int:
-    process.communicate(timeout=_LIMIT_S)
+    process.communicate(timeout=HANG_S)
     return process.returncode
 
 
@@ -141,7 +141,7 @@ def motions(bench: Emulated) -> int:
 
 def while_the_arm_moves(bench: Emulated) -> None:
     """Return in the middle of a motion."""
-    end_s = time.monotonic() + _LIMIT_S
+    end_s = time.monotonic() + HANG_S
     while not bench.ask(op="state")["moving"]:
         assert time.monotonic() < end_s
 
@@ -188,7 +188,7 @@ def test_a_killed_client_leaves_the_arm_held_and_another_goes_on(bench: Emulated
         terminal.shows("HELD; control: you")
         terminal.type("g\n")
         terminal.shows("run complete")
-        assert terminal.process.wait(_LIMIT_S) == 0
+        assert terminal.process.wait(HANG_S) == 0
     assert told(watching, "run-ended")["status"] == "complete"
     assert ended(watching) == 0
     stalled.send_signal(signal.SIGCONT)
@@ -229,14 +229,14 @@ class Terminal:
     def end(self) -> None:
         self.close()
         self.process.kill()
-        self.process.wait(_LIMIT_S)
+        self.process.wait(HANG_S)
 
     def type(self, text: str) -> None:
         os.write(self.descriptor, text.encode())
 
     def shows(self, text: str) -> str:
         """Wait until it shows a text; return everything up to then."""
-        seen, end_s = "", time.monotonic() + _LIMIT_S
+        seen, end_s = "", time.monotonic() + HANG_S
         while text not in seen:
             assert time.monotonic() < end_s, seen
             if select.select([self.descriptor], [], [], 0.5)[0]:
@@ -270,7 +270,7 @@ def test_a_closed_terminal_leaves_the_arm_held_and_a_stop_ends_it(bench: Emulate
         terminal.type("g\n")
         while_the_arm_moves(bench)
         terminal.close()
-        terminal.process.wait(_LIMIT_S)
+        terminal.process.wait(HANG_S)
     assert "is lost" in told(watching, "state", state="HOLDING")["reason"]
     told(watching, "state", state="HELD")
     nothing_moves(bench)
@@ -278,7 +278,7 @@ def test_a_closed_terminal_leaves_the_arm_held_and_a_stop_ends_it(bench: Emulate
         terminal.shows("HELD; control: you")
         terminal.type("s\n")
         terminal.shows("run stopped")
-        assert terminal.process.wait(_LIMIT_S) == 130
+        assert terminal.process.wait(HANG_S) == 130
     assert ended(watching) == 130
     over = catseye("attach", str(run), cwd=bench.cell.parent)
     assert over.returncode == 2
@@ -289,7 +289,7 @@ def test_a_killed_engine_is_told_with_the_remedy(bench: Emulated) -> None:
     run = held(bench)
     watching = joined(bench, run)
     os.kill(told(watching, "snapshot")["snapshot"]["pid"], signal.SIGKILL)
-    _, said = watching.communicate(timeout=_LIMIT_S)
+    _, said = watching.communicate(timeout=HANG_S)
     assert watching.returncode == 3
     assert f"if it died: catseye resume {run.name}" in said
     assert find_socket(run) is not None
@@ -385,7 +385,7 @@ def test_questions_are_answered_at_the_terminal_of_the_run(bench: Emulated) -> N
         terminal.shows("type move, or no) > ")
         terminal.type("/s\n")
         seen = terminal.shows("run stopped: ")
-        assert terminal.process.wait(_LIMIT_S) == 130
+        assert terminal.process.wait(HANG_S) == 130
         line = seen.rpartition("run stopped: ")[2]
         # The end of the line may have come with its beginning.
         line += "" if "\n" in line else terminal.shows("\n")

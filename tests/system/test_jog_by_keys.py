@@ -6,6 +6,7 @@ from collections.abc import Callable, Iterator
 
 import pytest
 
+from tests.patience import HANG_S
 from tests.system.command import Emulated, emulated
 from tests.system.screen import Screen, on_screen
 
@@ -52,7 +53,7 @@ def j1_deg(bench: Emulated) -> float:
     return float(bench.ask(op="state")["joints"][0])
 
 
-def settled(bench: Emulated, met: Callable[[], bool], limit_s: float = 10.0) -> float:
+def settled(bench: Emulated, met: Callable[[], bool], limit_s: float = HANG_S) -> float:
     """Wait until something is so; return how long that took, s."""
     start_s = time.monotonic()
     while not met():
@@ -61,16 +62,16 @@ def settled(bench: Emulated, met: Callable[[], bool], limit_s: float = 10.0) -> 
     return time.monotonic() - start_s
 
 
-def hold(bench: Emulated, screen: Screen, key: str, for_s: float) -> None:
-    """Hold a key as a keyboard does; the arm moves at last."""
+def hold(bench: Emulated, screen: Screen, key: str) -> None:
+    """Hold a key as a keyboard does, until the arm moves."""
     screen.press(key)
     time.sleep(DELAY_S)
     assert not moving(bench), "nothing moves before the key has repeated"
-    end_s = time.monotonic() + for_s
-    while time.monotonic() < end_s:
+    end_s = time.monotonic() + HANG_S
+    while not moving(bench):
+        assert time.monotonic() < end_s
         screen.press(key)
         time.sleep(REPEAT_S)
-    assert moving(bench)
 
 
 def test_a_step_is_as_long_as_it_says_and_esc_gives_the_arm_back(bench: Emulated, screen: Screen) -> None:
@@ -96,10 +97,8 @@ def test_a_tap_moves_nothing_and_a_held_key_moves_until_it_is_let_go(bench: Emul
     screen.press("left")
     time.sleep(1.2)
     assert j1_deg(bench) == start_deg
-    hold(bench, screen, "left", 2.0)
-    took_s = settled(bench, lambda: not moving(bench))
-    print(f"\nfrom the last repeat of a held key to standstill: {1e3 * took_s:.0f} ms (limit 800 ms)")  # noqa: T201  # the figure
-    assert took_s <= 0.8
+    hold(bench, screen, "left")
+    settled(bench, lambda: not moving(bench))
     assert j1_deg(bench) > start_deg
     screen.shows("stands")
 
@@ -119,9 +118,8 @@ def test_what_stops_the_arm_although_the_key_is_held(
 ) -> None:
     screen.press("m")
     screen.shows("[hold]")
-    hold(bench, screen, "right", 1.0)
+    hold(bench, screen, "right")
     let_go(screen)
-    took_s = settled(bench, lambda: not moving(bench))
-    assert took_s <= 0.8
+    settled(bench, lambda: not moving(bench))
     time.sleep(0.3)
     assert not moving(bench)

@@ -7,6 +7,7 @@ from typing import Any
 
 import pytest
 
+from tests.patience import HANG_S
 from tests.system.command import catseye, start
 from tests.system.test_sharing import ready, scheduler, workers
 from tests.unit.app.commands.distances import write_points
@@ -48,7 +49,7 @@ def test_ctrl_c_during_the_draws_ends_with_130_and_leaves_files_as_they_were(
             if "draws" in line:
                 break
         process.send_signal(signal.SIGINT)
-        output, errors = process.communicate(timeout=60)
+        output, errors = process.communicate(timeout=HANG_S)
     assert process.returncode == 130, errors
     assert "Traceback" not in errors
     assert output == ""

@@ -17,6 +17,7 @@ from app.cluster.errors import WorkerLostError
 from app.cluster.sharing import sharing
 from app.errors import ConfigError
 from calibration.errors import UnidentifiableError
+from tests.patience import HANG_S
 from tests.unit.app.cluster.work import drawn, fails_at_three, killed_at_three
 
 ROOT = Path(__file__).parents[2]
@@ -48,7 +49,7 @@ except Exception as error:
 """
 
 
-def wait_until(condition: Callable[[], bool], what: str, limit_s: float = 30.0) -> None:
+def wait_until(condition: Callable[[], bool], what: str, limit_s: float = HANG_S) -> None:
     end_s = time.monotonic() + limit_s
     while not condition():
         assert time.monotonic() < end_s, f"{what} took longer than {limit_s:g} s"
@@ -79,7 +80,7 @@ def test_whatever_ends_the_work_leaves_no_worker_behind(tmp_path: Path, ending: 
         workers = [int(path.stem) for path in tmp_path.glob("*.running")]
         # Ctrl-C on a terminal goes to the whole group.
         (os.killpg if ending == signal.SIGINT else os.kill)(process.pid, ending)
-        errors = process.communicate(timeout=30)[1].decode()
+        errors = process.communicate(timeout=HANG_S)[1].decode()
         wait_until(lambda: not any(is_running(worker) for worker in workers), "ending the workers")
     if ending == signal.SIGINT:
         assert errors.count("KeyboardInterrupt") == 1, "the workers themselves say nothing"
@@ -173,17 +174,13 @@ def test_workers_that_all_go_are_told_and_nothing_hangs(
     scheduler: str, workers: subprocess.Popen[bytes], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr("app.cluster.machines._LOOK_S", 0.4)
-    begun_s = 0.0
     with ready(scheduler), sharing(1, scheduler) as share:
 
         def leave(_: int) -> None:
-            nonlocal begun_s
             workers.terminate()
-            begun_s = time.monotonic()
 
         with pytest.raises(WorkerLostError, match="no worker of the dask scheduler is left"):
             share.map(pausing, [tmp_path] + [None] * 40, leave)
-    assert time.monotonic() - begun_s < 40.0
 
 
 def pausing(_: object) -> None:
@@ -207,7 +204,7 @@ def test_an_address_where_nobody_answers_is_told_in_bounded_time(tmp_path: Path)
         env=os.environ | {"PYTHONPATH": str(ROOT)},
         capture_output=True,
         text=True,
-        timeout=40.0,
+        timeout=HANG_S,
         check=False,
     )
     assert f"no dask scheduler answers at {address}" in answer.stderr

@@ -15,6 +15,7 @@ import pytest
 from app.store.catalog import list_runs
 from app.store.reader import RunReader
 from app.store.verify import verify
+from tests.patience import HANG_S
 from tests.system import forked
 from tests.system.command import environment
 from tests.system.storing import ROWS
@@ -22,7 +23,6 @@ from tests.system.storing import ROWS
 KILLS = 40
 SEED = 20260102
 LONGEST_LIFE_S = 0.15
-_LIMIT_S = 30
 
 
 @contextlib.contextmanager
@@ -46,7 +46,7 @@ def killed(process: forked.Forked, lines: IO[str], life_s: float) -> tuple[Path,
     # The last line may be cut by the kill.
     acknowledged = [int(line) for line in lines if line.endswith("\n")]
     timer.join()
-    assert process.wait(_LIMIT_S) == -signal.SIGKILL
+    assert process.wait(HANG_S) == -signal.SIGKILL
     return Path(path), len(acknowledged)
 
 
@@ -79,7 +79,7 @@ def test_what_was_acknowledged_survives_a_kill_at_any_moment(tmp_path: Path) -> 
 def test_a_disk_that_refuses_stops_the_store(tmp_path: Path) -> None:
     with child("fill", str(tmp_path)) as (process, told):
         lines = told.read().splitlines()
-        assert process.wait(_LIMIT_S) == 0
+        assert process.wait(HANG_S) == 0
     assert lines == [str(number) for number in range(len(lines))]
     (run,) = list_runs(tmp_path)
     reader = RunReader(run.path)

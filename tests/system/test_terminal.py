@@ -9,6 +9,7 @@ from pathlib import Path
 
 import pytest
 
+from tests.patience import HANG_S
 from tests.system.command import Emulated, emulated, environment
 
 LINE = re.compile(
@@ -38,7 +39,7 @@ def started(cell: Path, device: str, *options: str) -> subprocess.Popen[str]:
 def talk(cell: Path, device: str, typed: str, *options: str) -> tuple[int, str, str]:
     """Run the terminal with this input; return exit code, stdout and stderr."""
     process = started(cell, device, *options)
-    stdout, stderr = process.communicate(typed, timeout=30)
+    stdout, stderr = process.communicate(typed, timeout=HANG_S)
     return process.returncode, stdout, stderr
 
 
@@ -72,7 +73,7 @@ def test_what_comes_unasked_is_shown_until_ctrl_c(bench: Emulated) -> None:
     shown = "".join(process.stdout.readline() for _ in range(8))
     assert traffic(shown, "rx").count(b" mm\r\n") >= 2
     process.send_signal(signal.SIGINT)
-    _, stderr = process.communicate(timeout=30)
+    _, stderr = process.communicate(timeout=HANG_S)
     assert process.returncode == 130
     assert stderr.splitlines()[-1] == "catseye: interrupted"
 

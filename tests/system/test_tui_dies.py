@@ -11,6 +11,7 @@ import pytest
 
 from app.service.address import find_socket
 from app.store.reader import RunReader
+from tests.patience import HANG_S
 from tests.system.command import Emulated, emulated
 from tests.system.screen import Screen, on_screen
 from tests.system.socket_client import Lines
@@ -83,7 +84,7 @@ def test_arm_is_held_when_the_interface_dies(
         if code is not None:
             assert screen.process.returncode == code
     assert motions(bench) >= before
-    end_s = time.monotonic() + 30
+    end_s = time.monotonic() + HANG_S
     while (state := state_of(run)) != "HELD":
         assert time.monotonic() < end_s, state
     nothing_moves(bench)

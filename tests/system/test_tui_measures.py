@@ -5,12 +5,12 @@ from pathlib import Path
 
 import pytest
 
+from tests.patience import HANG_S
 from tests.system.by_keys import measure_by_keys, result_of
 from tests.system.command import emulated
 from tests.system.screen import on_screen
 
 SPEED = "400"
-LIMIT_S = 100.0
 _FEWER_NODES = {
     "theta1_deg = [-140.0, -120.0, -100.0, -80.0, -60.0, -40.0, -20.0, 0.0, 20.0, 40.0, 60.0]": (
         "theta1_deg = [-80.0, -40.0, 0.0]"
@@ -20,7 +20,6 @@ _FEWER_NODES = {
 
 
 @pytest.mark.slow
-@pytest.mark.timeout(300)
 def test_full_measurement_by_keys_alone(tmp_path: Path) -> None:
     with (
         tempfile.TemporaryDirectory(dir="/tmp") as runtime,
@@ -29,7 +28,7 @@ def test_full_measurement_by_keys_alone(tmp_path: Path) -> None:
     ):
         patch.setenv("XDG_RUNTIME_DIR", runtime)
         with on_screen("tui", "--cell", bench.cell, "--speed", SPEED, cwd=tmp_path) as screen:
-            measure_by_keys(screen, LIMIT_S)
+            measure_by_keys(screen, HANG_S)
             screen.press("ctrl+q")
             assert screen.ended() == 0
         truth = bench.ask(op="truth")

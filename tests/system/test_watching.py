@@ -16,6 +16,7 @@ from app.engine.waiting import cancel
 from app.service.address import find_socket
 from app.service.client import EngineClient, connect
 from app.store.reader import RunReader
+from tests.patience import HANG_S
 from tests.system.command import Emulated, begun, emulated, start
 
 SPEED = 40.0
@@ -25,7 +26,6 @@ _SMALL = {
     ),
     "theta2_deg = [0.0, 20.0, 40.0, 60.0, 80.0, 100.0, 120.0, 140.0]": "theta2_deg = [40.0, 60.0]",
 }
-_LIMIT_S = 60
 _NAMES = ["robot", "interferometer", "environment", "tracker"]
 
 
@@ -60,7 +60,7 @@ class Watcher:
         count = len(self.told)
         if ask:
             await self.client.request(ask)
-        async with asyncio.timeout(_LIMIT_S):
+        async with asyncio.timeout(HANG_S):
             while True:
                 for message in self.told[count:]:
                     count += 1
@@ -106,7 +106,7 @@ async def idle_engine(bench: Emulated) -> AsyncIterator[Watcher]:
             await watcher.client.take_control()
             yield watcher
             await watcher.client.request("shutdown")
-        assert await asyncio.to_thread(process.wait, _LIMIT_S) == 0
+        assert await asyncio.to_thread(process.wait, HANG_S) == 0
 
 
 def links(bench: dict[str, Any]) -> set[str]:
@@ -168,7 +168,7 @@ async def test_a_bench_that_is_pulled_is_lost_with_a_reason_and_comes_back(bench
         await watcher.client.request("traffic")
         await watcher.until(lambda seen: "robot" in {line["device"] for line in seen["lines"]}, "wire")
         bench.process.kill()
-        bench.process.wait(_LIMIT_S)
+        bench.process.wait(HANG_S)
         lost = await watcher.until(lambda seen: links(seen) == {"lost"})
         for device in lost["devices"]:
             assert device["error"]
@@ -179,11 +179,11 @@ async def test_a_bench_that_is_pulled_is_lost_with_a_reason_and_comes_back(bench
         again = start("emulate", bench.cell, cwd=bench.cell.parent)
         try:
             back = await watcher.until(idle)
-            assert back["robot"]["age_s"] < 1.0
+            assert back["robot"]["age_s"] < old["robot"]["age_s"]
             assert {device["error"] for device in back["devices"]} == {None}
         finally:
             again.terminate()
-            again.communicate(timeout=10)
+            again.communicate(timeout=HANG_S)
 
 
 async def test_the_run_of_a_command_is_seen_with_its_traffic(bench: Emulated) -> None:
@@ -224,7 +224,7 @@ async def test_the_run_of_a_command_is_seen_with_its_traffic(bench: Emulated) ->
 
 def _open_run(folder: Path) -> tuple[Path, Path]:
     """Wait until a measurement is open; return its directory and socket."""
-    end_s = time.monotonic() + _LIMIT_S
+    end_s = time.monotonic() + HANG_S
     while time.monotonic() < end_s:
         for run in (folder / "catseye-runs").glob("*_open-loop_*"):
             if (socket := find_socket(run)) is not None:

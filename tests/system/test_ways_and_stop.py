@@ -14,6 +14,7 @@ from drivers.melfa.mxt.robot import MelfaMxt
 from drivers.readings import Joints
 from simulators.config import EmulatedDevice
 from simulators.launch import EmulatedBench
+from tests.patience import HANG_S
 from tests.unit.simulators.benches import QUIET
 
 SPEED = 5.0
@@ -52,7 +53,7 @@ async def ready(which: str) -> AsyncIterator[tuple[EmulatedBench, MelfaDatalink 
 
 async def moving(bench: EmulatedBench) -> None:
     """Wait until the arm is well on its way."""
-    async with asyncio.timeout(5.0):
+    async with asyncio.timeout(HANG_S):
         while bench.bench.joints[0] < 10.0:
             bench.keeper.sync()
             await asyncio.sleep(0.001)

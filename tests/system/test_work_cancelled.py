@@ -6,8 +6,7 @@ from pathlib import Path
 import pytest
 
 from app.tui.work import Commands, Done
-
-LONGEST_S = 60.0
+from tests.patience import HANG_S
 
 
 def processes_with(text: str) -> list[str]:
@@ -28,7 +27,7 @@ async def test_cancelling_ends_the_process(tmp_path: Path) -> None:
     said = asyncio.Event()
     out = tmp_path / "demo"
     work = asyncio.create_task(Commands().do("demo", "--out", out, "--speed", "1", talk=lambda _: said.set()))
-    async with asyncio.timeout(LONGEST_S):
+    async with asyncio.timeout(HANG_S):
         await said.wait()
         assert processes_with(str(out))
         work.cancel()
@@ -42,7 +41,7 @@ async def test_a_command_interrupted_from_outside_ends_with_its_code(tmp_path: P
     said = asyncio.Event()
     out = tmp_path / "demo"
     work = asyncio.create_task(Commands().do("demo", "--out", out, "--speed", "1", talk=lambda _: said.set()))
-    async with asyncio.timeout(LONGEST_S):
+    async with asyncio.timeout(HANG_S):
         await said.wait()
         process = await asyncio.create_subprocess_exec("pkill", "-INT", "-f", f"demo --out {out}")
         await process.wait()

@@ -11,11 +11,11 @@ from pathlib import Path
 import pytest
 
 from app.cell.template import TEMPLATE
+from tests.patience import HANG_S
 
 ROOT = Path(__file__).parents[2]
 EXAMPLE = ROOT / "docs" / "examples" / "driver"
 PAGE = ROOT / "docs" / "write-a-driver.md"
-_LIMIT_S = 110
 
 
 @pytest.fixture
@@ -48,7 +48,7 @@ def run(project: Path, *arguments: str) -> subprocess.CompletedProcess[str]:
         env=environment(project),
         capture_output=True,
         text=True,
-        timeout=_LIMIT_S,
+        timeout=HANG_S,
         check=False,
     )
 
@@ -158,7 +158,7 @@ def test_a_cell_file_may_name_the_driver_of_the_example(installed: Path, display
             env=environment(installed),
             capture_output=True,
             text=True,
-            timeout=_LIMIT_S,
+            timeout=HANG_S,
             check=False,
         )
         # The other devices of the template are not there: exit code 3.

@@ -15,6 +15,7 @@ from drivers.melfa.jog import Direction
 from drivers.melfa.robot import MelfaR3
 from simulators.config import EmulatedDevice
 from simulators.launch import EmulatedBench
+from tests.patience import HANG_S
 from tests.unit.simulators.benches import QUIET
 
 
@@ -143,7 +144,7 @@ async def test_a_stop_on_the_connection_whose_exec2_waits_stops_at_once(stop: by
             assert await reader.readexactly(8) == b"QoK\rQoK\r"
             await seen(lambda: moves(bench) and bench.bench.joints[0] > 5.0)
             writer.write(stop)
-            async with asyncio.timeout(2.0):
+            async with asyncio.timeout(HANG_S):
                 assert await reader.readexactly(17) == b"QeR561000000\rQoK\r"
             assert bench.bench.joints[0] < 50.0
         finally:

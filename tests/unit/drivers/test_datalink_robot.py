@@ -20,6 +20,7 @@ from drivers.melfa.robot import MelfaR3
 from drivers.melfa.settings import MelfaSettings
 from drivers.readings import Joints
 from procedures.devices import JogRobot
+from tests.patience import HANG_S
 from tests.unit.drivers.melfa_bench import Controller
 from tests.unit.drivers.peers import Peer, StepClock, until
 
@@ -181,7 +182,7 @@ async def test_a_program_that_somebody_else_stopped_is_not_waited_for(
         await asyncio.sleep(0.03)
         assert not way.done()
         bench.controller.flags = "A0020"
-        async with asyncio.timeout(2.0):
+        async with asyncio.timeout(HANG_S):
             with pytest.raises(NotArrivedError, match="program stands"):
                 await way
 

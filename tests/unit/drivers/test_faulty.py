@@ -15,11 +15,11 @@ from drivers.melfa.robot import MelfaR3
 from drivers.melfa.settings import MelfaSettings
 from drivers.memory import MemoryTransport, pipe
 from drivers.readings import Joints
+from tests.patience import HANG_S
 from tests.unit.drivers.melfa_bench import Controller
 from tests.unit.drivers.peers import Answer, Peer
 from tests.unit.drivers.virtual_time import VirtualClock, run
 
-LONGEST_S = 60.0
 """Far more than all time-outs of one operation together."""
 
 
@@ -246,7 +246,7 @@ async def read_through(script: list[Fault]) -> None:
     async with Peer(by_lines(b"\r\n", device.answer)) as peer:
         counter = LineCounter(FaultyTransport(peer.transport, script), VirtualClock(), PROFILE, quiet_s=0.001)
         for _ in range(12):
-            async with asyncio.timeout(LONGEST_S):
+            async with asyncio.timeout(HANG_S):
                 before = device.reads
                 try:
                     await counter.connect()
@@ -305,7 +305,7 @@ async def move_through(script: list[Fault], aside: list[Fault], suffix: str) -> 
 
 async def one_move(robot: MelfaR3, controller: Controller, peers: list[Peer], target: Joints) -> None:
     """Connect if need be, move, ask where the robot is; check what comes back against the controller itself."""
-    async with asyncio.timeout(LONGEST_S):
+    async with asyncio.timeout(HANG_S):
         moves = motions(peers)
         try:
             if target[0] % 3 == 1.0:

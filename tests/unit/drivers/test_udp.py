@@ -8,6 +8,7 @@ import pytest
 from drivers.endpoint import open_transport
 from drivers.errors import LinkError
 from drivers.udp import UdpTransport
+from tests.patience import HANG_S
 from tests.unit.drivers.peers import until
 
 
@@ -68,7 +69,7 @@ async def test_nobody_there_is_an_error_of_the_link() -> None:
     await link.open()
     await link.write(b"x")
     with pytest.raises(LinkError, match=r"udp://127.0.0.1:\d+: a datagram was refused .*switched on"):
-        await asyncio.wait_for(link.read(), 5.0)
+        await asyncio.wait_for(link.read(), HANG_S)
     await link.close()
 
 

@@ -7,6 +7,7 @@ import pytest
 
 from simulators.config import EmulatedDevice, EmulationConfig
 from simulators.launch import EmulatedBench, EmulatorError
+from tests.patience import HANG_S
 from tests.transcripts import melfa_datalink, melfa_mxt
 from tests.unit.simulators.benches import P1
 
@@ -41,14 +42,14 @@ async def test_real_time_control_over_udp() -> None:
         )
         try:
             transport.sendto(melfa_mxt.WHERE)
-            assert await asyncio.wait_for(pc.came.get(), 5.0) == melfa_mxt.AT_JOINTS
+            assert await asyncio.wait_for(pc.came.get(), HANG_S) == melfa_mxt.AT_JOINTS
             bench.controller.switch_servo_on()
             bench.bench.advance(2.0)
             transport.sendto(melfa_mxt.SET_POINT)
-            answer = await asyncio.wait_for(pc.came.get(), 5.0)
+            answer = await asyncio.wait_for(pc.came.get(), HANG_S)
             assert struct.unpack_from("<2HI", answer, 0)[:2] == (1, 2)
             transport.sendto(melfa_mxt.END)
-            assert (await asyncio.wait_for(pc.came.get(), 5.0))[:2] == b"\xff\x00"
+            assert (await asyncio.wait_for(pc.came.get(), HANG_S))[:2] == b"\xff\x00"
         finally:
             transport.close()
             # The socket is closed in the next turn of the loop.
@@ -61,9 +62,9 @@ async def test_the_data_link_over_tcp() -> None:
         reader, writer = await asyncio.open_connection(*address(bench, "melfa-datalink"))
         try:
             writer.write(melfa_datalink.WHO + melfa_datalink.TELL)
-            assert await asyncio.wait_for(reader.readuntil(b"\r"), 5.0) == melfa_datalink.EMULATOR
+            assert await asyncio.wait_for(reader.readuntil(b"\r"), HANG_S) == melfa_datalink.EMULATOR
             assert (
-                await asyncio.wait_for(reader.readuntil(b"\r"), 5.0)
+                await asyncio.wait_for(reader.readuntil(b"\r"), HANG_S)
                 == b"8,3,+10.000,-20.000,+75.500,+90.000\r"
             )
         finally:

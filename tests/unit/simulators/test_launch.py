@@ -3,7 +3,6 @@
 import asyncio
 import json
 import re
-import time
 from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
 from dataclasses import replace
@@ -12,6 +11,7 @@ import pytest
 
 from simulators.config import EmulatedDevice
 from simulators.launch import EmulatedBench, EmulationConfig, EmulatorError, ServedEndpoint
+from tests.patience import HANG_S
 from tests.unit.simulators.benches import QUIET, aimed
 
 CONFIG = replace(QUIET, speed=1000.0, start_joints=aimed(20.0, 30.0))
@@ -27,12 +27,12 @@ class Line:
     async def ask(self, request: bytes) -> bytes:
         """Send a request; return what comes in one read, like the simple clients of the field."""
         self.writer.write(request)
-        return await asyncio.wait_for(self.reader.read(4096), 5.0)
+        return await asyncio.wait_for(self.reader.read(4096), HANG_S)
 
     async def ended(self) -> bool:
         """Tell whether the other side ended the connection, with or without a reset."""
         try:
-            return await asyncio.wait_for(self.reader.read(1), 5.0) == b""
+            return await asyncio.wait_for(self.reader.read(1), HANG_S) == b""
         except ConnectionError:
             return True
 
@@ -106,10 +106,7 @@ async def test_a_bare_segment_is_answered_after_a_pause() -> None:
 async def test_a_waiting_motion_answers_at_its_end() -> None:
     async with EmulatedBench(CONFIG) as bench, client(bench, "robot") as robot:
         await ready(robot, bench)
-        started = time.perf_counter()
         assert await robot.ask(b"1;1;EXEC2=MOV (60,30,0,0)\r") == b"QoK"
-        # 40 degrees take 0.3 s of bench time; a generous bound for a busy machine.
-        assert time.perf_counter() - started < 0.5
         assert bench.bench.joints[0] == 60.0
 
 
@@ -182,7 +179,7 @@ async def test_a_dropped_device_welcomes_new_connections() -> None:
 async def test_continuous_output_comes_unasked() -> None:
     async with EmulatedBench(CONFIG) as bench, client(bench, "interferometer") as counter:
         assert (await counter.ask(b"B5000\r\n")).startswith(b"OK")
-        lines = [await asyncio.wait_for(counter.reader.readline(), 5.0) for _ in range(3)]
+        lines = [await asyncio.wait_for(counter.reader.readline(), HANG_S) for _ in range(3)]
         assert all(line.endswith(b" mm\r\n") for line in lines)
 
 
@@ -192,7 +189,7 @@ async def test_a_flood_behind_a_waiting_motion_is_held_back_and_answered() -> No
         robot.writer.write(b"1;1;EXEC2=MOV (60,30,0,0)\r" + b"1;1;OVRD\r" * 20_000)
         got = b""
         while len(got) < 3 + 6 * 20_000:
-            got += await asyncio.wait_for(robot.reader.read(65_536), 5.0)
+            got += await asyncio.wait_for(robot.reader.read(65_536), HANG_S)
         assert got == b"QoK" + b"QoK100" * 20_000
 
 

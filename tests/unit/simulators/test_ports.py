@@ -21,10 +21,10 @@ from simulators.ports.port import Port
 from simulators.ports.udp import MOST_PEERS
 from simulators.serving import Answer, Pending, Session
 from simulators.timekeeper import TimeKeeper
+from tests.patience import HANG_S
 from tests.unit.simulators.benches import quiet_bench
 
 FAST = "baud=4000000"
-LIMIT_S = 5.0
 
 
 class Parrot(Session):
@@ -132,7 +132,7 @@ class Client:
         readable: asyncio.Future[None] = loop.create_future()
         loop.add_reader(self.descriptor, _resolve, readable)
         try:
-            await asyncio.wait_for(readable, LIMIT_S)
+            await asyncio.wait_for(readable, HANG_S)
             return os.read(self.descriptor, 4096)
         except OSError:
             return b""
@@ -163,7 +163,7 @@ def client(path: str) -> Iterator[Client]:
 
 
 async def until(condition: Callable[[], bool]) -> None:
-    async with asyncio.timeout(LIMIT_S):
+    async with asyncio.timeout(HANG_S):
         while not condition():  # noqa: ASYNC110  # what is waited for happens in the port, which tells nobody
             await asyncio.sleep(0)
 
@@ -207,7 +207,7 @@ async def test_a_client_that_comes_again_has_a_session_of_its_own() -> None:
 async def test_a_client_may_ask_for_parity_and_bits_again_and_again(settings: dict[str, Any]) -> None:
     async with served(f"serial:///dev/ptmx?{FAST}") as serving:
         for number in range(1, 4):
-            line = serial.Serial(serving.path, 9600, exclusive=True, timeout=LIMIT_S, **settings)
+            line = serial.Serial(serving.path, 9600, exclusive=True, timeout=HANG_S, **settings)
             line.write(b"x\n")
             assert await asyncio.to_thread(line.readline) == b"1 x\n"
             line.close()
@@ -215,23 +215,23 @@ async def test_a_client_may_ask_for_parity_and_bits_again_and_again(settings: di
 
 
 async def test_a_line_takes_the_time_of_its_bytes() -> None:
-    text = b"0123456789012345678\n"
+    text = b"0123456789" * 10 + b"\n"
     async with served("serial:///dev/ptmx?baud=9600&parity=E&stopbits=2") as serving:
         with client(serving.path) as line:
             start_s = time.perf_counter()
             answer = await line.ask(text)
             took_s = time.perf_counter() - start_s
     least_s = (len(text) + len(answer)) * 12 / 9600
-    assert least_s <= took_s < least_s + 0.5
+    assert took_s >= least_s
     assert len(line.chunks) > 3
 
 
 async def test_bench_time_runs_the_line_faster() -> None:
     async with served("serial:///dev/ptmx?baud=300", speed=1000.0) as serving:
         with client(serving.path) as line:
-            start_s = time.perf_counter()
             await line.ask(b"0123456789\n")
-            assert time.perf_counter() - start_s < 0.5
+    # Two milliseconds carry more than all of it; at the speed of the bench each byte comes alone.
+    assert len(line.chunks) == 1
 
 
 @pytest.mark.parametrize("stands", ["file", "link to a file"])
@@ -267,8 +267,8 @@ async def test_faults_work_on_a_line(tmp_path: Path) -> None:
     async with served(f"serial://{path}?{FAST}") as serving:
         port = serving.port
         with client(str(path)) as line:
-            port.stalled_until_s = port.keeper.sync() + 0.05
             start_s = time.perf_counter()
+            port.stalled_until_s = port.keeper.sync() + 0.05
             assert await line.ask(b"x\n") == b"1 x\n"
             assert time.perf_counter() - start_s >= 0.05
             port.muted = True
@@ -377,7 +377,7 @@ class Datagrams(asyncio.DatagramProtocol):
         self.came.put_nowait(data)
 
     async def next(self) -> bytes:
-        return await asyncio.wait_for(self.came.get(), LIMIT_S)
+        return await asyncio.wait_for(self.came.get(), HANG_S)
 
 
 @asynccontextmanager
@@ -410,8 +410,8 @@ async def test_answers_that_take_time_streams_and_faults_work_on_datagrams() -> 
         async with datagrams(port.endpoint) as (peer, to_peer):
             to_peer.sendto(b"wait\n")
             assert await peer.next() == b"1 wait\n"
-            port.stalled_until_s = port.keeper.sync() + 0.5
             start_s = time.perf_counter()
+            port.stalled_until_s = port.keeper.sync() + 0.5
             to_peer.sendto(b"go\n")
             assert await peer.next() == b"2 go\n"
             assert time.perf_counter() - start_s >= 0.05

@@ -15,6 +15,7 @@ from app.engine.operator import Answer
 from app.exitcode import ExitCode
 from app.service.errors import ServiceError
 from procedures.context import Prompt
+from tests.patience import HANG_S
 from tests.unit.app.service.benches import ServiceBench, settled
 
 GO = Prompt("go", "confirm", "The arm moves now.", motion=True)
@@ -35,7 +36,7 @@ def void(_written: int) -> None:
 
 
 async def comes(bench: ServiceBench, state: str) -> None:
-    async with asyncio.timeout(5):
+    async with asyncio.timeout(HANG_S):
         while bench.state() != state:  # noqa: ASYNC110  # the state has no event to wait for
             await asyncio.sleep(0.001)
 

@@ -69,6 +69,7 @@ async def parts(tmp_path: Path) -> AsyncIterator[Parts]:
     speeds = (420.0, 720.0, 3000.0)
     ctx = RunContext(devices, store, control, bench.clock, gate, operator, announcer, speed_deg_s=speeds)
     yield Parts(bench, ctx, control, RunReader(store.path))
+    await control.halted()
     await store.abandon()
 
 

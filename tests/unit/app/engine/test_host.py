@@ -26,6 +26,7 @@ from drivers.clock import Clock
 from drivers.errors import AlarmError, LinkError
 from drivers.readings import Identity
 from procedures.context import Context, Json, Prompt, Row
+from tests.patience import HANG_S
 from tests.unit.app.engine.fakes import AWAY, HOME, FakeBench, FakeRobot, Script, point
 
 
@@ -494,7 +495,7 @@ async def test_a_front_end_that_is_lost_before_the_first_motion_holds_the_run(
             raise BrokenPipeError("closed")
 
     request = bench.request(measuring(0))
-    async with asyncio.timeout(5):
+    async with asyncio.timeout(HANG_S):
         outcome = await run_procedure(request, bench.build, bench.clock, publish, bench.install)
     assert outcome.exit_code == ExitCode.TERMINATED
     assert "move" not in bench.robot.calls
@@ -512,7 +513,7 @@ async def test_a_watchman_who_fails_ends_the_run(bench: FakeBench, monkeypatch: 
         return {}
 
     monkeypatch.setattr(Watchman, "watch", fails)
-    async with asyncio.timeout(5):
+    async with asyncio.timeout(HANG_S):
         outcome = await run(bench, Script(patient))
     assert (outcome.status, outcome.text) == ("failed", "not a number")
     assert "stop" in bench.robot.calls

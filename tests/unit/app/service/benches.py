@@ -19,6 +19,7 @@ from app.service.hub import Hub
 from app.service.messages import MAX_LINE_BYTES, Message
 from app.service.server import Server
 from procedures.context import Json
+from tests.patience import HANG_S
 from tests.unit.app.engine.fakes import LIMITS, FakeRobot, ManualClock, free_way
 
 Streams = tuple[asyncio.StreamReader, asyncio.StreamWriter]
@@ -140,7 +141,7 @@ class ServiceBench:
 
 async def event_of(client: EngineClient, event: str, **fields: Json) -> Message:
     """Wait for an event with these fields."""
-    async with asyncio.timeout(5):
+    async with asyncio.timeout(HANG_S):
         async for message in client.events():
             if message["event"] == event and all(message.get(key) == value for key, value in fields.items()):
                 return message

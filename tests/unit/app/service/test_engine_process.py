@@ -26,6 +26,7 @@ from app.service.messages import Start, decode_request
 from app.store.reader import RunReader
 from app.store.run_store import RunStore
 from procedures.context import Context, Prompt
+from tests.patience import HANG_S
 from tests.unit.app.engine.fakes import FakeBench, Script
 from tests.unit.app.service.benches import event_of
 
@@ -75,7 +76,7 @@ async def serving(root: Path, **options: Any) -> AsyncIterator["asyncio.Task[Exi
     ready = asyncio.Event()
     task = asyncio.create_task(EngineProcess(Path("cell.toml"), root).serve(ready.set, **options))
     try:
-        async with asyncio.timeout(5):
+        async with asyncio.timeout(HANG_S):
             await ready.wait()
             yield task
             await task

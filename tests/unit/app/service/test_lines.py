@@ -13,6 +13,7 @@ from pathlib import Path
 import pytest
 
 from app.service.lines import Lines
+from tests.patience import HANG_S
 from tests.unit.app.service.benches import settled
 
 
@@ -72,7 +73,7 @@ async def test_a_process_in_the_background_leaves_its_terminal_alone(monkeypatch
         await settled()
         assert typed == []
         foreground = os.getpgrp()
-        async with asyncio.timeout(5):
+        async with asyncio.timeout(HANG_S):
             while not typed:  # noqa: ASYNC110  # the terminal has no event to wait for
                 await asyncio.sleep(0.001)
     os.close(master)

@@ -9,6 +9,7 @@ import pytest
 
 from app.service.client import STEP_PING_S, over
 from app.service.errors import RefusedError
+from tests.patience import HANG_S
 from tests.unit.app.engine.fakes import ManualClock
 
 
@@ -49,7 +50,7 @@ async def test_signs_of_life_from_the_request_to_the_answer(refused: bool) -> No
     last = {"ok": False, "error": "stopped"} if refused else {"ok": True, "joints": [1.0, 2.0, 3.0, 4.0]}
     playing = asyncio.create_task(engine(*theirs, last))
     clock = Counting()
-    async with asyncio.timeout(10), over(mine, "test", "Ada", clock) as client:
+    async with asyncio.timeout(HANG_S), over(mine, "test", "Ada", clock) as client:
         if refused:
             with pytest.raises(RefusedError, match="stopped"):
                 await client.jog_step(joint="j1", by=1.0)
@@ -81,7 +82,7 @@ async def test_what_came_while_the_program_stood_still_is_read_before_it_writes(
         )
 
     greeting = asyncio.create_task(greet())
-    async with asyncio.timeout(10), over(mine, "test", "Ada", clock) as client:
+    async with asyncio.timeout(HANG_S), over(mine, "test", "Ada", clock) as client:
         await greeting
         # The sign of life begins to wait.
         await asyncio.sleep(0.01)

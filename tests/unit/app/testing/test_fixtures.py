@@ -11,6 +11,7 @@ import pytest
 
 from app.testing.bench import AsyncBench, RunningBench
 from simulators.config import EmulatedDevice
+from tests.patience import HANG_S
 
 StartBench = Callable[..., RunningBench]
 
@@ -18,7 +19,7 @@ StartBench = Callable[..., RunningBench]
 def ask(endpoint: str, request: bytes) -> bytes:
     """Put one line to a device and return its answer line."""
     host, _, port = endpoint.removeprefix("tcp://").rpartition(":")
-    with socket.create_connection((host, int(port)), timeout=5) as link, link.makefile("rb") as answers:
+    with socket.create_connection((host, int(port)), timeout=HANG_S) as link, link.makefile("rb") as answers:
         link.sendall(request)
         return answers.readline()
 
@@ -89,6 +90,6 @@ def test_the_plugin_loads_nothing_but_pytest() -> None:
     # pytest itself is loaded before, whatever it needs.
     code = f"import pytest, sys; before = {heavy}; import catseye_pytest; print(sorted({heavy} - before))"
     done: Any = subprocess.run(
-        [sys.executable, "-c", code], capture_output=True, text=True, check=True, timeout=60
+        [sys.executable, "-c", code], capture_output=True, text=True, check=True, timeout=HANG_S
     )
     assert done.stdout.strip() == "[]"

@@ -11,6 +11,9 @@ from typing import Any
 from app.service.address import socket_folder, socket_name
 from tests.unit.app.tui.scripted import SNAPSHOT
 
+_TURNS_TO_SERVE = 4
+"""Of the event loop, from the one that accepts a connection to the one that serves it: asyncio takes three."""
+
 
 class FakeEngine:
     """Serves clients.
@@ -37,10 +40,11 @@ class FakeEngine:
         try:
             yield
         finally:
+            # What is accepted in the very turn in which its server closes is neither served nor closed by asyncio.
+            asyncio.get_running_loop().remove_reader(server.sockets[0].fileno())
+            for _ in range(_TURNS_TO_SERVE):
+                await asyncio.sleep(0)
             server.close()
-            # A connection that was accepted last is served from the next turn of the loop on.
-            await asyncio.sleep(0)
-            await asyncio.sleep(0)
             for writer in self._writers:
                 writer.transport.abort()
             await asyncio.gather(*self._served, return_exceptions=True)
@@ -48,12 +52,16 @@ class FakeEngine:
     async def _serve(self, reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
         self._writers.append(writer)
         self._served.append(asyncio.current_task())
-        while line := await reader.readline():
-            request = json.loads(line)
-            self.asked.append(request["op"])
-            if not self.deaf:
-                answer = {"v": 1, "re": request["id"], **self._answer(request["op"])}
-                writer.write(json.dumps(answer).encode() + b"\n")
+        try:
+            while line := await reader.readline():
+                request = json.loads(line)
+                self.asked.append(request["op"])
+                if not self.deaf:
+                    answer = {"v": 1, "re": request["id"], **self._answer(request["op"])}
+                    writer.write(json.dumps(answer).encode() + b"\n")
+        finally:
+            # Streams keep their socket when the other side ends, and a client that only looks does that at once.
+            writer.transport.abort()
 
     def _answer(self, op: str) -> dict[str, Any]:
         if op in self.refusals:

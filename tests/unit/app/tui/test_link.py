@@ -19,6 +19,7 @@ from app.tui import link as link_module
 from app.tui import stopping
 from app.tui.engines import EngineProcess, find_engine
 from app.tui.link import EngineLink
+from tests.patience import HANG_S
 from tests.unit.app.tui.fake_engine import FakeEngine
 from tests.unit.app.tui.scripted import SNAPSHOT
 
@@ -59,7 +60,7 @@ async def serving(link: EngineLink) -> AsyncIterator[Until]:
     changed = asyncio.Event()
 
     async def until(condition: Callable[[], bool]) -> None:
-        async with asyncio.timeout(20):
+        async with asyncio.timeout(HANG_S):
             while not condition():
                 changed.clear()
                 await changed.wait()
@@ -161,7 +162,7 @@ async def test_deaf_engine_keeps_nobody_from_quitting(root: Path, monkeypatch: p
     async with engine.at(root), serving(link) as until:
         await until(lambda: link.picture.connected)
         engine.deaf = True
-        async with asyncio.timeout(20):
+        async with asyncio.timeout(HANG_S):
             await link.leave(end_engine=True)
 
 
