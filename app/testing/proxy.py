@@ -5,6 +5,7 @@ import contextlib
 from collections.abc import AsyncIterator, Callable, Iterator
 from contextlib import asynccontextmanager, contextmanager
 
+from app.testing.closing import close_server
 from app.testing.loop_thread import LoopThread
 
 _CHUNK_BYTES = 4096
@@ -67,7 +68,7 @@ class Proxy:
         try:
             yield self
         finally:
-            server.close()
+            await close_server(server)
             self._reset()
             for task in self._tasks:
                 task.cancel()

@@ -11,6 +11,9 @@ from simulators.ports.address import SocketAddress
 
 _MOST_BYTES = 1 << 20
 
+_TURNS_TO_JOIN = 4
+"""Of the event loop, from the one that accepts a connection to the one in which it is made: asyncio takes two."""
+
 
 class TcpListener:
     """Takes connections.
@@ -66,9 +69,12 @@ class TcpListener:
         self.closing = True
         if self._server is None:
             return
+        # Nobody more is accepted: a connection accepted in the turn in which its server closes would be lost.
+        for listener in self._server.sockets:
+            asyncio.get_running_loop().remove_reader(listener.fileno())
+        for _ in range(_TURNS_TO_JOIN):
+            await asyncio.sleep(0)
         self._server.close()
-        # A client that was accepted in this very turn of the loop joins in the next one.
-        await asyncio.sleep(0)
         gone = [connection.conversation.gone for connection in self.connections]
         self.drop()
         if gone:

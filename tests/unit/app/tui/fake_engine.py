@@ -9,10 +9,8 @@ from pathlib import Path
 from typing import Any
 
 from app.service.address import socket_folder, socket_name
+from app.testing.closing import close_server
 from tests.unit.app.tui.scripted import SNAPSHOT
-
-_TURNS_TO_SERVE = 4
-"""Of the event loop, from the one that accepts a connection to the one that serves it: asyncio takes three."""
 
 
 class FakeEngine:
@@ -40,11 +38,7 @@ class FakeEngine:
         try:
             yield
         finally:
-            # What is accepted in the very turn in which its server closes is neither served nor closed by asyncio.
-            asyncio.get_running_loop().remove_reader(server.sockets[0].fileno())
-            for _ in range(_TURNS_TO_SERVE):
-                await asyncio.sleep(0)
-            server.close()
+            await close_server(server)
             for writer in self._writers:
                 writer.transport.abort()
             await asyncio.gather(*self._served, return_exceptions=True)
