@@ -3,12 +3,20 @@
 import asyncio
 import gc
 import inspect
+import signal
 from collections.abc import AsyncIterator, Generator, Iterator
 
 import pytest
 from pytest_asyncio import is_async_test
 
 from tests.left_behind import nothing_left
+
+
+@pytest.fixture(scope="session", autouse=True)
+def ctrl_c_is_heard() -> None:
+    """Undo what a shell does to what it runs in the background: the programs that tests start would ignore Ctrl-C."""
+    if signal.getsignal(signal.SIGINT) == signal.SIG_IGN:
+        signal.signal(signal.SIGINT, signal.default_int_handler)
 
 
 @pytest.fixture(scope="session", autouse=True)

@@ -76,7 +76,7 @@ def test_the_gradient_of_the_true_problem_vanishes() -> None:
         jacobian = (model.jacobian(parameters) * problem.weights[:, None]) @ basis
         residuals = model.residuals(parameters) * problem.weights
         # The Gauss-Newton step that is left, as rms change of the residuals in mm.
-        step = np.linalg.lstsq(jacobian, -residuals)[0]
+        step = np.linalg.lstsq(jacobian, -residuals, rcond=None)[0]
         assert float(np.sqrt(np.mean((jacobian @ step / problem.weights) ** 2))) < 1e-10
 
 
