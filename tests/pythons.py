@@ -8,6 +8,7 @@ import os
 import subprocess
 import sys
 from collections.abc import Iterable, Iterator, Mapping
+from glob import escape, glob
 from pathlib import Path
 
 MINORS = range(11, 16)
@@ -28,8 +29,9 @@ def candidates(environment: Mapping[str, str]) -> Iterator[str]:
     for folder in environment.get("PATH", "").split(os.pathsep):
         yield from (str(Path(folder, f"python3.{minor}")) for minor in MINORS)
         yield str(Path(folder, "python3"))
-    pyenv = Path(environment.get("PYENV_ROOT") or Path.home() / ".pyenv")
-    yield from map(str, sorted(pyenv.glob("versions/3.*/bin/python")))
+    pyenv = environment.get("PYENV_ROOT") or str(Path.home() / ".pyenv")
+    # A folder of somebody else, which this user may not enter, is an empty one to `glob`.
+    yield from sorted(glob(f"{escape(pyenv)}/versions/3.*/bin/python"))
 
 
 def found(paths: Iterable[str]) -> dict[int, str]:
