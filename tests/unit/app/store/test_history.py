@@ -50,6 +50,9 @@ async def test_a_line_tells_how_a_run_ended(tmp_path: Path) -> None:
 
 async def test_a_fact_of_another_type_is_a_damaged_run(tmp_path: Path) -> None:
     store = await make_run(tmp_path, TickingClock())
+    # Sealed: without this nobody but root may write.
+    store.path.chmod(0o700)
+    (store.path / DATABASE).chmod(0o600)
     with closing(sqlite3.connect(store.path / DATABASE)) as connection, connection:
         connection.execute("DROP TRIGGER events_no_update")
         connection.execute("UPDATE events SET data = '5' WHERE kind = 'run-ended'")
