@@ -157,7 +157,7 @@ def test_readings_that_scatter_are_shown_and_taken_again(bench: Emulated, run: R
     bench.ask(op="fault", name="vibration", amplitude_um=200.0, duration_s=3600.0)
     while run.until(kind="live")["data"]["name"] != "spread of the readings":
         pass
-    bench.ask(op="fault", name="vibration", amplitude_um=0.0, duration_s=0.0)
+    bench.ask(op="fault", name="clear_faults")
     assert run.end()["status"] == "complete"
     shown = [live for live in run.of_kind("live") if live["name"] == "spread of the readings"]
     assert shown
