@@ -12,9 +12,9 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from tests.patience import HANG_S
 from tests.system.command import Emulated, catseye, environment
 
-LIMIT_S = 60.0
 MOTIONS = ("EXEC2", "EXECMOV", "JOG", "RUN")
 
 
@@ -44,13 +44,13 @@ class Program:
 
     def ended(self) -> tuple[int, str]:
         """Return exit code and what was told on stderr."""
-        _, stderr = self.process.communicate(timeout=LIMIT_S)
+        _, stderr = self.process.communicate(timeout=HANG_S)
         return self.process.returncode, stderr
 
 
 def until(holds: Callable[[], bool]) -> None:
     """Wait until something holds."""
-    end_s = time.monotonic() + LIMIT_S
+    end_s = time.monotonic() + HANG_S
     while not holds():
         assert time.monotonic() < end_s
         time.sleep(0.01)
@@ -75,7 +75,7 @@ def program(bench: Emulated, *arguments: str | Path, module: str = "app", **pipe
         with suppress(ProcessLookupError):
             process.send_signal(signal.SIGCONT)
         process.kill()
-        process.communicate(timeout=LIMIT_S)
+        process.communicate(timeout=HANG_S)
         until(lambda: not guards_of(process.pid))
 
 

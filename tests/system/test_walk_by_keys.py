@@ -12,13 +12,14 @@ from app.cell.template import TEMPLATE
 from app.exitcode import ExitCode
 from app.store.reader import RunReader
 from app.walk.register import own_legs
+from tests.patience import HANG_S
 from tests.system.by_keys import choose
 from tests.system.command import Emulated, emulated
 from tests.system.screen import Screen, on_screen
 
 REPEAT_S = 0.033
 DELAY_S = 0.5
-LIMIT_S = 30.0
+
 
 SMALL = re.sub(
     r"theta2_deg = .*",
@@ -48,7 +49,7 @@ def held_until(screen: Screen, met: Callable[[], bool]) -> None:
     """Hold the space bar as a keyboard does until something is so."""
     screen.press(" ")
     time.sleep(DELAY_S)
-    end_s = time.monotonic() + LIMIT_S
+    end_s = time.monotonic() + HANG_S
     while not met():
         assert time.monotonic() < end_s, screen.text
         screen.press(" ")
@@ -56,7 +57,7 @@ def held_until(screen: Screen, met: Callable[[], bool]) -> None:
 
 
 def stands(bench: Emulated) -> None:
-    end_s = time.monotonic() + LIMIT_S
+    end_s = time.monotonic() + HANG_S
     while moving(bench):
         assert time.monotonic() < end_s
         time.sleep(0.02)
