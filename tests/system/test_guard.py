@@ -10,10 +10,10 @@ from pathlib import Path
 import pytest
 
 from app.guard.guard import DIED, SILENT
+from tests.patience import HANG_S
 from tests.system import forked
 from tests.system.command import Emulated, catseye, emulated, environment
 from tests.system.guarded import (
-    LIMIT_S,
     Program,
     guards_of,
     measuring,
@@ -145,7 +145,7 @@ def test_second_program_is_refused_and_disturbs_nothing(bench: Emulated) -> None
 
 def test_healed_link_is_guarded_and_the_old_one_let_go(tmp_path: Path) -> None:
     with socket.create_server(("127.0.0.1", 0)) as listener:
-        listener.settimeout(LIMIT_S)
+        listener.settimeout(HANG_S)
         port = listener.getsockname()[1]
         with (tmp_path / "said").open("wb") as said:
             process = forked.Forked(
@@ -156,7 +156,7 @@ def test_healed_link_is_guarded_and_the_old_one_let_go(tmp_path: Path) -> None:
             new, _ = listener.accept()
             with old, new:
                 for connection in (old, new):
-                    connection.settimeout(LIMIT_S)
+                    connection.settimeout(HANG_S)
                 # Nobody holds a duplicate: a port that serves one client is free again.
                 assert old.recv(100) == b""
                 assert new.recv(100) == b"moving"
@@ -166,7 +166,7 @@ def test_healed_link_is_guarded_and_the_old_one_let_go(tmp_path: Path) -> None:
                     """The guard says it again, lets the connection go, and ends."""
         finally:
             process.kill()
-            process.wait(LIMIT_S)
+            process.wait(HANG_S)
 
 
 def test_raw_bytes_are_guarded_and_owned(bench: Emulated) -> None:
