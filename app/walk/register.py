@@ -3,9 +3,11 @@
 import hashlib
 import json
 from collections.abc import Mapping
+from dataclasses import asdict, replace
 from pathlib import Path
 from typing import Any, Final
 
+from app.cell.bodies import workspace_of
 from app.cell.model import Cell
 from app.errors import StorageError
 from app.store.catalog import paths_of
@@ -33,8 +35,12 @@ _NO_BODIES: Final = (
     "engine",
     "measurement",
     "uncertainty",
+    "workspace",
+    "body",
 )
-"""Sections that say nothing about where anything stands. A section that is not named here counts."""
+"""Sections that say nothing about where anything stands, and those that the bodies made of them stand for.
+
+A section that is not named here counts."""
 
 _NO_GEOMETRY: Final = (
     "driver",
@@ -54,10 +60,15 @@ _NO_GEOMETRY: Final = (
 
 
 def geometry_digest(cell: Cell) -> str:
-    """Return the SHA-256 of everything in a cell file that a walk depends on: arm, limits, bodies, reflectors."""
+    """Return the SHA-256 of everything that a walk depends on: arm, limits, bodies, reflectors.
+
+    Bodies count as they are, from the arm's description or from the cell file, whether confirmed or not.
+    """
     values = cell.model_dump(mode="json")
     robot = {key: value for key, value in values["robot"].items() if key not in _NO_GEOMETRY}
-    kept = {key: value for key, value in values.items() if key not in _NO_BODIES} | {"robot": robot}
+    bodies = asdict(replace(workspace_of(cell), unconfirmed=()))
+    kept = {key: value for key, value in values.items() if key not in _NO_BODIES}
+    kept |= {"robot": robot, "bodies": bodies}
     return hashlib.sha256(json.dumps(kept, sort_keys=True).encode()).hexdigest()
 
 

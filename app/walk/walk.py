@@ -17,12 +17,13 @@ from app.errors import MeasurementRejectedError, UsageError
 from app.procedure_list import Runnable
 from app.walk.feed import Feed, FeedLostError
 from app.walk.register import WALK, as_row
-from app.walk.speed import FASTEST_MM_S, MOST_PERCENT, fastest_mm_s, place_text, walking_percent
+from app.walk.speed import FASTEST_MM_S, MOST_PERCENT, place_text, walking_percent
 from app.walk.tube import Leg, Tubes, to_walk
 from procedures.bench import Bench
 from procedures.context import Context, Live, Row
 from procedures.devices import DeviceIdentity, Joints
 from procedures.errors import ArmMovedError
+from procedures.motion.body_speed import fastest_mm_s
 from procedures.motion.entry import stands_at, way_in
 from procedures.motion.motion_time import move_time_s
 
@@ -166,7 +167,7 @@ class Walk:
     async def _round(self, ctx: Context, legs: Sequence[Leg]) -> None:
         tubes = Tubes(self._walked)
         # One speed for the whole round: the override is never raised again.
-        self._slow_down(min(walking_percent(self._bench.arm, leg, self.cap_percent) for leg in legs))
+        self._slow_down(min(walking_percent(self._bench, leg, self.cap_percent) for leg in legs))
         self._total_s, self._done_s = sum(map(self._time_s, legs)), 0.0
         for number, leg in enumerate(legs, 1):
             await self._lead_to(ctx, leg.start, tubes)
@@ -186,7 +187,7 @@ class Walk:
 
     async def _go(self, ctx: Context, leg: Leg, tubes: Tubes) -> None:
         """Drive a motion; one that is not covered yet becomes a step."""
-        self._slow_down(walking_percent(self._bench.arm, leg, self.cap_percent))
+        self._slow_down(walking_percent(self._bench, leg, self.cap_percent))
         if tubes.covers(leg):
             await self._drive(ctx, leg)
             return
@@ -231,7 +232,7 @@ class Walk:
         return max(float(move_time_s(arm, travel[None, [0, 1, 3]])[0]), quill_s)
 
     def _tell(self, ctx: Context, leg: Leg, text: str) -> None:
-        fastest = fastest_mm_s(self._bench.arm, leg, self._percent)
+        fastest = fastest_mm_s(self._bench, leg.start, leg.end, self._percent)
         ctx.progress(self._done_s, self._total_s, f"{text}, {self._percent:g} %")
         ctx.show(Live("speed, at most", fastest, "mm/s", high=FASTEST_MM_S))
 

@@ -4,6 +4,8 @@ Bodies of an arm are capsules on the frames of its joints. Those of one frame an
 joint between them by design and are not compared.
 """
 
+import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import combinations
 
@@ -162,6 +164,32 @@ class Gaps:
             else 0.0
             for joint in range(1, len(self._chain.joints) + 1)
         ]
+
+
+def outermost_levers(chain: Chain, arm: Sequence[Capsule]) -> Floats:
+    """Return upper bounds of how far any point of an arm's bodies moves when one joint moves by one unit.
+
+    Args:
+        chain: the arm's joints.
+        arm: its bodies.
+
+    Returns:
+        mm per deg of a revolute joint, 1 for a prismatic one, shape (joints,).
+    """
+    return np.array([_farthest(chain, arm, joint) for joint in range(1, len(chain.joints) + 1)])
+
+
+def _farthest(chain: Chain, arm: Sequence[Capsule], joint: int) -> float:
+    beyond_mm = math.radians(1.0) if chain.joints[joint - 1].kind == "revolute" else 0.0
+    return max(
+        (
+            chain.lever(joint, body.frame, end) + beyond_mm * body.radius_mm
+            for body in arm
+            if body.frame >= joint
+            for end in (body.start_mm, body.end_mm)
+        ),
+        default=0.0,
+    )
 
 
 def _two_of(arm: tuple[Capsule, ...]) -> list[tuple[int, int]]:
