@@ -40,8 +40,7 @@ types: $(VENV)/installed  ## mypy --strict
 contracts: $(VENV)/installed  ## who may import whom
 	$(BIN)/python -c "from importlinter.cli import lint_imports_command as main; main()"
 
-test: suite  ## everything that CI runs; the terminal UI and a measurement on the newest Python found as well
-	@$(MAKE) --no-print-directory newest
+test: lint types contracts newest tests  ## everything that CI runs; the terminal UI and a measurement on the newest Python found as well
 
 suite: lint types contracts tests  ## the checks and the whole suite in one environment
 
