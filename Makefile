@@ -11,11 +11,11 @@ export OMP_NUM_THREADS ?= 1
 # Tests and the programs that they start are compiled once, also where the shell forbids it.
 export PYTHONDONTWRITEBYTECODE :=
 
-.PHONY: demo test suite tests lint types contracts newest start pythons lowest tests-lowest bench soak campaigns peers seeds \
-  pictures clean help
+.PHONY: demo test suite tests lint types contracts newest start pythons lowest tests-lowest bench soak campaigns campaign-stop \
+  campaign-safety campaign-links campaign-soak peers seeds pictures clean help
 
 help:  ## list the targets
-	@grep -E '^[a-z]+:.*##' $(MAKEFILE_LIST) | sed 's/:.*##/\t/'
+	@grep -E '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed 's/:.*##/\t/'
 
 $(VENV)/installed: pyproject.toml $(VERSIONS)
 	@"$(PYTHON)" -c 'import sys; sys.exit(sys.version_info < (3, 11))' \
@@ -80,6 +80,21 @@ bench: $(VENV)/installed  ## the figures of the README, side by side with their 
 
 soak: $(VENV)/installed  ## ten minutes of a stream with 1000 samples a second
 	CATSEYE_STREAM_S=600 $(BIN)/python -m pytest -c pyproject.toml tests/benchmarks/test_stream.py -s -q --timeout 900
+
+CAMPAIGN := $(BIN)/python -m pytest -c pyproject.toml -s -q --timeout 7200
+
+campaign-stop: $(VENV)/installed  ## STOP at random moments, each with a fault on a link
+	$(CAMPAIGN) tests/campaigns/test_stop_moments.py
+
+campaign-safety: $(VENV)/installed  ## killed and blocked programs, opened doors, two programs on one arm, bodies in the way
+	$(CAMPAIGN) tests/campaigns/test_guard.py tests/campaigns/test_door.py tests/campaigns/test_two_programs.py \
+	  tests/campaigns/test_collision_oracle.py
+
+campaign-links: $(VENV)/installed  ## the paper's plan with one fault in 20 answers on every link
+	$(CAMPAIGN) tests/campaigns/test_faulty_links.py
+
+campaign-soak: $(VENV)/installed  ## hundreds of runs in one engine: memory
+	$(CAMPAIGN) tests/campaigns/test_many_runs.py
 
 campaigns: $(VENV)/installed  ## long runs: the paper's whole plan, ways of following, killed runs
 	$(BIN)/python -m pytest -c pyproject.toml tests/campaigns -s -q

@@ -15,6 +15,7 @@ from app.commands.output import emit, emit_json, say
 from app.engine.compensation import AirRule, Compensation
 from app.engine.gate import JointLimits
 from app.engine.interlock import NO_DOOR, RemoteIo
+from app.engine.stopping_distance import stopping_text
 from app.errors import LinkFailedError, UsageError
 from app.instruments import device_builder, further_device
 from app.running import joint_limits
@@ -96,8 +97,10 @@ async def _examine_all(cell: Cell, only: str | None) -> list[Finding]:
         )
     )
     for finding in findings:
-        if finding.device == "robot" and finding.identity and not finding.simulated and cell.io is None:
-            finding.status.append(f"note: {NO_DOOR}")
+        if finding.device == "robot" and finding.identity:
+            finding.status.append(stopping_text(bench_of(cell), cell.robot.override_cap_percent))
+            if not finding.simulated and cell.io is None:
+                finding.status.append(f"note: {NO_DOOR}")
     return findings
 
 
