@@ -24,6 +24,8 @@ _FOLDERS: Final = (Path("/run/lock"), Path("/tmp"))
 _SHARED = stat.S_ISVTX | stat.S_IWOTH
 _MOST_BYTES = 8192
 _LOOKS = 100
+_WAITS = 20
+_WAIT_S = 0.1
 _LONGEST_VALUE = 160
 _STOPPED = "stopped"
 _UNSEEMLY = re.compile(r"[^ -~]")
@@ -89,8 +91,17 @@ class OwnerLock:
 
     @classmethod
     async def taken(cls, endpoint: str, owner: Owner) -> Self:
-        """Take the lock of the controller behind an endpoint; see there."""
-        return cls(await arms_behind(endpoint), owner)
+        """Take the lock of the controller behind an endpoint; see there.
+
+        The guard of a program that has just died holds it until its STOP is done: that is waited for.
+        """
+        arms = await arms_behind(endpoint)
+        for _ in range(_WAITS):
+            try:
+                return cls(arms, owner)
+            except ArmInUseError:
+                await asyncio.sleep(_WAIT_S)
+        return cls(arms, owner)
 
     def release(self, *, keep: bool = False) -> None:
         """Give the right back; may be called any number of times.

@@ -18,11 +18,9 @@ from drivers.healing import ATTEMPTS, Repeat
 from drivers.melfa.connections import Connections
 from drivers.melfa.motion import (
     LOOK_WHY,
-    account_for,
     assignment,
     off_target,
     standstill,
-    unstarted_polls,
     until_answered,
 )
 from drivers.melfa.settings import MelfaSettings
@@ -38,8 +36,8 @@ class JointMotion:
         connections: to the controller.
         clock: time of the polls.
         settings: of the driver.
-        byte_s: time of one byte on a serial line, real s; 0 on a network.
-        stop: stops the robot and waits for its standstill.
+        still_polls: equal positions in a row that say that a motion which was started has ended or never began.
+        account_for: is called with the target of a motion whose answer was lost, and how.
         reset_alarm: resets the active alarm.
 
     Attributes:
@@ -53,16 +51,16 @@ class JointMotion:
         clock: Clock,
         settings: MelfaSettings,
         *,
-        byte_s: float,
-        stop: Callable[[], Awaitable[None]],
+        still_polls: int,
+        account_for: Callable[[Joints, DeviceError], Awaitable[None]],
         reset_alarm: Callable[[], Awaitable[None]],
     ) -> None:
         self._connections = connections
         self._main = connections.main
         self._clock = clock
         self._settings = settings
-        self._unstarted_polls = unstarted_polls(byte_s)
-        self._stop = stop
+        self._still_polls = still_polls
+        self._account_for = account_for
         self._reset_alarm = reset_alarm
         self._declared = False
         self.variable = ""
@@ -93,18 +91,6 @@ class JointMotion:
             else:
                 return
 
-    async def account_for(self, target: Joints, lost: DeviceError) -> None:
-        """Ask where the robot is after the answer to a motion was lost; see `motion.account_for`."""
-        await account_for(
-            self._connections.side,
-            self._clock,
-            self._settings,
-            target,
-            lost,
-            self._stop,
-            still_polls=self._unstarted_polls,
-        )
-
     async def _prepare(self, target: Joints) -> None:
         """Give the controller the target: on the very connection from which the motion takes it."""
         await self._main.link.ensure()
@@ -133,7 +119,7 @@ class JointMotion:
         except NotSentError:
             raise
         except (LinkError, ProtocolError) as lost:
-            await self.account_for(target, lost)
+            await self._account_for(target, lost)
             return
         if off := off_target(reached, target, self._settings):
             await self._main.raise_alarm("MOV")
@@ -168,6 +154,6 @@ class JointMotion:
             self._clock,
             self._settings,
             timeout_s=self._settings.move_timeout_s,
-            still_polls=self._unstarted_polls,
+            still_polls=self._still_polls,
             target=target,
         )

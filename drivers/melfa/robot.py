@@ -34,7 +34,7 @@ from drivers.melfa.controller import MelfaController
 from drivers.melfa.halt import Halt
 from drivers.melfa.jog import Direction, Jog
 from drivers.melfa.joint_motion import JointMotion
-from drivers.melfa.motion import VARIABLES
+from drivers.melfa.motion import VARIABLES, account_for, unstarted_polls
 from drivers.melfa.servo import servo_is
 from drivers.melfa.session import Session, byte_time_s
 from drivers.melfa.settings import MelfaSettings
@@ -97,12 +97,13 @@ class MelfaR3:
         )
         self._connections = Connections(self._main, stop, status)
         self._given_variable = variable
+        self._still_polls = unstarted_polls(byte_s)
         self._motion = JointMotion(
             self._connections,
             clock,
             self._settings,
-            byte_s=byte_s,
-            stop=self.stop,
+            still_polls=self._still_polls,
+            account_for=self.account_for,
             reset_alarm=self.reset_alarm,
         )
         self._has_right = False
@@ -409,7 +410,15 @@ class MelfaR3:
             NotArrivedError: the robot stands somewhere else; it was told to stop.
             LinkError: the controller does not tell; the robot was told to stop.
         """
-        await self._motion.account_for(target, lost)
+        await account_for(
+            self._connections.side,
+            self._clock,
+            self._settings,
+            target,
+            lost,
+            self.stop,
+            still_polls=self._still_polls,
+        )
 
     def _further(self, transport: Transport | None, use: str, guard: LinkGuard | None) -> Session | None:
         if transport is None:

@@ -22,4 +22,9 @@ def short_timeouts(candidate: Candidate, folder: Path) -> dict[str, Any]:
         return {"profile": str(profile)}
     fields = candidate.driver.Settings.model_fields
     timeout_s = _OF_SLOW_STREAMS_S.get(candidate.name, TIMEOUT_S)
-    return {name: timeout_s for name in ("answer_timeout_s", "timeout_s") if name in fields}
+    # Some are short already and take no longer one.
+    return {
+        name: min(timeout_s, fields[name].default)
+        for name in ("answer_timeout_s", "timeout_s")
+        if name in fields
+    }
