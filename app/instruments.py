@@ -1,5 +1,7 @@
 """The instruments that a cell file names, made but not connected."""
 
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
 from functools import partial
 from typing import Any, Literal
 
@@ -111,6 +113,27 @@ def guard_setting(driver: str, guard: ArmGuard) -> dict[str, Any]:
     return {"guard": guard} if getattr(load_driver(driver), "takes_guard", False) else {}
 
 
+def stop_request(driver: str, device: str, settings: Mapping[str, Any]) -> bytes | None:
+    """Return what stops an arm on a link on which anything may have been sent before; None: its driver knows nothing.
+
+    Args:
+        driver: of the robot.
+        device: its name in the cell file, for texts.
+        settings: of the robot in the cell file.
+
+    Raises:
+        ConfigError: the driver is not installed or a setting is wrong.
+    """
+    with _told_of(device):
+        made = load_driver(driver)
+        if not hasattr(made, "stop_request"):
+            return None
+        # Settings of its connections are none of its own.
+        own = {key: value for key, value in settings.items() if key in made.Settings.model_fields}
+        stop: bytes = made.stop_request(made.Settings(**own))
+        return stop
+
+
 def _given(**values: Any) -> dict[str, Any]:
     """Return the keys that the cell file sets; the driver has a default for the others."""
     return {key: value for key, value in values.items() if value is not None}
@@ -137,8 +160,19 @@ def _make(
 
     if wrong := sorted(settings.keys() & {"endpoint", "clock", "sink"}):
         raise ConfigError(f"[{device}]: {wrong[0]} is no setting of a driver: leave it out of the settings")
-    try:
+    with _told_of(device):
         return load_driver(driver).at(endpoint, clock, sink, **settings)
+
+
+@contextmanager
+def _told_of(device: str) -> Iterator[None]:
+    """Make an error of the configuration of what a driver raises.
+
+    Raises:
+        ConfigError: the driver is not installed or a setting is wrong.
+    """
+    try:
+        yield
     except LookupError as error:
         raise ConfigError(f"[{device}] driver: {error.args[0]}") from error
     except ValidationError as error:

@@ -1,6 +1,8 @@
 """What of a bench does not change while it is watched: its devices, its layout, its air rule."""
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any
 
 from app.cell.bench import air_rule
 from app.cell.model import Cell
@@ -16,11 +18,13 @@ class DeviceFacts:
         name: in the cell file.
         endpoint: where it is.
         driver: that talks to it.
+        settings: of the driver.
     """
 
     name: str
     endpoint: str
     driver: str
+    settings: Mapping[str, Any] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)
@@ -51,14 +55,17 @@ def facts_of(cell: Cell, bench: Bench) -> BenchFacts:
         "interferometer": cell.interferometer,
         "environment": cell.environment,
         "io": cell.io,
-        "tracker": cell.tracker,
     }
     devices = [
-        DeviceFacts(name, section.endpoint, section.driver)
+        DeviceFacts(name, section.endpoint, section.driver, section.settings)
         for name, section in fixed.items()
         if section is not None
     ]
-    devices += [DeviceFacts(device.name, device.endpoint, device.driver) for device in cell.device]
+    if cell.tracker is not None:
+        devices.append(DeviceFacts("tracker", cell.tracker.endpoint, cell.tracker.driver))
+    devices += [
+        DeviceFacts(device.name, device.endpoint, device.driver, device.settings) for device in cell.device
+    ]
     material = None if cell.material is None else cell.material.sensor
     cap_percent = cell.robot.override_cap_percent
     return BenchFacts(cell.name, tuple(devices), bench, cap_percent, air_rule(cell), material)

@@ -13,6 +13,7 @@ from app.cell.bench import may_move_an_arm
 from app.engine.halt import HaltLimits, halt
 from app.errors import InterruptedRunError, SafetyError, UsageError, exit_code_of
 from app.guard.raw import plain_connection, raw_connection
+from app.instruments import stop_request
 from app.service.errors import RefusedError, refusal_of
 from app.service.messages import Message, Raw
 from drivers.errors import DeviceError
@@ -152,7 +153,7 @@ class RawLink:
             return plain_connection(device.endpoint, record)
         return raw_connection(
             device.endpoint,
-            device.driver,
+            stop_request(device.driver, device.name, device.settings),
             record,
             self._bench.folder,
             simulated=self._simulated,

@@ -21,7 +21,7 @@ from app.commands.output import emit, say
 from app.engine.interlock import RemoteIo
 from app.errors import SafetyError, UsageError
 from app.guard.raw import plain_connection, raw_connection
-from app.instruments import device_builder
+from app.instruments import device_builder, stop_request
 from app.runs_folder import runs_folder
 from drivers.clock import SystemClock
 from drivers.record import Direction
@@ -60,7 +60,7 @@ def terminal_command(
             say(f"listening only: what is sent may move the robot; --arm {cell.name} lets it pass")
         io = None
         if may_send and _moves(cell, device):
-            link = partial(_guarded, endpoint, _driver(cell, device), traffic)
+            link = partial(_guarded, endpoint, _stop(cell, device), traffic)
             io = device_builder(cell, SystemClock())(_ignore).io
         else:
             link = partial(plain_connection, endpoint, traffic.show)
@@ -135,8 +135,14 @@ def _driver(cell: Cell, device: str) -> str:
     return drivers.get(device, "")
 
 
+def _stop(cell: Cell, device: str) -> bytes | None:
+    """Return the bytes that stop the arm behind a device; None where nobody knows any."""
+    settings = {"robot": cell.robot.settings, **{further.name: further.settings for further in cell.device}}
+    return stop_request(_driver(cell, device), device, settings[device])
+
+
 @asynccontextmanager
-async def _guarded(endpoint: str, driver: str, traffic: "_Traffic") -> AsyncIterator[Transport]:
+async def _guarded(endpoint: str, stop: bytes | None, traffic: "_Traffic") -> AsyncIterator[Transport]:
     """Open a connection to a robot, which nobody else moves and which is stopped when this program dies."""
     body = asyncio.current_task()
     stopped: list[str] = []
@@ -149,7 +155,7 @@ async def _guarded(endpoint: str, driver: str, traffic: "_Traffic") -> AsyncIter
     # Whether it is an emulator is not known: nobody has asked.
     try:
         async with raw_connection(
-            endpoint, driver, traffic.show, runs_folder(None), simulated=False, tell=say, on_stop=on_stop
+            endpoint, stop, traffic.show, runs_folder(None), simulated=False, tell=say, on_stop=on_stop
         ) as link:
             yield link
     except asyncio.CancelledError:

@@ -3,6 +3,8 @@
 import asyncio
 import contextlib
 import os
+import re
+import stat
 import time
 from collections.abc import AsyncIterator, Callable, Sequence
 from contextlib import asynccontextmanager
@@ -21,6 +23,7 @@ BEAT_S: Final = 0.05
 _FRESH_S = 0.3
 _ANSWER_S = 2.0
 _MOST_LOG_BYTES = 1 << 20
+_NO_WORD = re.compile(r"[^!-~]+")
 
 
 class ArmGuard:
@@ -40,6 +43,7 @@ class ArmGuard:
         self._lock: OwnerLock | None = None
         self._log: int | None = None
         self._process: GuardProcess | None = None
+        self._starting = asyncio.Lock()
         self._beat: asyncio.TimerHandle | None = None
         self._beat_due_s = 0.0
         self._motions = 0
@@ -96,26 +100,29 @@ class ArmGuard:
 
     def protect(self, name: str, descriptor: int, stop: bytes) -> None:
         """Take a duplicate of an open connection; see LinkGuard."""
-        word = name.replace(" ", "-")
+        word = _word(name)
         self._forget(word)
         self._links[word] = (os.dup(descriptor), stop)
         self._hand_over(word)
 
     async def release(self, name: str) -> None:
         """Let a connection go that is closed; see LinkGuard."""
-        word = name.replace(" ", "-")
+        word = _word(name)
         if word not in self._links:
             return
         self._forget(word)
         process = self._process
         self._released.discard(word)
-        if process is None or not process.say(f"release {word}"):
+        if process is None:
             return
+        self._tell(process, f"release {word}")
         deadline_s = time.monotonic() + _ANSWER_S
         while word not in self._released and not process.gone:
             # Whoever holds the duplicate of a serial line keeps it busy.
             if not await process.heard(deadline_s - time.monotonic()):
-                process.kill()
+                self._give_up(process)
+        if process.gone:
+            await process.reaped()
 
     def permit(self) -> None:
         """Check, without waiting, that a motion may be written now; see LinkGuard."""
@@ -144,9 +151,11 @@ class ArmGuard:
     async def _require_guard(self) -> None:
         """See a guard that answers; one that has died or hangs while nothing moves is replaced."""
         if self._lock is not None and not self._stopped:
-            answers = self._process is not None and await self._answers(self._process)
-            if not answers and not self._motions:
-                await self._start()
+            # Two motions at a time would each start one.
+            async with self._starting:
+                answers = self._process is not None and await self._answers(self._process)
+                if not answers and not self._motions:
+                    await self._start()
         self.permit()
 
     async def _answers(self, process: GuardProcess) -> bool:
@@ -155,36 +164,46 @@ class ArmGuard:
         while not process.gone and time.monotonic() - process.alive_s > _FRESH_S:
             self._send_beat()
             if not await process.heard(deadline_s - time.monotonic()):
-                process.kill()
+                self._give_up(process)
         return not process.gone
 
     async def _start(self) -> None:
         if self._process is not None:
             self._process.kill()
-        if self._lock is None:
+            await self._process.reaped()
+        lock = self._lock
+        if lock is None:
             return
         try:
-            self._process = GuardProcess(self._said, self._gone)
+            process = self._process = GuardProcess(self._said, self._gone)
         except OSError as error:
             raise GuardError(
                 f"the guard process does not start ({error}): nothing moves without it"
             ) from error
-        log = [] if self._log is None else [self._log]
-        self._process.say(f"own {self._lock.arm}", [*log, *self._lock.descriptors])
+        self._tell(process, f"own {_word(lock.arm)} {len(lock.descriptors)}", lock.descriptors)
+        if self._log is not None:
+            self._tell(process, "log", [self._log])
         for name in self._links:
             self._hand_over(name)
-        if not await self._answers(self._process):
+        if not await self._answers(process):
             raise GuardError(
                 f"the guard process does not answer within {_ANSWER_S:g} s: nothing moves without it; see what keeps "
                 "this machine busy, then start again"
             )
 
     def _hand_over(self, name: str) -> None:
-        if self._process is None:
-            return
-        descriptor, stop = self._links[name]
-        if not self._process.say(f"protect {name} {stop.hex()}", [descriptor]) and not self._process.gone:
-            self._process.kill()
+        if self._process is not None:
+            descriptor, stop = self._links[name]
+            self._tell(self._process, f"protect {name} {stop.hex()}", [descriptor])
+
+    def _tell(self, process: GuardProcess, text: str, descriptors: Sequence[int] = ()) -> None:
+        """Send what the process has to know; one that does not take it is no guard any more."""
+        if not process.say(text, descriptors):
+            self._give_up(process)
+
+    def _give_up(self, process: GuardProcess) -> None:
+        if not process.gone:
+            process.kill()
             self._gone()
 
     def _forget(self, name: str) -> None:
@@ -205,9 +224,8 @@ class ArmGuard:
         if process is not None and self._motions:
             process.read()
             # A loop that was late itself has only just asked again.
-            if not late and not process.gone and now_s - process.alive_s > _ANSWER_S:
-                process.kill()
-                self._gone()
+            if not late and now_s - process.alive_s > _ANSWER_S:
+                self._give_up(process)
         self._beat_due_s = now_s + BEAT_S
         self._beat = loop.call_later(BEAT_S, self._tick)
 
@@ -218,7 +236,7 @@ class ArmGuard:
             case ["stopped", utc, *why]:
                 self._stop(f"the guard stopped the arm at {utc}: {' '.join(why)}")
                 if self._process is not None:
-                    self._process.say("understood")
+                    self._tell(self._process, "understood")
 
     def _gone(self) -> None:
         if self._motions:
@@ -231,11 +249,20 @@ class ArmGuard:
 
 
 def _opened_log(folder: Path) -> int | None:
-    """Open the log; a folder that cannot be written keeps nobody from being guarded."""
+    """Open the log, if it is a plain file; a folder that cannot be written keeps nobody from being guarded."""
     with contextlib.suppress(OSError):
         folder.mkdir(parents=True, exist_ok=True)
         path = folder / LOG_NAME
         if path.exists() and path.stat().st_size > _MOST_LOG_BYTES:
             path.replace(path.with_suffix(".log.1"))
-        return os.open(path, os.O_WRONLY | os.O_APPEND | os.O_CREAT | os.O_CLOEXEC, 0o644)
+        flags = os.O_WRONLY | os.O_APPEND | os.O_CREAT | os.O_CLOEXEC | os.O_NOFOLLOW | os.O_NONBLOCK
+        descriptor = os.open(path, flags, 0o644)
+        if stat.S_ISREG(os.fstat(descriptor).st_mode):
+            return descriptor
+        os.close(descriptor)
     return None
+
+
+def _word(text: str) -> str:
+    """Return a name as one word of a message."""
+    return _NO_WORD.sub("-", text)

@@ -2,13 +2,16 @@
 
 Standard library only, imports nothing of ours, so that it starts in milliseconds and has little that can fail. Called
 as `python -I -S guard.py DESCRIPTOR PID`; the descriptor is one end of a SOCK_SEQPACKET pair, the engine has the
-other, and its process number is for whoever lists the processes.
+other, and its process number: its end counts also while a child of it keeps the pair open.
 Each message is one packet of words:
 
-engine → guard `own ARM`, with the descriptors of the log and of the owner's locks · `protect NAME HEX`, with the
-    descriptor of an open connection and the bytes that stop the arm on it · `release NAME` · `beat 0|1`: the loop is
-    alive, and whether a motion is under way · `understood`: nothing moves before an acknowledgement · `end`
+engine → guard `own ARM COUNT`, with the descriptors of so many locks of the owner · `log`, with that of the log ·
+    `protect NAME HEX`, with the descriptor of an open connection and the bytes that stop the arm on it ·
+    `release NAME` · `beat 0|1`: the loop is alive, and whether a motion is under way · `understood`: nothing moves
+    before an acknowledgement · `end`
 guard → engine `alive SECONDS`, its own monotonic time, after each beat · `released NAME` · `stopped UTC WHY`
+
+What it cannot read ends it, which the engine takes as it takes its death.
 """
 
 import contextlib
@@ -68,18 +71,23 @@ class Connection:
     """A duplicate of an open connection, and the bytes that stop the arm on it."""
 
     def __init__(self, descriptor: int, stop: bytes) -> None:
+        # The drivers have it so already; a line that takes a part of STOP only would hold this process up.
+        os.set_blocking(descriptor, False)
         self.descriptor = descriptor
         self._stop = stop
 
     def write_stop(self) -> None:
-        """Write STOP unless the connection is broken or takes nothing; never waits."""
-        if self._ready(select.POLLOUT):
+        """Write STOP unless the connection is broken or takes nothing; never waits.
+
+        Of one that takes a part only the rest is not sent: the next one begins with the end of a request.
+        """
+        if _is_ready(self.descriptor, select.POLLOUT):
             with contextlib.suppress(OSError):
                 os.write(self.descriptor, self._stop)
 
     def drain(self) -> None:
         """Throw away what has come, a bounded part of it: answers that nobody reads must not block the other side."""
-        if self._ready(select.POLLIN):
+        if _is_ready(self.descriptor, select.POLLIN):
             with contextlib.suppress(OSError):
                 os.read(self.descriptor, _DRAINED_BYTES)
 
@@ -87,10 +95,18 @@ class Connection:
         """Let the connection go."""
         os.close(self.descriptor)
 
-    def _ready(self, event: int) -> bool:
-        poll = select.poll()
-        poll.register(self.descriptor, event)
-        return any(found & event for _, found in poll.poll(0))
+
+def _is_ready(descriptor: int, event: int) -> bool:
+    poll = select.poll()
+    poll.register(descriptor, event)
+    return any(found & event for _, found in poll.poll(0))
+
+
+def _life_of(pid: int) -> int | None:
+    """Return a descriptor that can be read once a process has ended; None where the system has no such thing."""
+    with contextlib.suppress(OSError, AttributeError):
+        return os.pidfd_open(pid)
+    return None
 
 
 class Guard:
@@ -98,37 +114,58 @@ class Guard:
 
     Args:
         engine: this side of the pair.
+        pid: number of the engine's process.
     """
 
-    def __init__(self, engine: socket.socket) -> None:
+    def __init__(self, engine: socket.socket, pid: int) -> None:
         # Not by a flag: recv_fds of some versions of Python ignores it.
         engine.setblocking(False)
         self._engine = engine
         self._poll = select.poll()
         self._poll.register(engine, select.POLLIN)
+        self._life = _life_of(pid)
+        if self._life is not None:
+            self._poll.register(self._life, select.POLLIN)
         self._silence = Silence()
+        self._counted_s = time.monotonic()
         self._connections: dict[str, Connection] = {}
         self._arm = "?"
         self._log: int | None = None
         self._locks: list[int] = []
+        self._unlogged = ""
         self._stopped_s: float | None = None
         self._next_stop_s = 0.0
 
     def watch(self) -> None:
         """Watch until the engine gives the arm back or dies."""
         with contextlib.suppress(Ended):
-            while True:
-                begun_s = time.monotonic()
-                waits = self._silence.moving or self._stopped_s is not None
-                self._poll.poll(1e3 * (TICK_S if waits else _IDLE_S))
-                # What waits to be read counts before the time that has passed.
-                if not self._read():
-                    self._mourn()
-                    return
-                if self._silence.passed(time.monotonic() - begun_s) and self._stopped_s is None:
+            while self._lives():
+                if self._is_silent() and self._stopped_s is None:
                     self._stopped_s = time.monotonic()
                     self._stop(SILENT)
                 self._stop_again()
+                if self._stopped_s is None or self._stopped_for_s() > _CONFIRM_S:
+                    self._write_log()
+            self._mourn()
+        self._write_log()
+
+    def _lives(self) -> bool:
+        """Wait for a tick or a message; return whether the engine lives, whose messages have been taken.
+
+        Raises:
+            Ended: it has given the arm back.
+        """
+        waits = self._silence.moving or self._stopped_s is not None
+        self._poll.poll(1e3 * (TICK_S if waits else _IDLE_S))
+        # Asked first: its last words count.
+        has_ended = self._life is not None and _is_ready(self._life, select.POLLIN)
+        return self._read() and not has_ended
+
+    def _is_silent(self) -> bool:
+        """Return whether nothing has come for too long: what waits to be read counts before the time that passed."""
+        now_s = time.monotonic()
+        elapsed_s, self._counted_s = now_s - self._counted_s, now_s
+        return self._silence.passed(elapsed_s)
 
     def _read(self) -> bool:
         """Take every message that has come; return whether the engine lives.
@@ -138,26 +175,31 @@ class Guard:
         """
         while True:
             try:
-                data, descriptors, _, _ = socket.recv_fds(self._engine, _MESSAGE_BYTES, _MOST_DESCRIPTORS)
+                data, descriptors, flags, _ = socket.recv_fds(self._engine, _MESSAGE_BYTES, _MOST_DESCRIPTORS)
             except (BlockingIOError, InterruptedError):
                 return True
             except OSError:
                 return False
             if not data:
                 return False
+            if flags & (socket.MSG_CTRUNC | socket.MSG_TRUNC):
+                raise ValueError("a message is longer, or brings more descriptors, than is agreed")
             self._take(data.decode().split(" "), descriptors)
 
     def _take(self, words: list[str], descriptors: list[int]) -> None:
         match words:
             case ["beat", moving]:
                 self._silence.beat(moving=moving == "1")
-                self._say(f"alive {time.monotonic()!r}")
-            case ["own", arm]:
-                self._arm = arm
-                self._log, *self._locks = descriptors
+                self._counted_s = time.monotonic()
+                self._say(f"alive {self._counted_s!r}")
+            case ["own", arm, count] if int(count) == len(descriptors):
+                self._arm, self._locks = arm, descriptors
+            case ["log"]:
+                (self._log,) = descriptors
             case ["protect", name, stop]:
+                (descriptor,) = descriptors
                 self._release(name)
-                self._connections[name] = Connection(descriptors[0], bytes.fromhex(stop))
+                self._connections[name] = Connection(descriptor, bytes.fromhex(stop))
             case ["release", name]:
                 self._release(name)
                 self._say(f"released {name}")
@@ -165,13 +207,15 @@ class Guard:
                 self._stopped_s = None
             case ["end"]:
                 raise Ended
+            case _:
+                raise ValueError(f"{words[0]} with {len(descriptors)} descriptors is no message")
 
     def _release(self, name: str) -> None:
         if name in self._connections:
             self._connections.pop(name).close()
 
     def _stop(self, why: str) -> None:
-        """Tell the engine first, which may wake up just now and then sends no motion; then write STOP and log it."""
+        """Tell the engine first, which may wake up just now and then sends no motion; then write STOP and note it."""
         utc = time.strftime("%Y-%m-%dT%H:%M:%SZ", time.gmtime())
         self._say(f"stopped {utc} {why}")
         self._write_stop()
@@ -208,13 +252,18 @@ class Guard:
             self._engine.send(text.encode())
 
     def _note(self, text: str) -> None:
-        """Leave what was done in the log, and in the owner's locks for whoever takes the arm next."""
-        with contextlib.suppress(OSError):
-            if self._log is not None:
-                os.write(self._log, f"{text} arm={self._arm} guard={os.getpid()}\n".encode())
+        """Leave what was done in the owner's locks for whoever takes the arm next; the log has it later."""
+        self._unlogged += f"{text} arm={self._arm} guard={os.getpid()}\n"
         for lock in self._locks:
             with contextlib.suppress(OSError):
                 os.pwrite(lock, f"stopped={text}\n".encode(), os.fstat(lock).st_size)
+
+    def _write_log(self) -> None:
+        """Log what was done, after all that stops the arm: what blocked the engine may be the disk that logs."""
+        text, self._unlogged = self._unlogged, ""
+        with contextlib.suppress(OSError):
+            if text and self._log is not None:
+                os.write(self._log, text.encode())
 
 
 def main() -> None:
@@ -222,7 +271,7 @@ def main() -> None:
     for name in _IGNORED:
         signal.signal(getattr(signal, name), signal.SIG_IGN)
     with socket.socket(fileno=int(sys.argv[1])) as engine:
-        Guard(engine).watch()
+        Guard(engine, int(sys.argv[2])).watch()
 
 
 if __name__ == "__main__":

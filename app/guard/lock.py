@@ -127,8 +127,10 @@ class OwnerLock:
         self.history += [
             f"{text} (then: {who.text})" if who else text for key, text in lines if key == _STOPPED
         ]
-        os.ftruncate(descriptor, 0)
-        os.pwrite(descriptor, "".join(f"{k}={v}\n" for k, v in asdict(owner).items()).encode(), 0)
+        # Who owns it is for texts only: the arm is owned also where the folder is full.
+        with contextlib.suppress(OSError):
+            os.ftruncate(descriptor, 0)
+            os.pwrite(descriptor, "".join(f"{k}={v}\n" for k, v in asdict(owner).items()).encode(), 0)
 
     def _close(self) -> None:
         self._paths.clear()
@@ -194,6 +196,11 @@ def _locked(arm: str, path: Path) -> int:
         except BlockingIOError:
             with os.fdopen(descriptor):
                 raise _in_use(arm, _owner(_lines(descriptor))) from None
+        except OSError as error:
+            os.close(descriptor)
+            raise ArmInUseError(
+                f"{path}: the arm cannot be locked ({error.strerror}): nothing was sent to it; check that folder"
+            ) from error
         # Its last owner has removed it between our opening and locking it.
         os.close(descriptor)
     raise ArmInUseError(

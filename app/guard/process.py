@@ -13,6 +13,7 @@ from pathlib import Path
 _PROGRAM = Path(__file__).with_name("guard.py")
 _MESSAGE_BYTES = 65_536
 _END_S = 2.0
+_REAP_POLL_S = 0.005
 
 
 class GuardProcess:
@@ -92,8 +93,19 @@ class GuardProcess:
         return False
 
     def kill(self) -> None:
-        """End the process now; connections that it held are let go."""
+        """End the process, without waiting; what it holds is free when it is reaped."""
         self._let_go()
+
+    async def reaped(self) -> bool:
+        """See a process end that was killed, or is about to end; return whether it has within a bounded time.
+
+        One that hangs in a driver of the operating system outlives even SIGKILL for a time.
+        """
+        deadline_s = time.monotonic() + _END_S
+        # Nothing that the loop could wait for tells it on every system.
+        while self._process.poll() is None and time.monotonic() < deadline_s:  # noqa: ASYNC110  # see above
+            await asyncio.sleep(_REAP_POLL_S)
+        return self._process.poll() is not None
 
     async def end(self) -> None:
         """Have the process let everything go, and see it end."""
@@ -103,6 +115,7 @@ class GuardProcess:
         while self._link is not None and time.monotonic() < deadline_s:
             await self.heard(deadline_s - time.monotonic())
         self._let_go()
+        await self.reaped()
 
     def _take(self, words: list[str]) -> None:
         if words[0] == "alive":
@@ -117,7 +130,6 @@ class GuardProcess:
             self._link = None
             # It has closed its end, or is given up: either way the end is near.
             self._process.kill()
-            self._process.wait()
         self._heard.set()
 
 

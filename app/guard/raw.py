@@ -8,7 +8,6 @@ from app.guard.client import ArmGuard
 from drivers.endpoint import open_transport
 from drivers.guarding import GuardedTransport
 from drivers.record import Sink
-from drivers.registry import load_driver
 from drivers.transport import Transport
 
 
@@ -44,7 +43,7 @@ async def plain_connection(endpoint: str, sink: Sink) -> AsyncIterator[Transport
 @asynccontextmanager
 async def raw_connection(
     endpoint: str,
-    driver: str,
+    stop: bytes | None,
     sink: Sink,
     folder: Path,
     *,
@@ -56,7 +55,7 @@ async def raw_connection(
 
     Args:
         endpoint: of the robot's controller.
-        driver: of the robot, which knows what stops it.
+        stop: bytes that stop the robot; None: nobody knows any.
         sink: is called with all bytes that pass.
         folder: of all runs, for the guard's log.
         simulated: the robot is an emulator.
@@ -71,7 +70,6 @@ async def raw_connection(
     guard = ArmGuard(endpoint)
     guard.on_stop = on_stop
     transport = open_transport(endpoint, sink=sink)
-    stop = getattr(load_driver(driver), "stop_request", None)
     if stop is not None:
         transport = _Permitted(transport, guard, "raw", stop)
     try:

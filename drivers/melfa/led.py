@@ -2,7 +2,7 @@
 
 import math
 from abc import ABC, abstractmethod
-from collections.abc import AsyncIterator, Mapping, Sequence
+from collections.abc import AsyncIterator, Callable, Mapping, Sequence
 from contextlib import asynccontextmanager
 from typing import Any, ClassVar
 
@@ -21,7 +21,7 @@ class LedArm(ABC):
     """
 
     takes_guard: ClassVar[bool] = True
-    stop_request: ClassVar[bytes] = MelfaR3.stop_request
+    stop_request: ClassVar[Callable[[MelfaSettings], bytes]] = staticmethod(MelfaR3.stop_request)
 
     def __init__(self, controller: MelfaR3) -> None:
         self._controller = controller

@@ -72,7 +72,7 @@ class MelfaR3:
 
     Settings: ClassVar[type[MelfaSettings]] = MelfaSettings
     takes_guard: ClassVar[bool] = True
-    stop_request: ClassVar[bytes] = stop_bytes(MelfaSettings())
+    stop_request: ClassVar[Callable[[MelfaSettings], bytes]] = staticmethod(stop_bytes)
 
     def __init__(
         self,
