@@ -17,6 +17,8 @@ from typing import IO, Any
 from app.cell.load import load_cell
 from app.cell.template import TEMPLATE
 from app.emulation import emulated_devices
+from app.guard.lock import lock_path
+from drivers.endpoint import SerialEndpoint, TcpEndpoint, parse_endpoint
 from tests.patience import HANG_S
 from tests.system import forked
 
@@ -109,8 +111,20 @@ def emulated(
         try:
             yield Emulated(cell, ("127.0.0.1", int(served[-1].rpartition(":")[2])), process)
         finally:
+            # As long as the port is taken nobody else has an arm there.
+            for endpoint in served:
+                forget_stops(endpoint)
             process.send_signal(signal.SIGTERM)
             process.wait(HANG_S)
+
+
+def forget_stops(endpoint: str) -> None:
+    """Remove what guards have left for the next owner of an arm that exists no longer."""
+    match parse_endpoint(endpoint):
+        case TcpEndpoint(_, port):
+            lock_path(f"loopback:{port}").unlink(missing_ok=True)
+        case SerialEndpoint(device):
+            lock_path(os.path.realpath(device)).unlink(missing_ok=True)
 
 
 def only(reflector: str) -> dict[str, str]:

@@ -1,7 +1,12 @@
-"""A program that heals the link that its guard holds, then moves for ever. Argument: the port that it connects to."""
+"""A program that heals the link that its guard holds, then moves for ever.
+
+Arguments: where it connects to, and `forked` for one that has a child which keeps open what it has itself.
+"""
 
 import asyncio
+import os
 import sys
+import time
 from pathlib import Path
 
 from app.guard.client import ArmGuard
@@ -9,6 +14,7 @@ from drivers.endpoint import open_transport
 from drivers.guarding import GuardedTransport
 
 STOP = b"\r1;1;STOP\r"
+CHILD_S = 5.0
 
 
 async def move(endpoint: str) -> None:
@@ -19,11 +25,20 @@ async def move(endpoint: str) -> None:
     await guard.hold("a test", Path(), simulated=True)
     await link.close()
     await link.open()
+    if sys.argv[2:] == ["forked"]:
+        fork()
     async with guard.motion():
         guard.permit()
         await link.write(b"moving")
         await asyncio.Event().wait()
 
 
+def fork() -> None:
+    """Make a child that has everything open that this process has, and outlives it for a while."""
+    if not os.fork():
+        time.sleep(CHILD_S)
+        os._exit(0)
+
+
 if __name__ == "__main__":
-    asyncio.run(move(f"tcp://127.0.0.1:{sys.argv[1]}"))
+    asyncio.run(move(sys.argv[1]))

@@ -1,18 +1,22 @@
 """The guard: a moving arm whose program is killed, stopped or blocked, with the controller as witness."""
 
 import os
+import select
 import signal
 import socket
 import subprocess
+import tty
 from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
 import pytest
 
+from app.guard.client import LOG_NAME
 from app.guard.guard import DIED, SILENT
 from tests.patience import HANG_S
 from tests.system import forked
-from tests.system.command import Emulated, catseye, emulated, environment
+from tests.system.command import Emulated, catseye, emulated, environment, forget_stops
 from tests.system.guarded import (
     Program,
     guards_of,
@@ -146,12 +150,7 @@ def test_second_program_is_refused_and_disturbs_nothing(bench: Emulated) -> None
 def test_healed_link_is_guarded_and_the_old_one_let_go(tmp_path: Path) -> None:
     with socket.create_server(("127.0.0.1", 0)) as listener:
         listener.settimeout(HANG_S)
-        port = listener.getsockname()[1]
-        with (tmp_path / "said").open("wb") as said:
-            process = forked.Forked(
-                "tests.system.held_link", [str(port)], cwd=tmp_path, env=environment(), out=said, err=said
-            )
-        try:
+        with held_link(tmp_path, endpoint_of(listener)) as process:
             old, _ = listener.accept()
             new, _ = listener.accept()
             with old, new:
@@ -164,9 +163,70 @@ def test_healed_link_is_guarded_and_the_old_one_let_go(tmp_path: Path) -> None:
                 assert new.recv(100).startswith(STOP)
                 while new.recv(100):
                     """The guard says it again, lets the connection go, and ends."""
-        finally:
+
+
+def test_children_of_a_killed_program_do_not_hide_its_death(tmp_path: Path) -> None:
+    with socket.create_server(("127.0.0.1", 0)) as listener:
+        listener.settimeout(HANG_S)
+        with held_link(tmp_path, endpoint_of(listener), "forked") as process:
+            listener.accept()[0].close()
+            link, _ = listener.accept()
+            with link:
+                link.settimeout(HANG_S)
+                assert link.recv(100) == b"moving"
+                process.kill()
+                assert link.recv(100).startswith(STOP)
+                until(lambda: guards_of(process.pid) == [])
+    # The child has the program's end of the pair too: its silence only would be noticed, and that later.
+    assert SILENT not in (tmp_path / LOG_NAME).read_text(encoding="utf-8")
+
+
+def test_killed_program_stops_the_arm_on_a_serial_line(tmp_path: Path) -> None:
+    controller, line = os.openpty()
+    try:
+        tty.setraw(line)
+        device = os.ttyname(line)
+        with held_link(tmp_path, f"serial://{device}?baud=115200") as process:
+            # The port is held by one program at a time: it was opened anew, so nobody holds a duplicate.
+            assert heard(controller, b"moving") == b"moving"
             process.kill()
-            process.wait(HANG_S)
+            assert heard(controller, STOP) == STOP
+    finally:
+        os.close(controller)
+        os.close(line)
+
+
+def heard(descriptor: int, wanted: bytes) -> bytes:
+    """Return as many bytes as are wanted, fewer where they do not come."""
+    came = b""
+    while len(came) < len(wanted) and select.select([descriptor], [], [], HANG_S)[0]:
+        came += os.read(descriptor, len(wanted) - len(came))
+    return came
+
+
+def endpoint_of(listener: socket.socket) -> str:
+    return f"tcp://127.0.0.1:{listener.getsockname()[1]}"
+
+
+@contextmanager
+def held_link(folder: Path, endpoint: str, *words: str) -> Iterator[forked.Forked]:
+    """Start the program that heals its link and then moves; nothing of it is left at the end."""
+    with (folder / "said").open("wb") as said:
+        process = forked.Forked(
+            "tests.system.held_link",
+            [endpoint, *words],
+            cwd=folder,
+            env=environment(),
+            out=said,
+            err=said,
+        )
+    try:
+        yield process
+    finally:
+        process.kill()
+        process.wait(HANG_S)
+        until(lambda: guards_of(process.pid) == [])
+        forget_stops(endpoint)
 
 
 def test_raw_bytes_are_guarded_and_owned(bench: Emulated) -> None:
