@@ -10,7 +10,7 @@ from app.cell.model import Cell
 from app.cell.template import TEMPLATE
 from app.commands.doctor import doctor_command
 from app.errors import ConfigError
-from app.instruments import device_builder
+from app.instruments import device_builder, stop_request
 from drivers.clock import SystemClock
 
 
@@ -56,3 +56,18 @@ def test_a_wrong_setting_of_a_further_device_is_told_before_anything_is_connecte
     # Warnings are errors here: no examination may be left unawaited.
     with pytest.raises(ConfigError, match=r"\[nd\] decimals"):
         doctor_command(file, None, as_json=False)
+
+
+@pytest.mark.parametrize("driver", ["melfa-r3", "melfa-mxt", "melfa-datalink"])
+def test_an_arm_is_stopped_with_the_settings_of_its_cell(driver: str) -> None:
+    settings = {"robot_number": 2, "slot": 3, "stop_endpoint": "tcp://192.168.0.20:10002"}
+    assert stop_request(driver, "robot", settings) == b"\r2;3;STOP\r"
+
+
+def test_a_device_without_a_word_for_it_is_not_stopped() -> None:
+    assert stop_request("line-counter", "second", {}) is None
+
+
+def test_wrong_settings_stop_nothing() -> None:
+    with pytest.raises(ConfigError, match=r"\[second\] slot"):
+        stop_request("melfa-r3", "second", {"slot": 99})

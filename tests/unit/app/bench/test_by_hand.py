@@ -466,3 +466,13 @@ def test_a_stop_of_the_guard_ends_raw_bytes_and_has_to_be_cleared(monkeypatch: p
     assert engine.aborts == ["the guard stopped the arm"]
     assert engine.fixture.wire == []
     assert engine.arm.said("stop") == ["stop"]
+
+
+def test_raw_bytes_are_stopped_with_the_settings_of_the_cell(monkeypatch: pytest.MonkeyPatch) -> None:
+    async def script(engine: Engine) -> None:
+        robot = DeviceFacts("robot", "memory://robot", "melfa-r3", {"robot_number": 2, "slot": 3})
+        engine.fixture.facts_now = replace(engine.fixture.facts_now, devices=(robot,))
+        await engine.raw("robot")
+
+    engine = played(script, monkeypatch)
+    assert r"protect raw b'\r2;3;STOP\r'" in engine.guard.calls

@@ -1,7 +1,12 @@
 """One owner per arm: who gets the lock, who is named, and what a hostile file can do."""
 
+import errno
+import fcntl
 import os
 import stat
+import subprocess
+import sys
+import tempfile
 from pathlib import Path
 
 import pytest
@@ -41,6 +46,45 @@ def test_second_owner_is_refused_and_told_the_first() -> None:
     assert exit_code_of(error) == ExitCode.DEVICE
     first.release()
     taken(BEN).release()
+
+
+def as_another_user(folder: Path) -> str:
+    """Take the lock from another process, of another user where this one may become one; return what it says."""
+    words = [sys.executable, "-m", "tests.unit.app.guard.other_user", str(folder), ARM]
+    said = subprocess.run(words, capture_output=True, text=True, timeout=60, check=True)
+    return said.stdout.strip()
+
+
+def test_another_user_is_refused_too_and_may_follow(monkeypatch: pytest.MonkeyPatch) -> None:
+    # The folder of a test is closed to others.
+    with tempfile.TemporaryDirectory() as name:
+        folder = Path(name)
+        folder.chmod(0o1777)
+        monkeypatch.setattr(lock, "_FOLDERS", (folder,))
+        first = taken()
+        assert "process 12 (catseye run) of user anna" in as_another_user(folder)
+        first.release(keep=True)
+        assert as_another_user(folder) == f"owns {ARM}"
+        # It may not remove a file of ours there, and leaves it empty.
+        taken(BEN).release()
+
+
+def test_a_full_folder_keeps_nobody_from_owning(monkeypatch: pytest.MonkeyPatch) -> None:
+    def is_full(*_: object) -> int:
+        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+
+    monkeypatch.setattr(os, "pwrite", is_full)
+    first = taken()
+    assert "has not said its name" in str(refusal())
+    first.release()
+
+
+def test_a_folder_that_locks_nothing_owns_nothing(monkeypatch: pytest.MonkeyPatch) -> None:
+    def locks_nothing(*_: object) -> None:
+        raise OSError(errno.ENOLCK, os.strerror(errno.ENOLCK))
+
+    monkeypatch.setattr(fcntl, "flock", locks_nothing)
+    assert "cannot be locked" in str(refusal())
 
 
 def test_another_arm_has_a_lock_of_its_own() -> None:

@@ -1,0 +1,29 @@
+"""Another user who wants an arm. Arguments: the folder of the locks, and the arm."""
+
+import os
+import sys
+from pathlib import Path
+
+from app.errors import ArmInUseError
+from app.guard import lock
+from app.guard.lock import Owner, OwnerLock
+
+NOBODY = 65_534
+
+
+def main(folder: str, arm: str) -> None:
+    """Take the arm and give it back; say who has it where somebody has."""
+    lock._FOLDERS = (Path(folder),)  # type: ignore[misc]  # noqa: SLF001  # as the test's own process
+    if os.geteuid() == 0:
+        os.seteuid(NOBODY)
+    try:
+        taken = OwnerLock((arm,), Owner("14", "nobody", "catseye run", "a run", "now"))
+    except ArmInUseError as error:
+        print(error)  # noqa: T201  # what the test reads
+    else:
+        print(f"owns {taken.arm}")  # noqa: T201  # what the test reads
+        taken.release()
+
+
+if __name__ == "__main__":
+    main(*sys.argv[1:])
