@@ -80,9 +80,9 @@ def program(bench: Emulated, *arguments: str | Path, module: str = "app", **pipe
 
 
 @contextmanager
-def measuring(bench: Emulated, module: str = "app") -> Iterator[Program]:
-    """Start a measurement in real time, on a bench whose reflectors stand where the cell file has them."""
-    words: list[str | Path] = ["run", "open-loop", "--cell", bench.cell, "--search", "none", "--json"]
+def measuring(bench: Emulated, module: str = "app", search: str | Path = "none") -> Iterator[Program]:
+    """Start a measurement in real time; without a search it moves, but finds no beam at its first point."""
+    words: list[str | Path] = ["run", "open-loop", "--cell", bench.cell, "--search", search, "--json"]
     with program(bench, *words, module=module) as made:
         yield made
 
