@@ -3,6 +3,7 @@
 import os
 import sys
 from pathlib import Path
+from unittest.mock import patch
 
 from app.errors import ArmInUseError
 from app.guard import lock
@@ -11,9 +12,8 @@ from app.guard.lock import Owner, OwnerLock
 NOBODY = 65_534
 
 
-def main(folder: str, arm: str) -> None:
+def main(arm: str) -> None:
     """Take the arm and give it back; say who has it where somebody has."""
-    lock._FOLDERS = (Path(folder),)  # type: ignore[misc]  # noqa: SLF001  # as the test's own process
     if os.geteuid() == 0:
         os.seteuid(NOBODY)
     try:
@@ -26,4 +26,5 @@ def main(folder: str, arm: str) -> None:
 
 
 if __name__ == "__main__":
-    main(*sys.argv[1:])
+    with patch.object(lock, "_FOLDERS", (Path(sys.argv[1]),)):
+        main(sys.argv[2])
