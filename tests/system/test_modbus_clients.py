@@ -14,7 +14,6 @@ from drivers.air.modbus_air import ModbusAir
 from drivers.air.ptu300 import VaisalaAscii
 from drivers.clock import SystemClock
 from drivers.endpoint import SerialEndpoint
-from drivers.errors import LinkTimeoutError
 from drivers.io.modbus_io import ModbusIo
 from tests.system.command import catseye
 from tests.system.modbus_cell import ModbusCell, modbus_cell
@@ -100,9 +99,9 @@ async def test_a_late_answer_over_a_serial_line_is_not_taken_for_the_next_one() 
     loop = asyncio.get_running_loop()
     master, slave = os.openpty()
     tty.setraw(slave)
-    # Read holding registers 0 and 2: the first answer comes late, the second one in time.
-    late, fresh = (bytes.fromhex(text) for text in ("01 03 02 1111 7418", "01 03 02 2222 20fd"))
-    answers = iter([(0.3, late), (0.16, fresh)])
+    # Read holding registers 0 and 2: the first answer comes late, so that the question is asked again.
+    first, second = (bytes.fromhex(text) for text in ("01 03 02 1111 7418", "01 03 02 2222 20fd"))
+    answers = iter([(0.3, first), (0.16, first), (0.16, second)])
 
     def answer() -> None:
         os.read(master, 256)
@@ -112,8 +111,7 @@ async def test_a_late_answer_over_a_serial_line_is_not_taken_for_the_next_one() 
     loop.add_reader(master, answer)
     air = RegisterClient(SerialEndpoint(os.ttyname(slave)), timeout_s=0.2)
     try:
-        with pytest.raises(LinkTimeoutError, match="no answer to 1 registers from 0x0000"):
-            await air.read(3, 0, 1)
+        assert await air.read(3, 0, 1) == [0x1111]
         assert await air.read(3, 2, 1) == [0x2222]
     finally:
         await air.close()
