@@ -34,7 +34,7 @@ def test_any_text_is_printable_and_bounded(text: str) -> None:
     "told",
     [
         Identity(HOSTILE, HOSTILE, HOSTILE, True),
-        RobotStatus(True, False, True, False, False, 10.0, 7, HOSTILE),
+        RobotStatus(True, False, True, False, False, 10.0, 7, HOSTILE, HOSTILE),
         CounterReading(1.0, HOSTILE, 0.0),
         CounterStatus(True, False, False, True, 1.0, HOSTILE),
         ProgramEntry(HOSTILE, 1, HOSTILE, 1, 1),

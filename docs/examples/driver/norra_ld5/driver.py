@@ -8,6 +8,7 @@ from pydantic import BaseModel, ConfigDict, Field
 from drivers.clock import Clock
 from drivers.endpoint import open_transport
 from drivers.errors import ProtocolError, RefusedError, WrongDeviceError
+from drivers.healing import Repeat
 from drivers.latches import Latches
 from drivers.link import RequestLink
 from drivers.readings import CounterReading, CounterStatus, Identity
@@ -93,8 +94,8 @@ class NorraLd5:
             LinkError: lost or silent.
             ProtocolError: garbage came.
         """
-        # A zero that is sent twice would hide what happened between the two: no retry.
-        await self._ask(codec.ZERO, retry=False)
+        # A zero that is sent twice would hide what happened between the two: it is never repeated.
+        await self._ask(codec.ZERO, Repeat.NEVER)
         return self._latches.zeroed()
 
     async def read(self) -> CounterReading:
@@ -129,10 +130,10 @@ class NorraLd5:
             zero_id=self._latches.zero_id,
         )
 
-    async def _ask(self, command: str, *, retry: bool = True) -> str:
+    async def _ask(self, command: str, repeat: Repeat = Repeat.HARMLESS) -> str:
         """Return the value in the answer to a command."""
         data, timeout_s = codec.encode(command), self._settings.answer_timeout_s
-        line = await self._link.request(data, codec.AnswerDecoder, timeout_s, retry=retry)
+        line = await self._link.request(data, codec.AnswerDecoder, timeout_s, repeat=repeat)
         if line.startswith("?"):
             raise RefusedError(
                 f"{self._link.where} refused {command}: {line[1:]}: look the letter up in the manual, section 5",
