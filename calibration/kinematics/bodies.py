@@ -1,7 +1,7 @@
 """The bodies of an arm and what stands around it, and how far they are from each other at a pose.
 
-Bodies of an arm are capsules on the frames of its joints. Those of one frame and of neighbouring frames meet at the
-joint between them by design and are not compared.
+Bodies of an arm are capsules on the frames of its joints. Those of one frame are not compared, nor are those of
+neighbouring frames that both reach the axis of the joint between them: they meet there by design.
 """
 
 import math
@@ -89,6 +89,9 @@ class Scene:
 Pair = tuple[str, str]
 """Names of two bodies, a moving one first."""
 
+_LONG_MM = 1e5
+"""Half of what stands for an axis without end."""
+
 
 class Gaps:
     """Distances of all pairs of bodies that may meet.
@@ -108,7 +111,7 @@ class Gaps:
         meeting = [
             (far, near)
             for near, far in (sorted(two, key=lambda i: scene.arm[i].frame) for two in _two_of(scene.arm))
-            if scene.arm[far].frame - scene.arm[near].frame > 1
+            if _may_meet(scene.chain, scene.arm[near], scene.arm[far])
         ]
         meeting += [(i, len(scene.arm) + k) for i in moving for k in range(len(scene.stands))]
         self._chain = scene.chain
@@ -190,6 +193,30 @@ def _farthest(chain: Chain, arm: Sequence[Capsule], joint: int) -> float:
         ),
         default=0.0,
     )
+
+
+def _may_meet(chain: Chain, near: Capsule, far: Capsule) -> bool:
+    """Return whether two bodies are compared, the one nearer to the base first."""
+    apart = far.frame - near.frame
+    return apart > 1 or (
+        apart == 1 and not all(_reaches_axis(chain, body, far.frame) for body in (near, far))
+    )
+
+
+def _reaches_axis(chain: Chain, body: Capsule, joint: int) -> bool:
+    """Return whether a body, fixed to the frame of a joint or to the one before, touches the joint's axis.
+
+    The axis is fixed to both frames, so any pose shows it.
+    """
+    frames = chain.frames(np.zeros((1, len(chain.joints))))[:, 0]
+    (start, end), (low, high) = (
+        np.array([[*point, 1.0] for point in points]) @ frames[frame, :3].T
+        for frame, points in (
+            (body.frame, (body.start_mm, body.end_mm)),
+            (joint, ((0.0, 0.0, -_LONG_MM), (0.0, 0.0, _LONG_MM))),
+        )
+    )
+    return bool(segment_to_segment_mm(start, end, low, high) <= body.radius_mm)
 
 
 def _two_of(arm: tuple[Capsule, ...]) -> list[tuple[int, int]]:

@@ -78,7 +78,12 @@ def first_contact(
         passed: at which targets the arm does not stand still but cuts the corner, shape (n,); None for none. It stays
             within the triangle of a target and its neighbours, so its joints are off by half their second difference
             there at most.
+
+    Raises:
+        ValueError: a target is not finite: nothing would be too near then.
     """
+    if not np.isfinite(way).all():
+        raise ValueError("a target of the way is not finite")
     if not gaps.pairs:
         return None
     if len(way) == 1:

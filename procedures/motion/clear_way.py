@@ -14,6 +14,9 @@ from procedures.bench import Bench, Reflector, Workspace
 from procedures.devices import Joints
 from procedures.errors import PlanError
 
+_LARGEST = 3600.0
+"""Of a joint, deg or mm: beyond is no place of an arm, and a way from there could not be looked at in time."""
+
 _STUCK = "the arm is too near where it begins: move it away with the controller's teach pendant"
 
 
@@ -79,9 +82,21 @@ def clear_part(here: Joints, target: Joints, bench: Bench) -> tuple[Joints, str 
 
 
 def _contact(way: Sequence[Joints], bench: Bench, passed: Sequence[bool] = ()) -> Contact | None:
+    _require_places(way)
     gaps = _gaps(bench.workspace, bench.reflectors, bench.arm.j3_mm)
     corners = np.array(passed) if passed and bench.arm.following == "blended" else None
     return first_contact(gaps, np.array(way), bench.workspace.clearance_mm, corners)
+
+
+def _require_places(way: Sequence[Joints]) -> None:
+    """Refuse joints that no arm has: distances from there would mean nothing."""
+    # Written so that what is not a number is refused too.
+    wrong = [place for place in way if not all(abs(joint) <= _LARGEST for joint in place)]
+    if wrong:
+        raise PlanError(
+            f"{_place(wrong[0])} is no place of an arm, so nothing can be said of a way there: see what the "
+            "controller reports, or correct the target"
+        )
 
 
 @lru_cache(maxsize=16)

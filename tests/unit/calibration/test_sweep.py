@@ -71,7 +71,25 @@ def test_an_arm_that_stands_is_judged_where_it_stands() -> None:
     assert first_contact(gaps(stands=(PIN,)), way((0.0, 40.0)), 1.0) is None
 
 
-def test_neighbours_are_not_compared() -> None:
+def test_a_neighbour_beside_the_joint_is_run_into() -> None:
+    turn = Chain((Joint("J1", "revolute", 0.0, 0.0, 0.0, 0.0, 1.0, -170.0, 170.0),))
+    link = Capsule("link", 1, (0.0, 0.0, 400.0), (300.0, 0.0, 400.0), 60.0)
+    column = Capsule("column", 0, (0.0, 0.0, 0.0), (0.0, 0.0, 400.0), 110.0)
+    post = Capsule("post", 0, (0.0, 250.0, 0.0), (0.0, 250.0, 500.0), 20.0)
+    found = Gaps(Scene(turn, (column, link, post)))
+    assert found.pairs == [("link", "post")]
+    # The link's side is 85 mm from the post's axis where the two keep 5 mm.
+    contact = first_contact(found, np.array([[0.0], [90.0]]), 5.0)
+    assert contact is not None
+    assert 90.0 * contact.clear_share == pytest.approx(np.degrees(np.arccos(85.0 / 250.0)), abs=0.1)
+
+
+def test_neighbours_that_meet_at_their_joint_are_not_compared() -> None:
     carriage = Capsule("carriage", 1, (0.0, 0.0, 0.0), (0.0, 0.0, 0.0), 50.0)
     rail = Capsule("rail", 0, (0.0, 0.0, 0.0), (0.0, 0.0, 0.0), 10.0)
     assert Gaps(Scene(SLIDE, (rail, carriage, BALL))).pairs == [("ball", "rail")]
+
+
+def test_a_way_through_no_number_is_refused() -> None:
+    with pytest.raises(ValueError, match="not finite"):
+        first_contact(gaps(stands=(PIN,)), way((0.0, 40.0), (float("nan"), 40.0)), 1.0)

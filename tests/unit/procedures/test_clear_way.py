@@ -1,5 +1,6 @@
 """The bodies of the arm keep clear of each other and of what stands around: ways judged by an oracle."""
 
+import math
 from collections.abc import Sequence
 from dataclasses import replace
 
@@ -100,3 +101,9 @@ def test_a_check_of_the_targets_alone_would_be_found_out() -> None:
         return None
 
     assert tried(seed=11, count=40, check=at_targets).collisions != []
+
+
+@pytest.mark.parametrize("j1_deg", [math.nan, math.inf, 1e9])
+def test_joints_that_no_arm_has_are_refused(j1_deg: float) -> None:
+    with pytest.raises(PlanError, match="is no place of an arm"):
+        way_refusal([(j1_deg, 0.0, 12.5, 0.0), HOME], bench())
