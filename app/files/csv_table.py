@@ -150,7 +150,13 @@ def cells_of(path: Path, number: int, line: str) -> list[str]:
     Raises:
         UsageError: it is no line that a table may have.
     """
-    cells = next(csv.reader([require_line(path, number, line)]))
+    try:
+        cells = next(csv.reader([require_line(path, number, line)]))
+    except csv.Error as error:
+        # Such as a carriage return alone within it, with which other systems ended lines.
+        raise UsageError(
+            f"{path}:{number}: is no line of a table ({error}); export it as CSV whose lines end with line feeds"
+        ) from error
     return [unmarked(cell.strip()) for cell in cells]
 
 

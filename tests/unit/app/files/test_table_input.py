@@ -137,3 +137,11 @@ def test_a_number_of_5000_digits_is_named(tmp_path: Path, read: Callable[[Path],
         path.write_text(f"{header}\n{','.join(cells)}\n")
         with pytest.raises(UsageError, match=r"table\.csv:"):
             read(path)
+
+
+def test_lines_that_end_with_carriage_returns_alone_are_named(tmp_path: Path) -> None:
+    path = tmp_path / "points.csv"
+    path.write_bytes(f"{POINTS}\r{ROW}\r{ROW}\r".encode())
+    assert points(path) == 2
+    with pytest.raises(UsageError, match=r"points\.csv:1: is no line of a table"):
+        blocks(path)
