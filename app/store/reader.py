@@ -1,6 +1,7 @@
 """Reading a run without changing it, whether it is finished, under way or dead."""
 
 import json
+import math
 import sqlite3
 from collections.abc import Iterator
 from contextlib import closing, contextmanager
@@ -266,6 +267,10 @@ class RunReader:
                     texts.append(f"row {number} of {table} is missing")
                 elif row_crc32(table, rows[number]) != crc32:
                     texts.append(f"row {number} of {table} is not what was written")
+        # Rows from before an upgrade have no entry; whatever was stored after the first entry has one.
+        first = min(entries, default=math.inf)
+        unlisted = [number for number in rows if number > first and number not in entries]
+        texts += [f"row {number} of {table} has no entry in the journal" for number in unlisted]
         return texts
 
     def _query(self, sql: str) -> list[sqlite3.Row]:

@@ -18,6 +18,9 @@ DATABASE = "run.sqlite"
 WIRE_LOG = "wire.log"
 APP_LOG = "app.log"
 
+_LARGEST_MANIFEST_BYTES = 4 * 1024 * 1024
+"""Of the few files of a run; whoever lists runs reads every manifest whole."""
+
 _DRAFT = f"{MANIFEST}.tmp"
 
 # SQLite's shared memory file is an index of the log beside it: it carries no data and changes when read.
@@ -96,12 +99,15 @@ def read_manifest(directory: Path) -> Manifest | None:
     """Return the manifest, None when the run is not sealed.
 
     Raises:
-        StorageError: the manifest is damaged.
+        StorageError: the manifest is damaged, or so large that it is none.
     """
     path = directory / MANIFEST
     try:
         with _held(path) as descriptor, open(descriptor, "rb", closefd=False) as file:
-            return Manifest.model_validate_json(file.read())
+            raw = file.read(_LARGEST_MANIFEST_BYTES + 1)
+            if len(raw) > _LARGEST_MANIFEST_BYTES:
+                raise OSError(f"it is larger than {_LARGEST_MANIFEST_BYTES} bytes, which no manifest is")
+            return Manifest.model_validate_json(raw)
     except FileNotFoundError:
         return None
     except ValidationError as error:

@@ -1,6 +1,7 @@
 """Whether a run's files are what was written; asked before anybody uses what they say."""
 
 import os
+import sqlite3
 from collections.abc import Callable
 from contextlib import closing
 from pathlib import Path
@@ -48,9 +49,24 @@ def integrity(database: Path) -> tuple[str, ...]:
     with closing(open_reader(database)) as connection:
         try:
             found = tuple(str(row[0]) for row in connection.execute("PRAGMA integrity_check"))
+            whole_bytes = _value(connection, "page_count") * _value(connection, "page_size")
         except UNREADABLE as error:
             return (str(error),)
-    return () if found == ("ok",) else found
+    return _cut_short(database, whole_bytes) if found == ("ok",) else found
+
+
+def _value(connection: sqlite3.Connection, pragma: str) -> int:
+    return int(connection.execute(f"PRAGMA {pragma}").fetchone()[0])
+
+
+def _cut_short(database: Path, whole_bytes: int) -> tuple[str, ...]:
+    """Return that the last page is not whole: SQLite takes zeros for what is missing of it."""
+    log = Path(f"{database}-wal")
+    if log.exists() and log.stat().st_size:
+        # The newest pages are in the log; the file itself may be shorter.
+        return ()
+    there_bytes = database.stat().st_size
+    return () if there_bytes >= whole_bytes else (f"it ends after {there_bytes} of {whole_bytes} bytes",)
 
 
 def _changes(directory: Path) -> tuple[str, ...]:

@@ -96,3 +96,12 @@ def test_a_manifest_that_is_no_file_is_refused(run: Path, outside: Path, kind: s
             path.mkdir()
     with pytest.raises(StorageError, match=MANIFEST):
         seal.read_manifest(run)
+
+
+def test_a_manifest_without_end_is_refused(run: Path) -> None:
+    seal.seal(run, NOW_UTC)
+    (run / MANIFEST).chmod(0o644)
+    # A hole: it takes no room on the disk and all of the memory when it is read.
+    os.truncate(run / MANIFEST, 1 << 40)
+    with pytest.raises(StorageError, match=r"manifest\.json cannot be read: it is larger"):
+        seal.read_manifest(run)

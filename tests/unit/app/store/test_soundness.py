@@ -93,6 +93,13 @@ async def test_a_missing_last_row_of_an_unsealed_run_is_refused(tmp_path: Path) 
         RunReader(run).search()
 
 
+async def test_a_row_without_an_entry_in_the_journal_is_refused(tmp_path: Path) -> None:
+    run = await stored(tmp_path, None)
+    tamper(run, "DELETE FROM journal WHERE of = 'search' AND row = 2")
+    with pytest.raises(StorageError, match="row 2 of search has no entry in the journal"):
+        RunReader(run).search()
+
+
 async def test_a_list_of_runs_reads_no_file_whole(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     run = await stored(tmp_path)
     monkeypatch.setattr("app.store.soundness.digest", lambda _directory: pytest.fail("hashed"))
