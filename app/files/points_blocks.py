@@ -9,7 +9,15 @@ from typing import Any, BinaryIO
 import numpy as np
 
 from app.errors import ConfigError, UsageError
-from app.files.csv_table import LONGEST_LINE, csv_row, header_of, is_talk, named_faults, require_line
+from app.files.csv_table import (
+    LONGEST_LINE,
+    csv_row,
+    header_of,
+    is_talk,
+    named_faults,
+    require_file,
+    require_line,
+)
 from app.files.point_columns import PointColumns, columns_of
 from app.files.points_csv import COLUMNS, LARGEST_SEGMENT, point_row, require_columns
 from calibration.types import Floats, Ints
@@ -138,6 +146,8 @@ def _parquet_blocks(path: Path, known: Sequence[str]) -> Iterator[tuple[float, P
         parquet = importlib.import_module("pyarrow.parquet")
     except ImportError as error:
         raise ConfigError("Parquet needs an extra package: pip install 'catseye[parquet]'") from error
+    # Parquet is read from its end, which a pipe does not have.
+    require_file(path)
     try:
         with parquet.ParquetFile(path) as file:
             present = file.schema_arrow.names
@@ -157,15 +167,15 @@ def _parquet_blocks(path: Path, known: Sequence[str]) -> Iterator[tuple[float, P
                     )
                 read += len(columns)
                 yield read / total, columns
-    except FileNotFoundError as error:
-        raise UsageError(f"{path}: there is no such file") from error
-    except (OSError, ValueError) as error:
+    except (OSError, ValueError, NotImplementedError) as error:
+        # The last one is how pyarrow says that a column of lists or tables is none of numbers.
         raise UsageError(f"{path}: cannot be read as Parquet: {error}") from error
 
 
 def _batch_columns(batch: Any, known: Sequence[str]) -> PointColumns:
     names = batch.column("reflector").cast("string").dictionary_encode()
-    index = _index(np.array(names.dictionary.to_pylist(), dtype=np.str_), known)
+    # A name that is missing has the place -1: what stands last.
+    index = np.append(_index(np.array(names.dictionary.to_pylist(), dtype=np.str_), known), -1)
     # Values that are missing become NaN, which no check lets pass.
     numbers = {
         name: np.asarray(batch.column(name).cast("double").to_numpy(zero_copy_only=False), dtype=np.float64)
@@ -175,9 +185,8 @@ def _batch_columns(batch: Any, known: Sequence[str]) -> PointColumns:
     places = np.nan_to_num(
         np.asarray(names.indices.to_numpy(zero_copy_only=False), dtype=np.float64), nan=-1.0
     )
-    reflector = np.where(places < 0.0, -1, index[places.astype(np.int64)])
     return PointColumns(
-        reflector,
+        index[places.astype(np.int64)],
         _segments(numbers["segment"]),
         numbers["theta1_deg"],
         numbers["theta2_deg"],

@@ -3,6 +3,7 @@
 import csv
 import importlib
 import io
+import os
 from collections.abc import Callable
 from pathlib import Path
 
@@ -180,6 +181,28 @@ def test_a_wrong_value_of_parquet_is_told_with_its_row(tmp_path: Path, column: s
     columns[column][99] = value
     with pytest.raises(UsageError, match=rf"points.parquet: row 100: {column} = {value!r}"):
         read(parquet_file(tmp_path / "points.parquet", columns))
+
+
+@pytest.mark.parametrize(
+    ("column", "values", "text"),
+    [
+        ("reflector", [None] * ROWS, "row 1: reflector = None cannot be"),
+        ("reflector", [["P1"]] * ROWS, "cannot be read as Parquet"),
+        ("theta1_deg", [{"deg": 1.0}] * ROWS, "cannot be read as Parquet"),
+    ],
+)
+def test_parquet_with_a_column_of_another_kind_is_refused(
+    tmp_path: Path, column: str, values: list[object], text: str
+) -> None:
+    columns = table() | {column: values}
+    with pytest.raises(UsageError, match=rf"points.parquet: {text}"):
+        read(parquet_file(tmp_path / "points.parquet", columns))
+
+
+def test_parquet_from_a_pipe_is_refused(tmp_path: Path) -> None:
+    os.mkfifo(tmp_path / "points.parquet")
+    with pytest.raises(UsageError, match="is a pipe, not a regular file"):
+        read(tmp_path / "points.parquet")
 
 
 def test_parquet_without_a_column_or_that_is_none(tmp_path: Path) -> None:
