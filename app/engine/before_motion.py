@@ -40,7 +40,8 @@ def beyond(limits: JointLimits, own: OwnLimits) -> list[str]:
         f"robot.{key} = [{wish[0]:g}, {wish[1]:g}] goes beyond the controller's own limits {low:g}…{high:g} "
         "(parameter MEJAR), where it refuses to move: narrow it in the cell file"
         for key, wish, (low, high) in wanted
-        if wish is not None and (wish[0] < low - _SAME or wish[1] > high + _SAME)
+        # Written so that a limit that is not a number is no limit.
+        if wish is not None and not (low - _SAME <= wish[0] and wish[1] <= high + _SAME)
     ]
 
 

@@ -1,5 +1,6 @@
 """Bodies in the way of a motion, at the gate and in the rehearsal; what is said and compared before a run moves."""
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -111,3 +112,8 @@ def test_every_joint_is_compared_with_the_controller() -> None:
     narrow = ((-90.0, 90.0), (-90.0, 90.0), (10.0, 20.0), (-90.0, 90.0))
     assert beyond(LIMITS, OWN) == []
     assert len(beyond(replace(LIMITS, j3_mm=(0.0, 50.0)), narrow)) == 4
+
+
+def test_a_limit_that_is_no_number_permits_nothing() -> None:
+    unknown = ((math.nan, math.nan), *OWN[1:])
+    assert len(beyond(LIMITS, unknown)) == 1
