@@ -18,8 +18,12 @@ from pathlib import Path
 
 from drivers.errors import LinkError
 from drivers.record import Direction
+from drivers.user_file import read_regular
 
 Step = tuple[Direction, bytes]
+
+LARGEST_TRANSCRIPT_BYTES = 128 * 1024 * 1024
+"""Runs cut theirs at half of this."""
 
 _SHOWN_BYTES = 16
 
@@ -158,14 +162,16 @@ def load_transcript(path: Path, device: str = "") -> list[Step]:
         device: its name; empty takes every line.
 
     Raises:
+        OSError: the file is missing, no regular one, or too large.
         ValueError: a line is none; the text names file and line.
     """
     steps: list[Step] = []
-    for number, line in enumerate(path.read_text(encoding="utf-8").splitlines(), 1):
+    raw = read_regular(path, LARGEST_TRANSCRIPT_BYTES)
+    for number, line in enumerate(raw.decode("utf-8").splitlines(), 1):
         try:
             row = json.loads(line)
             direction, data = row["direction"], bytes.fromhex(row["hex"])
-        except (ValueError, KeyError, TypeError) as exc:
+        except (ValueError, KeyError, TypeError, RecursionError) as exc:
             raise ValueError(f"{path}:{number}: not a line of a transcript ({exc})") from None
         if direction not in {"tx", "rx"}:
             raise ValueError(f"{path}:{number}: direction has to be tx or rx, not {direction!r}")

@@ -1,6 +1,7 @@
 """Conversations of the past, played again."""
 
 import asyncio
+import os
 from pathlib import Path
 
 import pytest
@@ -123,3 +124,16 @@ def test_a_line_that_is_none_is_named(tmp_path: Path, line: str) -> None:
     log.write_text(f'{{"direction": "tx", "hex": "00"}}\n{line}\n')
     with pytest.raises(ValueError, match=r"wire\.log:2: "):
         load_transcript(log)
+
+
+def test_a_transcript_that_is_no_file_is_refused(tmp_path: Path) -> None:
+    # Opened, a pipe that nobody writes would be waited for.
+    os.mkfifo(tmp_path / "wire.log")
+    with pytest.raises(OSError, match="is a pipe, not a regular file"):
+        load_transcript(tmp_path / "wire.log")
+
+
+def test_a_line_nested_too_deeply_is_named(tmp_path: Path) -> None:
+    (tmp_path / "wire.log").write_text("[" * 100_000)
+    with pytest.raises(ValueError, match=r"wire\.log:1: "):
+        load_transcript(tmp_path / "wire.log")
