@@ -7,6 +7,13 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 
 _CHUNK_BYTES = 65_536
+
+_LONGEST_LINE_BYTES = 65_536
+"""A device such as /dev/zero never ends a line, and would take all memory."""
+
+_MOST_CHUNKS = 64
+"""Of what never keeps anybody waiting: it is read at once, and a device without end would be read for ever."""
+
 _FOREGROUND_POLL_S = 0.5
 
 
@@ -18,7 +25,7 @@ class Lines:
     Args:
         descriptor: to read.
         on_line: takes each line, without its end.
-        on_end: is told that none follows.
+        on_end: is told that none follows, or none that anybody types.
         keys: takes single keys from what was read and returns what belongs to lines.
     """
 
@@ -55,8 +62,12 @@ class Lines:
             asyncio.get_running_loop().add_reader(self._descriptor, self._readable)
         except PermissionError:
             # A plain file, or the null device: it never keeps anybody waiting.
-            while self._open:
+            for _ in range(_MOST_CHUNKS):
+                if not self._open:
+                    return
                 self._readable()
+            if self._open:
+                self._end()
 
     def _pause(self) -> None:
         asyncio.get_running_loop().remove_reader(self._descriptor)
@@ -73,13 +84,18 @@ class Lines:
         except OSError:
             chunk = b""
         if not chunk:
-            self._pause()
-            self._open = False
-            self._on_end()
+            self._end()
             return
         *lines, self._rest = (self._rest + self._keys(chunk)).split(b"\n")
         for line in lines:
             self._on_line(line.decode(errors="replace").rstrip("\r"))
+        if len(self._rest) > _LONGEST_LINE_BYTES:
+            self._end()
+
+    def _end(self) -> None:
+        self._pause()
+        self._open = False
+        self._on_end()
 
 
 def in_foreground(descriptor: int) -> bool:

@@ -61,6 +61,38 @@ async def test_a_plain_file_and_the_null_device_are_read_at_once(tmp_path: Path)
         assert typed == [*lines, "end"]
 
 
+@pytest.mark.parametrize("device", ["/dev/zero", "/dev/full"])
+async def test_a_device_without_end_is_given_up(device: str) -> None:
+    typed: list[str] = []
+    descriptor = os.open(device, os.O_RDONLY)
+    with Lines(descriptor, typed.append, partial(typed.append, "end")).read():
+        pass
+    os.close(descriptor)
+    assert typed == ["end"]
+
+
+async def test_lines_without_end_leave_the_loop_free(tmp_path: Path) -> None:
+    typed: list[str] = []
+    file = tmp_path / "lines"
+    file.write_bytes(b"g\n" * 4_000_000)
+    descriptor = os.open(file, os.O_RDONLY)
+    with Lines(descriptor, typed.append, partial(typed.append, "end")).read():
+        pass
+    os.close(descriptor)
+    assert typed[-1] == "end"
+    assert len(typed) < 4_000_000
+
+
+async def test_a_line_without_end_from_a_pipe_is_given_up() -> None:
+    typed: list[str] = []
+    with piped() as (reading, writing), Lines(reading, typed.append, partial(typed.append, "end")).read():
+        os.set_blocking(writing, False)
+        for _ in range(3):
+            os.write(writing, b"x" * 30_000)
+            await settled(5)
+    assert typed == ["end"]
+
+
 async def test_a_process_in_the_background_leaves_its_terminal_alone(monkeypatch: pytest.MonkeyPatch) -> None:
     typed: list[str] = []
     master, slave = pty.openpty()
