@@ -59,7 +59,9 @@ class Manifest(BaseModel):
 
 def digest(directory: Path) -> dict[str, SealedFile]:
     """Return the digests of a run's files; links, pipes, devices and folders are none."""
-    return {path.name: _digest_file(path) for path in _own_files(directory) if path.name not in _IGNORED}
+    return {
+        _told(path.name): _digest_file(path) for path in _own_files(directory) if path.name not in _IGNORED
+    }
 
 
 def seal(directory: Path, created_utc: str) -> None:
@@ -114,6 +116,11 @@ def read_manifest(directory: Path) -> Manifest | None:
         raise StorageError(f"{path} is damaged: {error.errors()[0]['msg']}") from error
     except OSError as error:
         raise StorageError(f"{path} cannot be read: {error}") from error
+
+
+def _told(name: str) -> str:
+    """Return the name of a file for the manifest: bytes that are no UTF-8 stand as escapes, which JSON takes."""
+    return name.encode(errors="backslashreplace").decode()
 
 
 def _own_files(directory: Path) -> list[Path]:

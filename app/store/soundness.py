@@ -10,6 +10,7 @@ from app.errors import StorageError
 from app.store.lock import is_being_written
 from app.store.schema import UNREADABLE, open_reader
 from app.store.seal import DATABASE, Manifest, digest, read_manifest
+from drivers.device_text import harmless
 
 _Stamp = tuple[tuple[str, int, int, int, int], ...]
 
@@ -22,10 +23,10 @@ _MOST_KNOWN = 1000
 def differences(directory: Path, manifest: Manifest) -> tuple[str, ...]:
     """Return how a run's files differ from what was sealed; empty when they do not."""
     found = digest(directory)
-    problems = [f"{name} is missing" for name in manifest.files if name not in found]
-    problems += [f"{name} was added after the end" for name in found if name not in manifest.files]
+    problems = [f"{harmless(name)} is missing" for name in manifest.files if name not in found]
+    problems += [f"{harmless(name)} was added after the end" for name in found if name not in manifest.files]
     changed = [name for name, file in manifest.files.items() if name in found and found[name] != file]
-    return (*problems, *(f"{name} was changed after the end" for name in changed))
+    return (*problems, *(f"{harmless(name)} was changed after the end" for name in changed))
 
 
 def changes(directory: Path) -> tuple[str, ...]:

@@ -105,3 +105,8 @@ def test_a_manifest_without_end_is_refused(run: Path) -> None:
     os.truncate(run / MANIFEST, 1 << 40)
     with pytest.raises(StorageError, match=r"manifest\.json cannot be read: it is larger"):
         seal.read_manifest(run)
+
+
+def test_a_file_whose_name_is_no_text_is_sealed_too(run: Path) -> None:
+    (run / os.fsdecode(b"note\xff")).write_text("odd")
+    assert sealed_files_after(run) == {"run.sqlite", r"note\udcff"}

@@ -43,6 +43,11 @@ async def test_missing_and_added_files(run: Path) -> None:
     assert verify(run).problems == ("app.log is missing", "other.log was added after the end")
 
 
+async def test_a_name_of_an_added_file_commands_no_terminal(run: Path) -> None:
+    (run / "a\x1b[2J\nP1,0").touch()
+    assert verify(run).problems == (r"a\x1b[2J\nP1,0 was added after the end",)
+
+
 async def test_a_damaged_manifest(run: Path) -> None:
     (run / MANIFEST).chmod(0o644)
     (run / MANIFEST).write_text("{}")
