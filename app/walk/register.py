@@ -88,7 +88,7 @@ def walked_legs(root: Path, cell: Cell, arm: DeviceIdentity) -> list[Leg]:
     digest, found = geometry_digest(cell), []
     for path in paths_of(root, WALK):
         try:
-            if _holds(path, digest, arm):
+            if _holds(path, digest, arm, cell.robot.endpoint):
                 found += own_legs(path)
         except StorageError:
             # A record that cannot be read shows nothing; at worst a motion is walked again.
@@ -119,17 +119,23 @@ def _joints(stored: Any) -> Joints:
     return float(one), float(two), float(three), float(four)
 
 
-def _holds(path: Path, digest: str, arm: DeviceIdentity) -> bool:
+def _holds(path: Path, digest: str, arm: DeviceIdentity, endpoint: str) -> bool:
     meta = RunReader(path).meta
     walk: Any = meta.get(WALK) or {}
-    devices: Any = meta.get("devices") or {}
-    same = walk.get("geometry_sha256") == digest and _is_arm(devices.get("robot") or {}, arm)
+    same = walk.get("geometry_sha256") == digest and _is_arm(meta, arm, endpoint)
     return same and read_manifest(path) is not None and verify(path).ok
 
 
-def _is_arm(stored: Mapping[str, Json], arm: DeviceIdentity) -> bool:
-    return (stored.get("model"), stored.get("serial"), stored.get("simulated")) == (
-        arm.model,
-        arm.serial,
-        arm.simulated,
-    )
+def _is_arm(meta: Mapping[str, Any], arm: DeviceIdentity, endpoint: str) -> bool:
+    stored = (meta.get("devices") or {}).get("robot") or {}
+    told = ("model", "serial", "simulated")
+    if any(stored.get(name) != getattr(arm, name) for name in told):
+        return False
+    # Controllers of one model that tell no serial number are told from each other by where they are.
+    return bool(arm.serial) or arm.simulated or _endpoint(meta) == endpoint
+
+
+def _endpoint(meta: Mapping[str, Any]) -> Json:
+    robot: Any = (meta.get("configuration") or {}).get("robot") or {}
+    endpoint: Json = robot.get("endpoint")
+    return endpoint

@@ -176,6 +176,21 @@ async def test_a_walk_of_another_arm_does_not_count(bench: TourBench) -> None:
         assert walked_legs(bench.root, cell, other) == []
 
 
+async def test_arms_without_serial_numbers_are_told_by_their_endpoint(
+    real: TourBench, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    nameless = Identity("fake", "1.0", "", False)
+
+    async def connect() -> Identity:
+        return nameless
+
+    monkeypatch.setattr(real.fakes.robot, "connect", connect)
+    await real.walk()
+    assert len(walked_legs(real.root, real.planned().loaded.cell, nameless)) == 2
+    real.cell_text = real.cell_text.replace("tcp://127.0.0.1:10001", "tcp://127.0.0.1:10009")
+    assert walked_legs(real.root, real.planned().loaded.cell, nameless) == []
+
+
 @pytest.mark.parametrize(
     ("old", "new", "holds"),
     [
