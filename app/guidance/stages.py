@@ -158,4 +158,6 @@ def _runs_of(path: Path) -> list[str]:
         return []
     if data.get("model") != "error-map":
         return []
-    return [str(run) for run in (data.get("provenance") or {}).get("runs", [])]
+    provenance = data.get("provenance")
+    runs = provenance.get("runs") if isinstance(provenance, dict) else None
+    return [str(run) for run in runs] if isinstance(runs, list) else []

@@ -164,6 +164,13 @@ def test_lost_devices_are_missing_and_unknown_ones_are_not() -> None:
     assert links_need([{"name": "robot", "link": "connecting"}]).met == "advised"
 
 
+@pytest.mark.parametrize("provenance", ["anywhere", ["a run"], {"runs": None}, {"runs": 7}, None])
+def test_a_result_file_of_another_shape_names_no_run(tmp_path: Path, provenance: Json) -> None:
+    document = {"format": "catseye-result/1", "model": "error-map", "provenance": provenance}
+    (tmp_path / "odd.json").write_text(json.dumps(document))
+    assert not results_in([tmp_path])
+
+
 def test_only_error_maps_count_as_results(tmp_path: Path) -> None:
     (tmp_path / "a.json").write_text("{")
     (tmp_path / "b.json").write_text('{"format": "catseye-result/1", "model": "conventional"}')
