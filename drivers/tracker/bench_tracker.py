@@ -1,6 +1,7 @@
 """The emulated laser tracker of the emulated bench, reached through its control port: one JSON object a line."""
 
 import json
+import math
 from dataclasses import dataclass
 from typing import Any, ClassVar, Self
 
@@ -161,8 +162,8 @@ class BenchTracker:
             _encode("tracker"), ObjectDecoder, timeout_s, repeat=Repeat.HARMLESS
         )
         try:
-            return TrackerPosition(*(float(answer[key]) for key in ("x_mm", "y_mm", "u_mm")))
-        except (KeyError, TypeError, ValueError):
+            return TrackerPosition(*(_finite(answer[key]) for key in ("x_mm", "y_mm", "u_mm")))
+        except (KeyError, TypeError, ValueError, OverflowError):
             self._link.distrust("no position came")
             raise ProtocolError(
                 f"{self._link.where}: no position in {answer!r}: check that the emulated bench is of the same "
@@ -202,6 +203,13 @@ class BenchTracker:
             f"{self._link.where}: no emulated bench answers here, first bytes {came!r}: the tracker's endpoint has "
             f"to be the bench's control port; {cause}"
         )
+
+
+def _finite(value: Any) -> float:
+    number = float(value)
+    if not math.isfinite(number):
+        raise ValueError(value)
+    return number
 
 
 def _encode(operation: str) -> bytes:

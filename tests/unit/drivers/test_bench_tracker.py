@@ -135,3 +135,13 @@ def test_an_endless_line_is_refused() -> None:
     assert decoder.feed(b"1" * 65536) is None
     with pytest.raises(ProtocolError, match="does not end"):
         decoder.feed(b"1")
+
+
+@pytest.mark.parametrize("x_mm", ["NaN", "1e999", f"1{'0' * 400}"])
+async def test_a_position_that_is_no_number_is_none(x_mm: str) -> None:
+    port = Port()
+    port.tracker = [[f'{{"ok": true, "x_mm": {x_mm}, "y_mm": 0.0, "u_mm": 0.1}}\n']]
+    async with bench(port) as (tracker, _):
+        await tracker.connect()
+        with pytest.raises(ProtocolError, match="no position in"):
+            await tracker.locate()
