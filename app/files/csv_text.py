@@ -9,7 +9,8 @@ from typing import Final
 _MARK: Final = "'"
 """Spreadsheets take a cell behind it for text."""
 
-_FORMULA: Final = re.compile(r"'*(\s*[=+\-@]|[\t\r\n])")
+# Some spreadsheets take the signs of full width for the plain ones.
+_FORMULA: Final = re.compile(r"'*(\s*[=+\-@\uff1d\uff0b\uff0d\uff20]|[\t\r\n])")
 _MARKED: Final = re.compile(_MARK + _FORMULA.pattern)
 _NUMBER: Final = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?")
 

@@ -85,10 +85,10 @@ def parse_json(text: str | bytes, where: object) -> Any:
     """Return the value of a JSON text.
 
     Raises:
-        ConfigError: it is no JSON, nested too deeply, or holds an integer beyond 64 bits.
+        ConfigError: it is no JSON, nested too deeply, or holds NaN, infinity or an integer beyond 64 bits.
     """
     try:
-        return json.loads(text, parse_int=_integer)
+        return json.loads(text, parse_int=_integer, parse_constant=_no_number)
     except RecursionError as error:
         raise ConfigError(f"{where}: not a JSON file: its objects or lists are nested too deeply") from error
     except ValueError as error:
@@ -99,6 +99,10 @@ def _integer(digits: str) -> int:
     if len(digits) > _INTEGER_DIGITS or abs(int(digits)) > LARGEST_INTEGER:
         raise ValueError(TOO_LONG)
     return int(digits)
+
+
+def _no_number(name: str) -> None:
+    raise ValueError(f"{name} is no number of JSON")
 
 
 def read_truth(path: Path) -> dict[str, Any]:

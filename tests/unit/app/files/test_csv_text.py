@@ -25,8 +25,10 @@ FORMULAS = (
     "-",
     "'=1",
     "''+x",
+    "\uff1d1+1",
+    " \uff20SUM(A1)",
 )
-BEGINNINGS = ("=", "+", "-", "@", "\t", "\r", "\n")
+BEGINNINGS = ("=", "+", "-", "@", "\uff1d", "\uff0b", "\uff0d", "\uff20", "\t", "\r", "\n")
 
 
 def cells(text: str) -> list[list[str]]:

@@ -137,3 +137,9 @@ def test_thousands_of_faults_are_told_in_few_lines(tmp_path: Path) -> None:
     with pytest.raises(ConfigError, match="further faults") as caught:
         load_cell(path)
     assert str(caught.value).count("\n") < 60
+
+
+@pytest.mark.parametrize("constant", ["NaN", "Infinity", "-Infinity"])
+def test_json_with_what_is_no_number_is_refused(constant: str) -> None:
+    with pytest.raises(ConfigError, match=f"{constant} is no number of JSON"):
+        parse_json(f'{{"link1_mm": {constant}}}', "truth.json")
