@@ -85,10 +85,10 @@ def runs_of_cell(root: Path, cell: str, now: datetime) -> CellRuns:
             if reader.meta.get("cell") != cell:
                 continue
             going = run.status not in {"complete", "running", "damaged"} and not why_not_resumable(reader)
-            last = reader.events()[-1].time_utc
-        except (StorageError, IndexError):
-            # Nobody knows whose a run is that cannot be read.
+            last = datetime.fromisoformat(reader.events()[-1].time_utc)
+            age_s = max(0.0, (now - last).total_seconds())
+        except (StorageError, IndexError, TypeError, ValueError):
+            # Nobody knows whose a run is that cannot be read; a changed one may have any text for a time.
             continue
-        age_s = max(0.0, (now - datetime.fromisoformat(last)).total_seconds())
         found.append(CellRun(run.name, run.procedure, run.status, age_s, going))
     return CellRuns(found)

@@ -1,6 +1,8 @@
 """The next sensible step follows what is stored of a cell, and nothing else."""
 
 import json
+import sqlite3
+from contextlib import closing
 from datetime import UTC, datetime, timedelta
 from pathlib import Path
 
@@ -153,6 +155,19 @@ async def test_last_runs_and_needs_are_told(history: History, capsys: pytest.Cap
     out = capsys.readouterr()
     assert "→ beam-level" in out.out
     assert out.err.startswith("next: catseye run beam-level")
+
+
+@pytest.mark.parametrize("time_utc", ["2026-11-2", "2026-11-21T09:00:00"])
+async def test_a_run_with_a_changed_time_is_passed_over(history: History, time_utc: str) -> None:
+    sound = await history.put("warmup")
+    changed = await history.put("warmup")
+    database = history.root / changed / "run.sqlite"
+    database.chmod(0o644)
+    with closing(sqlite3.connect(database, isolation_level=None)) as connection:
+        connection.execute("DROP TRIGGER events_no_update")
+        connection.execute("UPDATE events SET time_utc = ?", (time_utc,))
+    found = runs_of_cell(history.root, "lab-1", history.clock.now_utc())
+    assert [found.named(name) is not None for name in (sound, changed)] == [True, False]
 
 
 def test_lost_devices_are_missing_and_unknown_ones_are_not() -> None:
