@@ -101,6 +101,7 @@ class RequestLink:
         self._lock = asyncio.Lock()
         self._is_open = False
         self._doubt = ""
+        self._urgent = ""
         self._received = b""
         self._floods = False
         self._ended = False
@@ -222,7 +223,7 @@ class RequestLink:
         Raises:
             LinkError: the link is closed or takes no bytes.
         """
-        self._doubt = f"{data!r} was put in past a request in flight"
+        self._doubt = self._urgent = f"{data!r} was put in past a request in flight"
         self._transport.send_urgent(data, cut=cut)
 
     @property
@@ -248,7 +249,7 @@ class RequestLink:
             LinkError: the link is lost.
             ProtocolError: garbage came.
         """
-        if why := self._unasked():
+        if why := self._urgent or self._unasked():
             # After a greeting, or within one; a request on a link in step has looked already.
             self._doubt = why
             raise LinkError(f"{self.where}: the link is out of step ({why}): nothing was sent")
@@ -321,6 +322,7 @@ class RequestLink:
         if self._identify is None or not self._can_be_read():
             return False
         for _ in range(_ATTEMPTS_IN_PLACE):
+            self._urgent = ""
             try:
                 await self._drain()
                 await self._identify()
@@ -342,6 +344,8 @@ class RequestLink:
             await self._transport.open()
         except LinkError as exc:
             raise UnreachableError(str(exc)) from None
+        # What is put in from here on has its answer on this connection.
+        self._urgent = ""
         if not self._is_open:
             # `close` came while the transport was being opened and found nothing to close.
             await self._transport.close()

@@ -72,11 +72,12 @@ class Halt:
             self._taken.set()
 
     async def _repeat(self) -> None:
-        """Write STOP again where no look does."""
+        """Write STOP again where no look does; as long as none was taken, on a link that was just opened too."""
         while True:
             await asyncio.sleep(PERIOD_S)
             for session in self._connections.all:
-                if session.link.floods or session not in self._connections.askers:
+                looks = session in self._connections.askers and not session.link.floods
+                if not looks or not self._taken.is_set():
                     self._write(session)
 
     async def _look(self, session: Session) -> None:

@@ -249,6 +249,29 @@ async def test_a_shout_leaves_the_link_out_of_step_even_if_the_answer_comes() ->
         await link.close()
 
 
+async def test_a_shout_into_a_greeting_leaves_the_link_out_of_step() -> None:
+    """Its answer may come late and would be taken for that to the first request."""
+    slow = Slow()
+    shouts = iter([True])
+
+    async def greet() -> None:
+        asking = asyncio.create_task(link.exchange(b"who?", Line(), LONG_S))
+        await asyncio.sleep(0)
+        if next(shouts, False):
+            link.send_urgent(b"slow?", cut=b"\n")
+        assert await asking == "answer to who"
+        await link.exchange(b"what?", Line(), LONG_S)
+
+    async with Peer(slow.answer, on_hang_up=slow.hang_up) as peer:
+        link = RequestLink(peer.transport, name="device", greet=greet, quiet_s=QUIET_S)
+        with pytest.raises(LinkError, match="put in past"):
+            await link.open()
+        await link.open()
+        assert await link.request(b"speed?", Line, LONG_S) == "answer to speed"
+        await link.close()
+    assert peer.requests == [b"who?", b"slow?", b"who?", b"what?", b"speed?"]
+
+
 async def test_a_closed_link_stays_closed() -> None:
     async with Peer(echo) as peer:
         link = make(peer.transport)

@@ -17,6 +17,7 @@ from drivers.melfa.robot import MelfaR3
 from drivers.melfa.settings import MelfaSettings
 from drivers.memory import MemoryTransport
 from drivers.record import RecordingTransport
+from tests.patience import HANG_S
 from tests.unit.drivers.melfa_bench import JPOS, OPEN, QUICK, START, STATE, TARGET, Controller, bench
 from tests.unit.drivers.peers import Peer, StepClock, until
 
@@ -255,6 +256,29 @@ async def test_stop_that_cannot_be_sent_calls_for_the_emergency_stop() -> None:
             await b.robot.stop()
         for peer in (b.main, b.aside):
             await peer.far.open()
+
+
+async def test_stop_goes_out_as_soon_as_a_link_is_open_again() -> None:
+    """The one connection is closed for healing when STOP is called; its greeting is not answered for a while."""
+    controller = Controller()
+    async with Peer(controller.answer, endpoint="memory://robot") as main:
+        robot = MelfaR3(
+            main.transport, None, StepClock(), MelfaSettings(**{**QUICK, "answer_timeout_s": 5.0})
+        )
+        await robot.connect()
+        controller.replies["OPEN"] = list
+        await main.transport.close()
+        stopping = asyncio.create_task(robot.stop())
+        async with asyncio.timeout(HANG_S):
+            while b"1;1;STOP\r" not in main.requests:  # noqa: ASYNC110  # real time, as the pause between two STOPs
+                await asyncio.sleep(0.01)
+        assert main.requests[-2:] == [b"1;1;OPEN=CATSEYE\r", b"1;1;STOP\r"]
+        stopping.cancel()
+        del controller.replies["OPEN"]
+        await main.say(b"QoK?")
+        with pytest.raises(asyncio.CancelledError):
+            await stopping
+        await robot.close()
 
 
 async def test_close_does_not_wait_for_a_motion(monkeypatch: pytest.MonkeyPatch) -> None:
