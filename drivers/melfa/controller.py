@@ -259,11 +259,12 @@ class MelfaController:
             NotReadyError: refused for a reason that an operator has to look at.
             ValueError: there is no such joint.
         """
+        permit = self._watch_stops()
         await self._session.link.ensure()
         await self._take_right()
         async with (
             self._guarded(),
-            jogging(self._session, directions, self._stop, self._watch_stops()) as jog,
+            jogging(self._session, directions, self._stop, permit) as jog,
         ):
             yield jog
 

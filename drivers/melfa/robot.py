@@ -385,8 +385,12 @@ class MelfaR3:
             self._main.link.distrust("the override could not be restored")
             raise
 
-    async def start_program(self, name: str) -> None:
+    async def start_program(self, name: str, permit: Callable[[], None]) -> None:
         """Reset the slot and start a program from its first line, once (sheet 1.9).
+
+        Args:
+            name: of the program.
+            permit: is asked right before the start is written; what it raises keeps it from being sent.
 
         Raises:
             AlarmError: an alarm is active.
@@ -395,8 +399,8 @@ class MelfaR3:
             LinkError: lost or silent.
         """
         await self.take_right()
-        await self._main.command("RSTPRG")
-        await self._main.command(f"RUN{name};1", permit=self._guard.permit)
+        await self._main.command("RSTPRG", repeat=Repeat.HARMLESS)
+        await self._main.command(f"RUN{name};1", permit=permit)
 
     async def account_for(self, target: Joints, lost: DeviceError) -> None:
         """Ask where the robot is after the answer to a motion was lost; go on only if it stands at the target.

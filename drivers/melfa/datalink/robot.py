@@ -171,8 +171,9 @@ class MelfaDatalink(LedArm):
             ValueError: no target, or a joint is not a finite number.
         """
         require_way(way)
+        permit = self._controller.watch_stops()
         async with self._controller.guarded():
-            await self._follow(way, self._controller.watch_stops())
+            await self._follow(way, permit)
 
     async def _follow(self, way: Sequence[Joints], permit: Callable[[], None]) -> None:
         try:
@@ -191,7 +192,7 @@ class MelfaDatalink(LedArm):
 
     async def _lead(self, part: Sequence[Joints], permit: Callable[[], None]) -> None:
         for attempt in range(1, ATTEMPTS + 1):
-            await self._ready()
+            await self._ready(permit)
             await self._link.repeated(partial(self._send, part))
             try:
                 await self._drive(part[-1], permit)
@@ -202,19 +203,19 @@ class MelfaDatalink(LedArm):
             else:
                 return
 
-    async def _ready(self) -> None:
+    async def _ready(self, permit: Callable[[], None]) -> None:
         """Have the program run, in a state in which it may move the arm."""
         if self._halted:
-            await self._restart()
+            await self._restart(permit)
         await self._link.repeated(self._link.ensure)
 
-    async def _restart(self) -> None:
+    async def _restart(self, permit: Callable[[], None]) -> None:
         if not self._settings.program:
             raise RefusedError(f"{self._link.where}: the program stands after a stop: {_START_IT}", 0)
         # A stop meanwhile sets it again.
         self._halted = False
         try:
-            await self._controller.start_program(self._settings.program)
+            await self._controller.start_program(self._settings.program, permit)
             await self._link.open()
         except BaseException:
             self._halted = True

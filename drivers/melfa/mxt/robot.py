@@ -172,10 +172,10 @@ class MelfaMxt(LedArm):
             ValueError: no target, or a joint is not a finite number.
         """
         require_way(way)
+        require_no_stop = self._controller.watch_stops()
         async with self._controller.guarded():
-            require_no_stop = self._controller.watch_stops()
             try:
-                await self._ready()
+                await self._ready(require_no_stop)
                 await self._lead(way, require_no_stop)
             except asyncio.CancelledError:
                 await self.stop()
@@ -213,7 +213,7 @@ class MelfaMxt(LedArm):
             self._timeout_note = text
         self._timeout_read = True
 
-    async def _ready(self) -> None:
+    async def _ready(self, permit: Callable[[], None]) -> None:
         await self._require_timeout()
         await self._controller.take_right()
         if not self._halted:
@@ -227,7 +227,7 @@ class MelfaMxt(LedArm):
         # A stop meanwhile sets it again.
         self._halted = False
         try:
-            await self._controller.start_program(self._settings.program)
+            await self._controller.start_program(self._settings.program, permit)
         except BaseException:
             self._halted = True
             raise

@@ -15,6 +15,7 @@ from drivers.errors import (
     RefusedError,
     WrongDeviceError,
 )
+from drivers.guarding import Unguarded
 from drivers.melfa.datalink.robot import DatalinkSettings, MelfaDatalink
 from drivers.melfa.robot import MelfaR3
 from drivers.melfa.settings import MelfaSettings
@@ -90,7 +91,9 @@ class Linked:
 
 
 @asynccontextmanager
-async def linked(flags: str = "E0060", **settings: object) -> AsyncIterator[Linked]:
+async def linked(
+    flags: str = "E0060", guard: Unguarded | None = None, **settings: object
+) -> AsyncIterator[Linked]:
     """Connect a data link driver to a scripted controller and program."""
     controller = Controller()
     controller.flags = flags
@@ -103,6 +106,7 @@ async def linked(flags: str = "E0060", **settings: object) -> AsyncIterator[Link
     ):
         checked = DatalinkSettings.model_validate({**QUICK, "move_timeout_s": 0.3, **settings})
         r3 = MelfaR3(main.transport, aside.transport, StepClock(), MelfaSettings.model_validate(QUICK))
+        r3._guard = guard or r3._guard  # noqa: SLF001  # a pipe in memory has no descriptor to hand over
         robot = MelfaDatalink(r3, link.transport, checked)
         try:
             await robot.connect()
@@ -255,6 +259,55 @@ async def test_a_stop_while_the_program_is_started_again_is_not_forgotten() -> N
         del bench.controller.replies["RUNCATSDL;1"]
         await bench.robot.follow(WAY)
         assert bench.main.requests.count(b"1;1;RUNCATSDL;1\r") == 2
+
+
+async def test_a_program_is_not_started_behind_a_stop() -> None:
+    async with linked() as bench:
+        await bench.robot.stop()
+        bench.controller.replies["RSTPRG"] = list
+        way = asyncio.create_task(bench.robot.follow(WAY))
+        await until(lambda: b"1;1;RSTPRG\r" in bench.main.requests)
+        del bench.controller.replies["RSTPRG"]
+        await bench.robot.stop()
+        await bench.main.say(b"QoK")
+        with pytest.raises(RefusedError, match="stop overtook"):
+            await way
+        assert b"1;1;RUNCATSDL;1\r" not in bench.main.requests
+
+
+async def test_a_lost_answer_to_a_reset_of_the_program_is_no_event() -> None:
+    async with linked() as bench:
+        await bench.robot.stop()
+        lost = iter([[]])
+        bench.controller.replies["RSTPRG"] = lambda: next(lost, ["QoK"])
+        await bench.robot.follow(WAY)
+        assert bench.main.requests.count(b"1;1;RUNCATSDL;1\r") == 1
+
+
+class SlowGuard(Unguarded):
+    """Takes its time before a motion."""
+
+    def __init__(self) -> None:
+        self.asked = asyncio.Event()
+        self.go_on = asyncio.Event()
+
+    @asynccontextmanager
+    async def motion(self) -> AsyncIterator[None]:
+        self.asked.set()
+        await self.go_on.wait()
+        yield
+
+
+async def test_a_stop_while_the_guard_is_asked_counts() -> None:
+    guard = SlowGuard()
+    async with linked(guard=guard) as bench:
+        way = asyncio.create_task(bench.robot.follow(WAY))
+        await guard.asked.wait()
+        await bench.robot.stop()
+        guard.go_on.set()
+        with pytest.raises(RefusedError, match="stop overtook"):
+            await way
+        assert bench.program.driven == []
 
 
 async def test_a_data_link_program_that_stands_since_an_earlier_run_is_started_before_the_first_way() -> None:
