@@ -30,7 +30,7 @@ STILL_POLLS = 3
 LOOK_S = 0.2
 """Between two looks at an arm whose motion is not answered yet, real s."""
 
-_STILL_LOOKS = 5
+STILL_LOOKS = 5
 """Equal looks in a row after which an answer counts as lost: a second, within the two that it may take to notice."""
 
 _TELL_S = 3.0
@@ -159,7 +159,7 @@ async def _stands(answer: "asyncio.Future[None]", asker: Session) -> None:
     """Look until the arm has stood for a while, or the answer is there."""
     last: Joints | None = None
     still = 0
-    while still < _STILL_LOOKS and not answer.done():
+    while still < STILL_LOOKS and not answer.done():
         try:
             running, joints = (await asker.state()).running, await asker.joints()
         except DeviceError:

@@ -28,7 +28,7 @@ from drivers.link import RequestLink, uninterrupted
 from drivers.melfa.datalink import codec
 from drivers.melfa.datalink.codec import Record, RecordDecoder
 from drivers.melfa.led import LedArm, parted, require_way
-from drivers.melfa.motion import LOOK_WHY, off_target
+from drivers.melfa.motion import LOOK_WHY, STILL_LOOKS, off_target
 from drivers.melfa.robot import MelfaR3
 from drivers.melfa.settings import MelfaSettings
 from drivers.readings import Identity, Joints
@@ -251,26 +251,33 @@ class MelfaDatalink(LedArm):
             raise NotArrivedError(f"{self._link.where}: the motion is over, but {off}: {LOOK_WHY}")
 
     async def _driven(self, permit: Callable[[], None]) -> Record:
-        """Drive; return the answer. A program that stands after anybody's STOP or in alarm gives none: it is watched.
+        """Drive; return the answer. Arm and program are watched meanwhile: one that is lost never comes.
 
         Raises:
-            LinkError: the program stands, or the controller does not tell.
+            LinkError: program or arm stands, or the controller does not tell.
             ProtocolError: garbage came.
         """
         drive = asyncio.ensure_future(
             self._ask(codec.DRIVE, timeout_s=self._settings.move_timeout_s, permit=permit)
         )
-        standing = 0
+        standing = still = 0
+        last: Joints | None = None
         try:
             while not drive.done():
                 await asyncio.wait({drive}, timeout=_LOOK_S)
                 if drive.done():
                     break
-                status = await self._controller.status()
+                status, joints = await self._controller.status(), await self._controller.joints()
                 # Once may be the moment in which the program goes from one statement to the next.
                 standing = 0 if status.running else standing + 1
+                still, last = still + 1 if joints == last else 0, joints
+                if drive.done():
+                    break
                 if self._halted or status.alarm_number or standing >= _LOOKS:
                     raise LinkError(f"{self._link.where}: the program stands: see the controller's status")
+                if still >= STILL_LOOKS:
+                    # The program runs on, since it waits for the next request.
+                    raise LinkError(f"{self._link.where}: the arm stands and the way is not answered")
             return drive.result()
         finally:
             drive.cancel()

@@ -22,7 +22,7 @@ from drivers.melfa.settings import MelfaSettings
 from drivers.readings import Joints
 from procedures.devices import JogRobot
 from tests.patience import HANG_S
-from tests.unit.drivers.melfa_bench import Controller
+from tests.unit.drivers.melfa_bench import JPOS, Controller
 from tests.unit.drivers.peers import Peer, StepClock, until
 
 WAY: tuple[Joints, ...] = ((1.0, 2.0, 5.0, -3.0), (2.0, 4.0, 5.0, -6.5), (3.0, 6.0, 5.0, -10.0))
@@ -163,6 +163,16 @@ async def test_a_lost_answer_to_a_way_is_asked_about_and_the_way_is_not_sent_aga
         assert [command for _, command in bench.program.requests].count(2) == 1
 
 
+async def test_a_lost_answer_to_a_way_is_not_waited_for(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The program runs on while it waits for the next request: only the joints tell that the way is over."""
+    monkeypatch.setattr("drivers.melfa.datalink.robot._LOOK_S", 0.005)
+    async with linked(move_timeout_s=1e3) as bench:
+        bench.program.silent = {2}
+        async with asyncio.timeout(HANG_S):
+            await bench.robot.follow(WAY)
+        assert [command for _, command in bench.program.requests].count(2) == 1
+
+
 async def test_a_lost_answer_with_the_arm_elsewhere_stops_it() -> None:
     async with linked() as bench:
         bench.program.silent = {2}
@@ -181,6 +191,13 @@ async def test_a_program_that_somebody_else_stopped_is_not_waited_for(
         bench.program.silent = {2}
         bench.program.moves = False
         bench.controller.flags = "E0000"
+
+        def creep() -> list[str]:
+            if bench.controller.flags == "E0000":
+                bench.controller.at = (bench.controller.at[0] + 0.01, *bench.controller.at[1:])
+            return [JPOS.format(*bench.controller.at)]
+
+        bench.controller.replies["JPOSF"] = creep
         way = asyncio.create_task(bench.robot.follow(WAY))
         await until(lambda: any(command == 2 for _, command in bench.program.requests))
         await asyncio.sleep(0.03)
