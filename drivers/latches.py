@@ -1,6 +1,10 @@
 """What may have spoilt a count since its zero, remembered until the next zero."""
 
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
+
+from drivers.errors import RefusedError
 
 
 @dataclass
@@ -37,6 +41,18 @@ class Latches:
     def greeted(self) -> None:
         """Take note that the instrument has answered on a new link."""
         self._was_greeted = True
+
+    @contextmanager
+    def zeroing(self) -> Iterator[None]:
+        """Spoil the count when it is not known whether the instrument has zeroed; one that refuses has not."""
+        try:
+            yield
+        except RefusedError:
+            raise
+        except BaseException:
+            # A link that heals in place proves that a count went on, not since when.
+            self.note(beam_lost=True)
+            raise
 
     def zeroed(self) -> int:
         """Forget what was before a new zero; return its number."""

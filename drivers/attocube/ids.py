@@ -150,7 +150,8 @@ class AttocubeIds:
         await self._check_unit()
         if (await self._displacement()).error:
             await self._ask("system.resetError", False)
-        await self._require("system.resetAxis", self._settings.axis)
+        with self._latches.zeroing():
+            await self._require("system.resetAxis", self._settings.axis)
         answer = await self._displacement()
         if answer.error:
             raise await self._refused("displacement.getAxisDisplacement", answer.error)

@@ -145,11 +145,13 @@ class LineCounter:
             self._offset_mm += (await self.read()).displacement_mm
         elif not zero.reply:
             await self._pause()
-            await self._link.send(self._encode(zero.command), self._profile.line.timeout_s)
+            with self._latches.zeroing():
+                await self._link.send(self._encode(zero.command), self._profile.line.timeout_s)
         else:
-            text = await self._ask(zero.command, Repeat.NEVER)
-            if not re.search(zero.reply, text):
-                raise self._unfit(zero.command, text, ProtocolError(f"no match for {zero.reply!r}"))
+            with self._latches.zeroing():
+                text = await self._ask(zero.command, Repeat.NEVER)
+                if not re.search(zero.reply, text):
+                    raise self._unfit(zero.command, text, ProtocolError(f"no match for {zero.reply!r}"))
         if zero.mode == "device":
             self._offset_mm, self._last_count = 0.0, 0
         return self._latches.zeroed()

@@ -134,8 +134,9 @@ class HeidenhainNd:
         # A display that was connected without a signal had no value to compare with.
         self._check_decimals(await self._ask("A0100"))
         if self._settings.zero == "keys":
-            for key in _ZERO_KEYS:
-                await self._press(key)
+            with self._latches.zeroing():
+                for key in _ZERO_KEYS:
+                    await self._press(key)
             self._offset_mm = 0.0
         else:
             self._offset_mm = (await self._position())[0]

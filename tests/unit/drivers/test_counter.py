@@ -164,6 +164,20 @@ async def test_a_zero_is_not_sent_twice() -> None:
         assert peer.requests.count(b"Z\r\n") == 1
 
 
+async def test_after_a_zero_without_its_answer_the_count_is_not_trusted() -> None:
+    """The instrument may have zeroed, and nothing tells, since the link heals in place."""
+    async with connected(used=profile(line={"timeout_s": 0.1})) as (counter, device, _, _):
+        await counter.zero()
+        device.lines["Z"] = list
+        with pytest.raises(LinkTimeoutError):
+            await counter.zero()
+        assert (await counter.read()).zero_id == 1
+        assert (await counter.status()).beam_lost
+        del device.lines["Z"]
+        await counter.zero()
+        assert not (await counter.status()).beam_lost
+
+
 async def test_a_zero_with_a_strange_answer_is_a_protocol_error() -> None:
     async with connected() as (counter, device, _, _):
         device.lines["Z"] = lambda: ["12.5 mm"]
