@@ -113,7 +113,7 @@ class JointMotion:
     async def _go(self, target: Joints, permit: Callable[[], None]) -> None:
         try:
             if self._settings.motion == "exec2" and self._connections.has_side:
-                reached = await self._waited_for(permit)
+                reached = await self._waited_for(target, permit)
             else:
                 reached = await self._polled(target, permit)
         except NotSentError:
@@ -127,7 +127,7 @@ class JointMotion:
             permit()
             raise NotArrivedError(f"{self._main.where}: the motion is over, but {off}: {LOOK_WHY}")
 
-    async def _waited_for(self, permit: Callable[[], None]) -> Joints:
+    async def _waited_for(self, target: Joints, permit: Callable[[], None]) -> Joints:
         """Move and wait for the answer, which comes at the end of the motion; return where the robot stands."""
         answer = asyncio.ensure_future(
             self._main.command(
@@ -144,11 +144,19 @@ class JointMotion:
             self.waits = False
             answer.cancel()
             await asyncio.wait({answer})
-        return await self._main.joints()
+        reached = await self._main.joints()
+        if not off_target(reached, target, self._settings):
+            return reached
+        # The answer may have been a late double of the one before: an arm that is yet to arrive is waited for.
+        return await self._at_rest(target)
 
     async def _polled(self, target: Joints, permit: Callable[[], None]) -> Joints:
         """Start the motion and look until the robot stands; return where."""
         await self._main.command(f"EXECMOV {self.variable}", repeat=Repeat.BOUND, permit=permit)
+        return await self._at_rest(target)
+
+    async def _at_rest(self, target: Joints) -> Joints:
+        """Look until the robot stands; return where."""
         return await standstill(
             self._main,
             self._clock,

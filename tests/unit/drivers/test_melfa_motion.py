@@ -218,6 +218,17 @@ async def test_an_arm_that_still_approaches_its_target_is_waited_for() -> None:
         assert "STOP" not in b.said_aside + b.said
 
 
+async def test_an_arm_under_way_behind_a_doubled_answer_is_waited_for() -> None:
+    """The double of the answer to the assignment comes behind the motion and is taken for that to it."""
+    places = iter([START] * 5 + [(share * 10.0, share * -20.5, 0.0, share * 30.25) for share in (0.1, 0.5)])
+    controller = Controller()
+    controller.replies["JPOSF"] = lambda: [JPOS.format(*next(places, TARGET))]
+    async with bench(controller) as b:
+        await b.robot.move_joints(TARGET)
+        assert b.said.count("EXEC2=MOV JCATSEY1") == 1
+        assert "STOP" not in b.said_aside
+
+
 async def test_an_arm_that_leaves_its_way_is_stopped() -> None:
     controller = Controller()
     controller.replies["EXEC2"] = lambda: ["\x02?"]
