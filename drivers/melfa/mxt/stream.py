@@ -40,6 +40,7 @@ class SetPointStream:
         self._name = name
         self._count = 0
         self._missing = 0
+        self._garbage: ProtocolError | None = None
         self.lost = 0
 
     @property
@@ -64,6 +65,8 @@ class SetPointStream:
             if reply is not None:
                 await self._require_cycle()
                 return self._joints(reply, Kind.JOINT_COMMAND)
+        if self._garbage:
+            raise self._garbage
         waited_s = attempts * self._settings.reply_timeout_s
         raise LinkTimeoutError(
             f"{self.where}: real-time control does not answer within {waited_s:g} s: start the program CATSMXT on "
@@ -85,6 +88,8 @@ class SetPointStream:
                 self._missing += 1
                 self.lost += 1
                 if self._missing > self._settings.most_lost:
+                    if self._garbage:
+                        raise self._garbage
                     raise LinkTimeoutError(
                         f"{self.where}: {self._missing} answers to set points in a row are missing: check network "
                         "and alarm"
@@ -139,27 +144,32 @@ class SetPointStream:
         self._in_time = True
 
     async def _exchange(self, command: Command, target: Joints | None) -> Reply | None:
-        """Send one datagram; return the answer, None when it does not come in time."""
+        """Send one datagram; return the answer, None when no valid one comes in time."""
         self._count += 1
+        self._garbage = None
         # A late answer would let the next set point follow within the same cycle.
         while self._transport.waiting():
             pass
         await self._transport.write(codec.encode(command, self._count, target))
         try:
             async with asyncio.timeout(self._settings.reply_timeout_s):
-                data = await self._transport.read()
+                while True:
+                    # Garbage is waited out: another set point within the same cycle would be a jump.
+                    if reply := self._decoded(await self._transport.read()):
+                        return reply
         except TimeoutError:
             # Where this program itself was held up, the answer has come all the same.
             data = self._transport.waiting()
         return self._decoded(data) if data else None
 
-    def _decoded(self, data: bytes) -> Reply:
+    def _decoded(self, data: bytes) -> Reply | None:
         try:
             return codec.decode(data)
         except ProtocolError as exc:
-            raise ProtocolError(
+            self._garbage = ProtocolError(
                 f"{self.where}: {exc}: check that the port is the real-time port of the controller"
-            ) from None
+            )
+            return None
 
     def _joints(self, reply: Reply, kind: Kind) -> Joints:
         joints = reply.joints(kind)

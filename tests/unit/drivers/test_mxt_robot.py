@@ -47,6 +47,7 @@ class RealTime:
     last: tuple[float, ...] | None = None
     lose: Callable[[int], bool] = lambda _number: False
     deaf: bool = False
+    garbage: int = 0
     frozen: bool = False
 
     def answer(self, data: bytes) -> Iterable[bytes]:
@@ -55,6 +56,9 @@ class RealTime:
         command, kind = struct.unpack_from("<2H", data, 0)
         if self.deaf:
             return []
+        if self.garbage:
+            self.garbage -= 1
+            return [b"?"]
         self.clock.time_s += self.cycle_s
         if command == 255:
             self.ends += 1
@@ -184,6 +188,24 @@ async def test_a_lost_answer_while_the_arm_comes_to_rest_is_a_loss_like_others()
         assert len(at_rest) > 5
         assert not any(b"STOP" in request for request in bench.main.requests + bench.aside.requests)
         assert await bench.robot.joints() == pytest.approx(WAY[-1], abs=1e-4)
+
+
+async def test_single_garbled_answers_are_losses_like_others() -> None:
+    async with led() as bench:
+        way = asyncio.create_task(bench.robot.follow(WAY))
+        await until(lambda: len(bench.port.set_points) > 20)
+        bench.port.garbage = 2
+        await way
+        assert not any(b"STOP" in request for request in bench.main.requests + bench.aside.requests)
+        assert bench.robot.notes[-1] == "2 answers to set points were lost"
+
+
+async def test_garbage_on_the_real_time_port_is_told_as_such() -> None:
+    async with led() as bench:
+        bench.port.garbage = 1000
+        with pytest.raises(NotArrivedError, match="an MXT datagram has 196 bytes, this one has 1"):
+            await bench.robot.follow(WAY)
+        assert bench.port.set_points == []
 
 
 async def test_a_program_that_stands_since_an_earlier_run_is_started_before_the_first_way() -> None:
