@@ -261,7 +261,11 @@ class Session:
         Raises:
             LinkError: the link is closed or takes no bytes.
         """
-        self.link.send_urgent(self._encode(command), cut=self._cut)
+        data = self._encode(command)
+        if not self._settings.terminator:
+            # Where its segment ends a request, two that meet in the controller's buffer would be one.
+            data = self._cut + data + self._cut
+        self.link.send_urgent(data, cut=self._cut)
 
     async def _rejection(self, command: str, answer: Answer) -> RefusedError:
         """Return the error of a rejection: the active alarm if there is one, else the rejection itself."""

@@ -2,7 +2,7 @@
 
 import asyncio
 import math
-from collections.abc import AsyncIterator, Callable, Iterable
+from collections.abc import AsyncIterator, Callable, Iterable, Iterator
 from contextlib import asynccontextmanager
 from dataclasses import dataclass
 
@@ -295,7 +295,7 @@ async def test_a_program_is_not_started_behind_a_stop() -> None:
 async def test_a_lost_answer_to_a_reset_of_the_program_is_no_event() -> None:
     async with linked() as bench:
         await bench.robot.stop()
-        lost = iter([[]])
+        lost: Iterator[list[str]] = iter([[]])
         bench.controller.replies["RSTPRG"] = lambda: next(lost, ["QoK"])
         await bench.robot.follow(WAY)
         assert bench.main.requests.count(b"1;1;RUNCATSDL;1\r") == 1

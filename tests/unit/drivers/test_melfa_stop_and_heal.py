@@ -155,6 +155,20 @@ async def test_stop_goes_past_a_motion_that_waits() -> None:
             await moving
 
 
+async def test_stop_is_a_request_of_its_own_where_segments_end_requests() -> None:
+    """Behind a request that was not read yet it would be its continuation (section 1.2)."""
+    controller = Controller()
+    controller.replies["EXEC2"] = list
+    async with bench(controller, terminator="") as b:
+        moving = asyncio.create_task(b.robot.move_joints(TARGET))
+        await until(lambda: "EXEC2=MOV JCATSEY1" in b.said)
+        await b.robot.stop()
+        assert b"\r1;1;STOP\r" in b.main.requests
+        await b.main.say(b"QoK")
+        with pytest.raises(RefusedError, match="stop overtook"):
+            await moving
+
+
 async def test_stop_waits_for_standstill() -> None:
     controller = Controller()
     places = iter([(1.0, 0.0, 0.0, 0.0), (2.0, 0.0, 0.0, 0.0)])
