@@ -223,7 +223,10 @@ class LineCounter:
             await self._clock.sleep(self._profile.line.gap_s)
 
     async def _told(self, command: str, parse: Callable[[str], T]) -> tuple[T, str]:
-        """Ask; return what the answer says, and its text. Asked again when the answer is lost or does not fit."""
+        """Ask; return what the answer says, and its text. Asked again when the answer is lost or does not fit.
+
+        A question that was garbled on its way is refused: only what is refused twice is.
+        """
 
         async def once() -> tuple[T, str]:
             text = await self._ask(command, Repeat.NEVER)
@@ -232,7 +235,10 @@ class LineCounter:
             except ProtocolError as exc:
                 raise self._unfit(command, text, exc) from None
 
-        return await self._link.repeated(once)
+        try:
+            return await self._link.repeated(once)
+        except RefusedError:
+            return await self._link.repeated(once)
 
     async def _ask(self, command: str, repeat: Repeat) -> str:
         await self._pause()

@@ -235,6 +235,14 @@ async def test_an_error_line_names_profile_and_remedy() -> None:
         assert caught.value.number == 4
 
 
+async def test_a_question_refused_once_is_asked_again() -> None:
+    """It may have been garbled on its way."""
+    async with connected() as (counter, device, _, _):
+        answers = iter([["E01"]])
+        device.lines["R"] = lambda: next(answers, ["+000012.345678 mm"])
+        assert (await counter.read()).displacement_mm == 12.345678
+
+
 async def test_status_e1_is_a_status_and_no_error() -> None:
     async with connected() as (counter, device, _, _):
         device.bits = "E1"
