@@ -5,7 +5,7 @@ from collections import deque
 
 from drivers.errors import LinkError
 
-TURN_BYTES = 16_384
+TURN_BYTES = 4096
 """So much of one link is handed out within one turn of the event loop."""
 
 TURN_S = 0.005

@@ -21,6 +21,9 @@ block nor raise."""
 MOST_BYTES_A_SECOND = 4_000_000
 """Of a stream; more is a flood, real time."""
 
+MOST_BYTES_WITHOUT_FRAME = 65_536
+"""So much in which no frame is found is a flood, however slowly it is taken in."""
+
 _SHOWN_BYTES = 80
 
 
@@ -33,19 +36,29 @@ class FrameDecoder(Protocol[T_co]):
 
 
 class Flow:
-    """Adds up what comes within a second of the event loop's time."""
+    """Adds up what comes within a second of the event loop's time, and what came since the last frame."""
 
     def __init__(self) -> None:
         self._began_s = asyncio.get_running_loop().time()
         self._count = 0
+        self._frameless = 0
 
-    def floods(self, count: int) -> bool:
-        """Add bytes; return whether they are more than any instrument sends."""
+    def framed(self) -> None:
+        """Take note of a frame."""
+        self._frameless = 0
+
+    def flood(self, count: int) -> str:
+        """Add bytes; return why they are more than any instrument sends, empty when they are not."""
         now_s = asyncio.get_running_loop().time()
         if now_s - self._began_s >= 1.0:
             self._began_s, self._count = now_s, 0
         self._count += count
-        return self._count > MOST_BYTES_A_SECOND
+        self._frameless += count
+        if self._count > MOST_BYTES_A_SECOND:
+            return f"more than {MOST_BYTES_A_SECOND} bytes come within a second"
+        if self._frameless > MOST_BYTES_WITHOUT_FRAME:
+            return f"more than {MOST_BYTES_WITHOUT_FRAME} bytes come without a value"
+        return ""
 
 
 class StreamLink(Generic[T]):
@@ -233,14 +246,15 @@ class StreamLink(Generic[T]):
             while True:
                 data = await self._transport.read()
                 time_s = self._clock.monotonic_s()
-                if flow.floods(len(data)):
+                if why := flow.flood(len(data)):
                     await self._transport.close()
                     raise LinkError(
-                        f"{self.where}: more than {MOST_BYTES_A_SECOND} bytes come within a second, such as "
+                        f"{self.where}: {why}, such as "
                         f"{data[:_SHOWN_BYTES]!r}: the link was closed; check that this is the instrument meant"
                     )
                 self._last_bytes = (self._last_bytes + data)[-_SHOWN_BYTES:]
                 for frame in decoder.feed(data):
+                    flow.framed()
                     self._take(frame, time_s)
                 self._news.set()
         except DeviceError as exc:

@@ -10,7 +10,7 @@ MAX_LINE_BYTES = 1024
 """Far more than any known counter sends in a line."""
 
 _SINGLE_BYTES = {b"\x06": b"ACK", b"\x15": b"NAK"}
-_PIECES = re.compile(rb"[^\r\n\x06\x15]*[\r\n\x06\x15]|[^\r\n\x06\x15]+")
+_PIECES = re.compile(rb"[^\r\n\x06\x15]*(?:[\r\n]+|[\x06\x15])|[^\r\n\x06\x15]+")
 _MM = {"nm": 1e-6, "um": 1e-3, "mm": 1.0, "inch": 25.4}
 _UNIT_WORDS = {"nm": "nm", "um": "um", "µm": "um", "mm": "mm", "in": "inch", "inch": "inch"}
 
@@ -42,7 +42,8 @@ class LineDecoder:
         Raises:
             ProtocolError: not a line of text, or it does not end.
         """
-        self._buffer += data.translate(None, self._strip)
+        # Empty lines go in one go: a flood of them is not to hold the loop.
+        self._buffer = (self._buffer + data.translate(None, self._strip)).lstrip(b"\r\n")
         while match := re.search(rb"[\r\n]|[\x06\x15]", self._buffer):
             line, end = self._buffer[: match.start()], match[0]
             self._buffer = self._buffer[match.end() :]

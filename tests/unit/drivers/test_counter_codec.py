@@ -202,3 +202,15 @@ def test_status_bits_may_be_decimal_inverted_and_missing() -> None:
     assert codec.parse_bits(status, "Q0") == {"beam_lost": False, "laser_ready": True}
     with pytest.raises(ProtocolError):
         codec.parse_bits(status, "E01")
+
+
+@pytest.mark.parametrize("decoder", [codec.LineDecoder, codec.StreamDecoder])
+def test_empty_lines_of_a_flood_are_left_out_in_one_go(
+    decoder: type[codec.LineDecoder | codec.StreamDecoder], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Each one looked at by itself holds the event loop, and a STOP, for long."""
+    looked: list[object] = []
+    search = codec.re.search
+    monkeypatch.setattr(codec.re, "search", lambda *args: looked.append(args) or search(*args))
+    assert not decoder(load_profile("default")).feed(b"\r\n" * 8192)
+    assert len(looked) < 3

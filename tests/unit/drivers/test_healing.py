@@ -204,14 +204,21 @@ class Empty(Line):
 
 
 class Bytes:
-    """Decoder whose frames are single bytes, of which it hands out none."""
+    """Decoder whose frames are chunks that do not begin with an empty line."""
 
     def feed(self, data: bytes) -> list[int]:
-        del data
-        return []
+        return [] if data.startswith(b"\r\n") else [len(data)]
 
 
-async def test_a_stream_that_floods_is_closed_and_named() -> None:
+@pytest.mark.parametrize(
+    ("chunk", "told"),
+    [
+        (bytes(MOST_BYTES_A_SECOND // 64), "more than 4000000 bytes come within a second"),
+        (b"\r\n" * 8192, "more than 65536 bytes come without a value"),
+    ],
+    ids=["fast", "empty"],
+)
+async def test_a_stream_that_floods_is_closed_and_named(chunk: bytes, told: str) -> None:
     async with Peer(lambda _data: []) as peer:
 
         async def greet() -> None:
@@ -226,9 +233,9 @@ async def test_a_stream_that_floods_is_closed_and_named() -> None:
             greet=greet,
         )
         await link.open()
-        for _ in range(5):
-            await peer.far.write(bytes(MOST_BYTES_A_SECOND // 4))
-        with pytest.raises(LinkError, match=r"display at memory://device: more than 4000000 bytes come"):
+        for _ in range(66):
+            await peer.far.write(chunk)
+        with pytest.raises(LinkError, match=f"display at memory://device: {told}"):
             await link.wait(lambda: False, LONG_S, "frame")
         assert not peer.transport.is_open
         await link.close()
