@@ -155,6 +155,7 @@ class Prompt:
         motion: the arm moves after "yes", after every choice but those of `rests_after`, after what is typed: front
             ends take such an answer by a key of its own.
         rests_after: answers after which the arm does not move; None for the safe choice alone.
+        by_person: no emulated operator answers it.
         target: where it goes then, J1, J2, deg, J3, mm, J4, deg; None where the procedure does not know yet.
     """
 
@@ -168,6 +169,7 @@ class Prompt:
     task: Mapping[str, Json] | None = None
     motion: bool = False
     rests_after: tuple[str, ...] | None = None
+    by_person: bool = False
     target: Joints | None = None
 
     @property

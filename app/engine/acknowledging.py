@@ -6,6 +6,7 @@ from typing import Final
 from app.engine.control import RunControl
 from app.engine.gate import MotionGate
 from app.errors import InterruptionError, NotAcknowledgedError, PromptUnansweredError, SafetyError
+from app.guard.client import ArmGuard
 from drivers.clock import Clock
 from procedures.context import Prompt
 
@@ -20,6 +21,7 @@ class Acknowledging:
     Args:
         control: the stop ladder.
         gate: of the motions.
+        guard: of the arm, which has to know too; None where there is none.
         clock: of the run.
         poll_s: between two looks at a door that is still open, s of the clock.
         ask: puts a question to the operator, whatever state the run is in.
@@ -30,6 +32,7 @@ class Acknowledging:
         self,
         control: RunControl,
         gate: MotionGate,
+        guard: ArmGuard | None,
         clock: Clock,
         poll_s: float,
         ask: Callable[[Prompt], Awaitable[str]],
@@ -37,6 +40,7 @@ class Acknowledging:
     ) -> None:
         self._control = control
         self._gate = gate
+        self._guard = guard
         self._clock = clock
         self._poll_s = poll_s
         self._ask = ask
@@ -72,6 +76,8 @@ class Acknowledging:
         except InterruptionError:
             return False
         self._control.acknowledge(reason)
+        if self._guard is not None and not self._control.unacknowledged:
+            self._guard.acknowledge()
         return True
 
     async def _asked_once(self, reason: str) -> None:
@@ -82,6 +88,8 @@ class Acknowledging:
             text=f"The robot was stopped: {reason}. Is nobody in its way and everything in its place? The arm then "
             "moves on.",
             motion=True,
+            # The program has failed here, on emulated devices as on real ones: it does not forgive itself.
+            by_person=self._guard is not None and bool(self._guard.stopped),
         )
         try:
             answer = await self._ask(prompt)

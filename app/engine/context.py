@@ -104,7 +104,7 @@ class RunContext:
             devices.robot, control, gate, self.wait_until, self._timed, self._waive, self._first_motion
         )
         self._acknowledging = Acknowledging(
-            control, gate, clock, poll_s, lambda prompt: self._ask(prompt, None), self.warn
+            control, gate, devices.guard, clock, poll_s, lambda prompt: self._ask(prompt, None), self.warn
         )
         control.on_interrupted = self._acknowledge
 

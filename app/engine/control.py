@@ -11,12 +11,12 @@ from app.engine.waiting import cancel, uncancelled
 from app.errors import (
     CatseyeError,
     InterruptedRunError,
-    NotAcknowledgedError,
     SafetyError,
     TerminatedRunError,
 )
 from drivers.clock import Clock
 from drivers.errors import AlarmError, NotArrivedError, NotReadyError, RefusedError
+from drivers.guarding import GuardError
 from procedures.devices import Robot
 
 T = TypeVar("T")
@@ -57,6 +57,7 @@ class RunControl:
         moving: a motion is under way.
         interruption: why the surroundings stopped the robot last; empty when they never did.
         interruptions: how often they did.
+        unacknowledged: why nothing may move before somebody has acknowledged it; empty while nothing of that kind is.
         on_interrupted: asks whether to go on after an interruption and returns when `acknowledge` was called; without
             it somebody else has to call that.
         waits: how often the run was held or suspended so far; somebody may have moved the arm meanwhile.
@@ -83,6 +84,7 @@ class RunControl:
         self.moving = False
         self.interruption = ""
         self.interruptions = 0
+        self.unacknowledged = ""
         self.on_interrupted: Callable[[str], Awaitable[None]] | None = None
         self.waits = 0
         self._waited_s = 0.0
@@ -134,22 +136,20 @@ class RunControl:
             return
         if self.state in {State.HOLDING, State.HELD}:
             self._hold_first = self._hold_reason
-        self.interruption = reason
+        self.interruption = self.unacknowledged = reason
         self.interruptions += 1
         self._apply(Event.INTERRUPT, reason)
 
     def acknowledge(self, reason: str) -> None:
         """Permit motion again after an interruption."""
+        if self.state == State.UNSUSPENDING:
+            self.unacknowledged = ""
         self._apply(Event.ACKNOWLEDGE, reason)
         self._hold_if_asked()
 
     def stop(self, reason: str) -> None:
         """Stop the robot now and end the run."""
         self._end(Event.STOP, InterruptedRunError(reason))
-
-    def stop_unacknowledged(self, reason: str) -> None:
-        """Stop the robot now and end the run: nothing moves before somebody has acknowledged why."""
-        self._end(Event.STOP, NotAcknowledgedError(reason))
 
     def abort(self, error: CatseyeError) -> None:
         """Stop the robot now and end the run without teardown."""
@@ -416,6 +416,8 @@ def _cut_short(motion: "asyncio.Task[Any]") -> bool:
     if motion.cancelled():
         return True
     error = motion.exception()
+    if isinstance(error, GuardError):
+        return True
     if isinstance(error, (AlarmError, NotReadyError)):
         return False
     return isinstance(error, (RefusedError, NotArrivedError))

@@ -217,14 +217,11 @@ class _Run:
 
     async def _own(self, guard: ArmGuard, simulated: bool) -> None:
         """Become the arm's only owner and have it guarded, before anything that moves it or stops it is sent."""
-        guard.on_stop = self._guard_stopped
+        guard.on_stop = self._control.interrupt
         for text in await guard.hold(
             f"run {self._store.path.name}", self._store.path.parent, simulated=simulated
         ):
             self._warn(f"the guard stopped this arm before: {text}")
-
-    def _guard_stopped(self, reason: str) -> None:
-        self._control.stop_unacknowledged(reason)
 
     async def _reenter(self, reentry: Reentry, context: RunContext, identities: dict[str, Json]) -> None:
         """Look and ask whether the bench is still the one of the points; an abort is cleared first."""
@@ -359,7 +356,13 @@ class _Run:
         )
         times = self._context.step_times if self._context else []
         return RunOutcome(
-            self._store.path, ending.status, ending.exit_code, ending.text, times, drives_on=drives_on
+            self._store.path,
+            ending.status,
+            ending.exit_code,
+            ending.text,
+            times,
+            drives_on=drives_on,
+            unacknowledged=self._control.unacknowledged,
         )
 
     async def _leave_drives(self, devices: Devices, ending: Ending) -> DrivesLeft | None:

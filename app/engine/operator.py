@@ -144,7 +144,7 @@ class Operator:
         return found
 
     def _by_itself(self, prompt: Prompt) -> Answer | None:
-        if not self._simulated:
+        if not self._simulated or prompt.by_person:
             return None
         text = _best_answer(prompt)
         return None if text is None else Answer(text, "emulated operator")

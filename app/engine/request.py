@@ -113,6 +113,7 @@ class RunOutcome:
         text: why it did not complete; empty otherwise.
         step_times: where the time of each step that ran went.
         drives_on: the drives were left on.
+        unacknowledged: why nothing may move before somebody has acknowledged it; empty otherwise.
     """
 
     path: Path
@@ -121,3 +122,4 @@ class RunOutcome:
     text: str
     step_times: list[StepTime]
     drives_on: bool = False
+    unacknowledged: str = ""

@@ -34,6 +34,7 @@ class ArmGuard:
 
     Attributes:
         on_stop: is called with the reason when the guard has stopped the arm, or has died while it moved.
+        stopped: why nothing moves before an operator has acknowledged that; empty when the guard has not stopped it.
     """
 
     def __init__(self, endpoint: str) -> None:
@@ -47,7 +48,7 @@ class ArmGuard:
         self._beat: asyncio.TimerHandle | None = None
         self._beat_due_s = 0.0
         self._motions = 0
-        self._stopped = ""
+        self.stopped = ""
         self._released: set[str] = set()
 
     async def hold(self, who: str, folder: Path, *, simulated: bool) -> list[str]:
@@ -69,7 +70,7 @@ class ArmGuard:
                 "nobody would stop the arm; use a driver that does, see docs/write-a-driver.md"
             )
         self._lock = await OwnerLock.taken(self._endpoint, Owner.here(who))
-        self._stopped = ""
+        self.stopped = ""
         try:
             self._log = _opened_log(folder)
             await self._start()
@@ -90,13 +91,13 @@ class ArmGuard:
         if process is not None:
             await process.end()
         if lock is not None:
-            lock.release(keep=bool(self._stopped))
+            lock.release(keep=bool(self.stopped))
         if log is not None:
             os.close(log)
 
     def acknowledge(self) -> None:
         """Permit motion again: an operator knows that the guard has stopped the arm."""
-        self._stopped = ""
+        self.stopped = ""
 
     def protect(self, name: str, descriptor: int, stop: bytes) -> None:
         """Take a duplicate of an open connection; see LinkGuard."""
@@ -129,8 +130,8 @@ class ArmGuard:
         if self._process is not None:
             # An engine that has slept finds here what the guard has done meanwhile.
             self._process.read()
-        if self._stopped:
-            raise GuardError(f"{self._stopped}: nothing moves before an operator has acknowledged that")
+        if self.stopped:
+            raise GuardError(f"{self.stopped}: nothing moves before an operator has acknowledged that")
         if self._lock is None:
             raise GuardError(f"the arm at {self._endpoint} has no owner here: take it before it is moved")
         if self._process is None or self._process.gone:
@@ -150,7 +151,7 @@ class ArmGuard:
 
     async def _require_guard(self) -> None:
         """See a guard that answers; one that has died or hangs while nothing moves is replaced."""
-        if self._lock is not None and not self._stopped:
+        if self._lock is not None and not self.stopped:
             # Two motions at a time would each start one.
             async with self._starting:
                 answers = self._process is not None and await self._answers(self._process)
@@ -243,7 +244,7 @@ class ArmGuard:
             self._stop("the guard process ended while the arm moved, which was stopped")
 
     def _stop(self, reason: str) -> None:
-        self._stopped = self._stopped or reason
+        self.stopped = self.stopped or reason
         # Not from within a driver that is about to write a motion.
         asyncio.get_running_loop().call_soon(self.on_stop, reason)
 

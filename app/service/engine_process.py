@@ -244,6 +244,8 @@ class EngineProcess:
             self._drives.begin(planned.loaded.cell.robot.drives_off_after_s)
         if outcome.status == "aborted":
             self.hub.idle_state, self._aborted = State.ABORTED, outcome.text
+        elif outcome.unacknowledged:
+            self._abort(outcome.unacknowledged)
         else:
             self.hub.idle_state = State.COMPLETE if outcome.status == "complete" else State.STOPPED
         self._facts()

@@ -43,7 +43,7 @@ class Picture:
         control: who holds control: client and who; None when nobody does.
         state: of run or idle engine, in PackML words.
         reason: why it is in that state.
-        aborted: why the last run was aborted, as long as nobody has cleared it.
+        aborted: why nothing begins, as long as nobody has cleared it.
         run: under way, or the last one that was seen to its end.
         bench: last message about the bench; None before the first.
         bench_at_s: when it came, on this process's monotonic clock.
@@ -194,6 +194,9 @@ class Picture:
             self.state, self.reason = str(event["state"]), str(event.get("reason") or "")
             if self.state != "ABORTED":
                 self.aborted = ""
+            elif event.get("run") is None:
+                # What was done by hand was aborted, or a run ended that nobody has acknowledged a stop of.
+                self.aborted = self.reason
         if event["event"] == "run-ended" and event.get("status") == "aborted":
             self.aborted = str(event.get("text") or "aborted")
         if self.run is not None and event.get("run") == self.run.name:

@@ -339,10 +339,10 @@ class RunScreen(MainScreen):
     def _advice(self, run: RunPicture | None) -> list[Advice]:
         if run is None or run.active or run.ended is None:
             return []
-        found = after_run(run.procedure, str(run.ended["status"]), run.name, self.session.root)
-        # Once somebody has cleared it there is nothing to clear.
-        aborted = self.session.link.picture.aborted
-        return [each for each in found if each.kind != "clear" or aborted]
+        blocked = bool(self.session.link.picture.aborted)
+        return after_run(
+            run.procedure, str(run.ended["status"]), run.name, self.session.root, blocked=blocked
+        )
 
     def _ask_to_resume(self, run: RunPicture) -> None:
         bench = self.session.link.picture.bench or {}

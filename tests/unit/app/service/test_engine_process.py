@@ -6,6 +6,7 @@ import signal
 import threading
 from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
+from dataclasses import replace
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
@@ -119,6 +120,32 @@ async def test_a_client_starts_one_run_after_another_and_ends_the_engine(bench: 
         await client.request("shutdown")
         assert await engine == ExitCode.DONE
     assert find_socket(bench.root) is None
+
+
+async def test_nothing_begins_after_an_unacknowledged_stop_until_it_is_cleared(
+    bench: FakeBench, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    whole = engine_process.carry_out
+
+    async def stopped(*given: Any, **options: Any) -> Any:
+        found = await whole(*given, **options)
+        return replace(found, status="stopped", unacknowledged="the guard stopped the arm")
+
+    monkeypatch.setattr(engine_process, "carry_out", stopped)
+    async with serving(bench.root), engine_client(bench.root) as client:
+        await client.request("start", procedure="script")
+        await event_of(client, "prompt", id="door")
+        await client.answer("door", "yes")
+        await event_of(client, "idle", state="ABORTED")
+        for request in ({"op": "start", "procedure": "script"}, {"op": "jog", "on": True, "percent": 5}):
+            with pytest.raises(RefusedError, match="the guard stopped the arm"):
+                await client.request(**request)
+        await client.request("clear")
+        await client.request("start", procedure="script")
+        await event_of(client, "prompt", id="door")
+        await client.request("stop")
+        await event_of(client, "idle")
+        await client.request("shutdown")
 
 
 async def test_a_run_that_cannot_be_planned_is_refused_with_its_code(bench: FakeBench) -> None:

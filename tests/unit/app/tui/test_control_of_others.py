@@ -43,6 +43,16 @@ async def test_who_loses_control_is_told_by_whom() -> None:
         assert "Bob (attach-2) has taken control" in " ".join((await shown(app, pilot)).split())
 
 
+async def test_what_ended_by_hand_or_unacknowledged_is_offered_to_be_cleared() -> None:
+    link = ScriptedLink(SNAPSHOT)
+    app = make_app(link, "run")
+    async with app.run_test(size=(120, 40)) as pilot:
+        end(link, "stopped", "the guard stopped the arm; nobody was there")
+        link.tell("state", run=None, state="ABORTED", reason="the guard stopped the arm")
+        link.tell("idle", run=None, state="ABORTED")
+        assert "x  clear" in await shown(app, pilot)
+
+
 async def test_an_abort_that_is_cleared_is_not_offered_to_be_cleared() -> None:
     link = ScriptedLink(SNAPSHOT)
     app = make_app(link, "run")
