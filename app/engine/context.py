@@ -104,7 +104,7 @@ class RunContext:
             devices.robot, control, gate, self.wait_until, self._timed, self._waive, self._first_motion
         )
         self._acknowledging = Acknowledging(
-            control, gate, devices.guard, clock, poll_s, lambda prompt: self._ask(prompt, None), self.warn
+            control, gate, devices.guard, clock, poll_s, self._ask_to_go_on, self.warn
         )
         control.on_interrupted = self._acknowledge
 
@@ -272,10 +272,11 @@ class RunContext:
         start_s = self._clock.monotonic_s() - self._control.waited_s
         try:
             answer = await self._ask(prompt, watch)
-            if self._control.state == State.UNSUSPENDING and prompt.moves_after(answer):
+            by_person = answer.by_person and prompt.moves_after(answer.text)
+            if self._control.state == State.UNSUSPENDING and by_person:
                 # Whoever lets the arm move now has seen the cell since the door was opened.
                 self._acknowledged(f"with the answer to {prompt.id!r}")
-            return answer
+            return answer.text
         finally:
             self._prompt_open = False
             self._asked_s += self._clock.monotonic_s() - self._control.waited_s - start_s
@@ -447,7 +448,10 @@ class RunContext:
         if self._step is not None:
             self._step.time.idle_s += duration_s
 
-    async def _ask(self, prompt: Prompt, watch: Callable[[], Awaitable[Live]] | None) -> str:
+    async def _ask_to_go_on(self, prompt: Prompt) -> str:
+        return (await self._ask(prompt, None)).text
+
+    async def _ask(self, prompt: Prompt, watch: Callable[[], Awaitable[Live]] | None) -> Answer:
         asked_utc = self._clock.now_utc().isoformat()
         # The table of prompts takes answered ones; a question that a process dies over is known by this.
         await self._store.event("asked", {"id": prompt.id, "text": prompt.text, "asked_utc": asked_utc})
@@ -478,4 +482,4 @@ class RunContext:
         if answer.done is not None:
             await self.event("hands", prompt=prompt.id, **answer.done)
         self._announcer.say("answer", id=prompt.id, answer=answer.text, who=answer.who)
-        return answer.text
+        return answer

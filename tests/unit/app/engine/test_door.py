@@ -206,6 +206,40 @@ async def test_an_answer_that_lets_the_arm_move_acknowledges_too(bench: GuardedB
     assert [said["id"] for said in bench.said("prompt")] == ["place/P1"]
 
 
+async def test_a_safe_answer_of_nobody_acknowledges_nothing(bench: GuardedBench) -> None:
+    """The time of a question runs out while the door stands open, or was just closed again."""
+
+    async def nobody(prompt: Prompt) -> Answer | None:
+        if prompt.id.startswith("acknowledge"):
+            return None
+        bench.robot.moving.set()
+        while "UNSUSPENDING" not in bench.states() or not bench.block.closed:  # noqa: ASYNC110  # as above
+            await asyncio.sleep(0)
+        for _ in range(50):
+            await asyncio.sleep(0)
+        raise TimeoutError
+
+    async def body(ctx: Context) -> None:
+        question = Prompt(
+            "settled/1",
+            "choice",
+            "?",
+            ("again", "skip"),
+            timeout_s=60.0,
+            safe_answer="skip",
+            motion=True,
+            rests_after=(),
+        )
+        await ctx.ask(question)
+        assert isinstance(bench.robot, HalfwayRobot)
+        bench.robot.targets.append(HOME)
+        await ctx.move(AWAY)
+
+    outcome = await opened(bench, body, nobody, real=True)
+    assert (outcome.status, outcome.exit_code) == ("stopped", ExitCode.SAFETY)
+    assert "move" not in bench.robot.calls
+
+
 async def test_a_hold_outlasts_the_acknowledgement(bench: GuardedBench) -> None:
     async def ada(_prompt: Prompt) -> Answer:
         controls[0].hold("Ada holds")
