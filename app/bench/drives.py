@@ -2,6 +2,7 @@
 
 import asyncio
 from collections.abc import Callable
+from contextlib import AbstractAsyncContextManager
 from datetime import timedelta
 from typing import Final
 
@@ -26,22 +27,42 @@ class RestingDrives:
         clock: real time.
         tell: tells every client.
         occupied: something is done by hand.
+        owned: makes this program the arm's owner meanwhile: no drives go off below a motion of another one.
 
     Attributes:
         facts: for clients that come later; None while no count is under way.
     """
 
-    def __init__(self, lender: Lender, clock: Clock, tell: Tell, occupied: Callable[[], bool]) -> None:
+    def __init__(
+        self,
+        lender: Lender,
+        clock: Clock,
+        tell: Tell,
+        occupied: Callable[[], bool],
+        owned: Callable[[], AbstractAsyncContextManager[None]],
+    ) -> None:
         self.facts: dict[str, Json] | None = None
         self._lender = lender
         self._clock = clock
         self._tell = tell
         self._occupied = occupied
+        self._owned = owned
+        self._after_s: float | None = None
         self._task: asyncio.Task[None] | None = None
 
     def begin(self, after_s: float) -> None:
         """The drives are on and the arm rests: switch them off after some time, real s."""
+        self._after_s = after_s
         self._task = asyncio.create_task(self._count(after_s))
+
+    def begin_again(self) -> None:
+        """The run that was to take the drives over has left them as they were."""
+        if self._task is None and self._after_s is not None:
+            self.begin(self._after_s)
+
+    def forget(self) -> None:
+        """The run has taken the drives over, and has said what became of them."""
+        self._after_s = None
 
     async def cancel(self) -> None:
         """A run takes the drives over."""
@@ -74,9 +95,9 @@ class RestingDrives:
         return self._clock.monotonic_s() + after_s
 
     async def _switch_off(self, why: str) -> None:
-        self.facts = None
+        self.facts = self._after_s = None
         try:
-            async with self._lender.lent_robot("robot") as robot:
+            async with self._lender.lent_robot("robot") as robot, self._owned():
                 left = await leave_drives(robot, self._clock, _LIMIT_S, keep=False)
         except (CatseyeError, DeviceError) as error:
             self._tell("drives", on=True, reason=f"the drives are not certain to be off: {error}")

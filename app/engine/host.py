@@ -345,14 +345,13 @@ class _Run:
         except StorageError as error:
             ending = Ending("failed", error.exit_code, str(error))
             self._report(ending, error)
-        drives_on = left is not None and left.on
         self._announcer.say(
             "run-ended",
             status=ending.status,
             exit_code=int(ending.exit_code),
             text=ending.text,
             path=str(self._store.path),
-            drives_on=drives_on,
+            drives_on=left is not None and left.on,
         )
         times = self._context.step_times if self._context else []
         return RunOutcome(
@@ -361,14 +360,17 @@ class _Run:
             ending.exit_code,
             ending.text,
             times,
-            drives_on=drives_on,
+            drives_on=None if left is None else left.on,
             unacknowledged=self._control.unacknowledged,
         )
 
     async def _leave_drives(self, devices: Devices, ending: Ending) -> DrivesLeft | None:
         """Switch the drives off after an abort, or unless they are to be kept; None when this run left them alone."""
-        if not self._drives_on or any(not report.standstill for report in self._control.reports):
-            # A halt without a standstill that was seen has switched them off already, and says so.
+        unseen = [report for report in self._control.reports if not report.standstill]
+        if unseen:
+            # A halt without a standstill that was seen has switched them off already, if it could.
+            return DrivesLeft(not any(report.servo_off for report in unseen), unseen[-1].text)
+        if not self._drives_on:
             return None
         keep = self._request.keep_drives and ending.status != "aborted"
         left = await leave_drives(devices.robot, self._clock, self._closing_bound_s, keep=keep)

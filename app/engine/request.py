@@ -112,7 +112,7 @@ class RunOutcome:
         exit_code: of the process.
         text: why it did not complete; empty otherwise.
         step_times: where the time of each step that ran went.
-        drives_on: the drives were left on.
+        drives_on: the drives were left on, or are not certain to be off; None where this run left them as they were.
         unacknowledged: why nothing may move before somebody has acknowledged it; empty otherwise.
     """
 
@@ -121,5 +121,5 @@ class RunOutcome:
     exit_code: ExitCode
     text: str
     step_times: list[StepTime]
-    drives_on: bool = False
+    drives_on: bool | None = None
     unacknowledged: str = ""

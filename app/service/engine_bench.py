@@ -1,7 +1,8 @@
 """The bench of an engine: watched during runs and between them, worked on by hand between them."""
 
 import asyncio
-from contextlib import suppress
+from collections.abc import AsyncIterator
+from contextlib import asynccontextmanager, suppress
 from pathlib import Path
 
 from app.aim import find_aim
@@ -75,6 +76,27 @@ class EngineBench:
             self._root,
             self._door,
         )
+
+    @asynccontextmanager
+    async def owned(self) -> AsyncIterator[None]:
+        """Be the owner of the connected arm meanwhile.
+
+        Raises:
+            ArmInUseError: another program owns it.
+        """
+        devices = self.idle.devices()
+        guard = None if devices is None else devices.guard
+        if guard is None:
+            yield
+            return
+        identity = self._identities().get("robot")
+        simulated = identity is not None and identity.simulated
+        try:
+            for text in await guard.hold("its drives go off", self._root, simulated=simulated):
+                self._hub.say("warning", text=f"the guard stopped this arm before: {text}", data={})
+            yield
+        finally:
+            await guard.let_go()
 
     async def end(self) -> None:
         """Tell no more, and let every link go."""

@@ -58,7 +58,11 @@ class EngineProcess:
         self._bench = EngineBench(self.hub, self._clock, cell, root)
         self.by_hand = ByHand(self.hub, self._bench.for_hands(), self._require_idle, self._abort)
         self._drives = RestingDrives(
-            self._bench.idle, self._clock, self._tell_drives, lambda: self.by_hand.occupied is not None
+            self._bench.idle,
+            self._clock,
+            self._tell_drives,
+            lambda: self.by_hand.occupied is not None,
+            self._bench.owned,
         )
         self._server = Server(self.hub, self._clock, self, telemetry=self._bench.telemetry)
         self._cell = cell
@@ -221,6 +225,7 @@ class EngineProcess:
             if not opened.done():
                 opened.set_result({"run": path.name, "path": str(path.resolve())})
 
+        outcome: RunOutcome | None = None
         try:
             planned = await asyncio.to_thread(self._planned, request)
             await self._drives.cancel()
@@ -240,6 +245,10 @@ class EngineProcess:
             self.hub.beginning = False
             self._job = None
             self._bench.idle.take_up()
+            if outcome is None or outcome.drives_on is None:
+                self._drives.begin_again()
+            else:
+                self._drives.forget()
         if outcome.drives_on and not request.keep_drives:
             self._drives.begin(planned.loaded.cell.robot.drives_off_after_s)
         if outcome.status == "aborted":

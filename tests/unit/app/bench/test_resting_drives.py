@@ -10,6 +10,7 @@ from typing import Any
 import pytest
 
 from app.bench.drives import RestingDrives
+from app.errors import ArmInUseError
 from app.service.errors import RefusedError
 from drivers.errors import LinkError
 from procedures.context import Json
@@ -26,8 +27,9 @@ class Bench:
         self.robot.state = replace(self.robot.state, servo_on=True)
         self.occupied = False
         self.away = False
+        self.elsewhere = False
         self.told: list[dict[str, Json]] = []
-        self.drives = RestingDrives(self, self.clock, self._tell, lambda: self.occupied)
+        self.drives = RestingDrives(self, self.clock, self._tell, lambda: self.occupied, self.owned)
 
     def _tell(self, event: str, **fields: Json) -> None:
         self.told.append({"event": event, **fields})
@@ -44,6 +46,12 @@ class Bench:
         if self.away:
             raise RefusedError("robot is not connected: no answer")
         yield self.robot
+
+    @asynccontextmanager
+    async def owned(self) -> AsyncIterator[None]:
+        if self.elsewhere:
+            raise ArmInUseError("the arm is in use by process 7")
+        yield
 
     async def pass_s(self, duration_s: float) -> None:
         """Let time pass in small steps."""
@@ -102,6 +110,33 @@ async def test_a_run_takes_the_drives_over(bench: Bench) -> None:
     await bench.drives.cancel()
     await bench.pass_s(200.0)
     assert bench.robot.calls == []
+
+
+async def test_a_run_that_left_them_alone_begins_the_count_anew(bench: Bench) -> None:
+    bench.drives.begin(300.0)
+    await bench.pass_s(200.0)
+    await bench.drives.cancel()
+    bench.drives.begin_again()
+    await bench.pass_s(301.0)
+    assert bench.robot.calls == ["servo off"]
+
+
+async def test_a_run_that_took_them_over_begins_no_count(bench: Bench) -> None:
+    bench.drives.begin(300.0)
+    await bench.pass_s(200.0)
+    await bench.drives.cancel()
+    bench.drives.forget()
+    bench.drives.begin_again()
+    await bench.pass_s(301.0)
+    assert bench.robot.calls == []
+
+
+async def test_drives_of_another_programs_arm_stay_as_they_are(bench: Bench) -> None:
+    bench.elsewhere = True
+    bench.drives.begin(10.0)
+    await bench.pass_s(11.0)
+    assert bench.robot.calls == []
+    assert "process 7" in str(bench.told[-1]["reason"])
 
 
 async def test_an_engine_that_ends_switches_them_off_now(bench: Bench) -> None:

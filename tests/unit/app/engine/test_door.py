@@ -13,6 +13,7 @@ from app.engine.operator import Answer
 from app.engine.request import RunOutcome
 from app.engine.waiting import cancel
 from app.exitcode import ExitCode
+from drivers.errors import LinkError
 from procedures.context import Context, Prompt
 from procedures.devices import Joints
 from procedures.errors import ArmMovedError
@@ -266,6 +267,24 @@ async def test_a_standstill_that_is_not_seen_aborts(bench: GuardedBench) -> None
     assert (outcome.status, outcome.exit_code) == ("aborted", ExitCode.SAFETY)
     assert "standstill was not confirmed" in outcome.text
     assert bench.robot.calls.count("move") == 1
+    assert outcome.drives_on is False
+
+
+async def test_drives_that_a_halt_cannot_switch_off_are_said_to_be_on(
+    bench: GuardedBench, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    bench.robot.ignores_stop = True
+    servo = bench.robot.servo
+
+    async def only_on(*, on: bool) -> None:
+        if not on:
+            raise LinkError("robot: no answer")
+        await servo(on=on)
+
+    monkeypatch.setattr(bench.robot, "servo", only_on)
+    outcome = await opened(bench)
+    assert (outcome.status, outcome.drives_on) == ("aborted", True)
+    assert bench.said("run-ended")[0]["drives_on"] is True
 
 
 async def test_an_alarm_during_the_interruption_aborts(bench: GuardedBench) -> None:

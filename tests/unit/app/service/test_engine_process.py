@@ -13,6 +13,7 @@ from typing import Any
 
 import pytest
 
+from app.bench.drives import RestingDrives
 from app.cell.load import load_cell
 from app.engine.host import run_procedure
 from app.engine.waiting import cancel
@@ -145,6 +146,24 @@ async def test_nothing_begins_after_an_unacknowledged_stop_until_it_is_cleared(
         await event_of(client, "prompt", id="door")
         await client.request("stop")
         await event_of(client, "idle")
+        await client.request("shutdown")
+
+
+async def test_drives_left_on_still_go_off_after_a_run_that_never_began(
+    bench: FakeBench, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    counts: list[str] = []
+    monkeypatch.setattr(RestingDrives, "begin_again", lambda _self: counts.append("again"))
+    monkeypatch.setattr(RestingDrives, "forget", lambda _self: counts.append("forgotten"))
+    async with serving(bench.root), engine_client(bench.root) as client:
+        with pytest.raises(RefusedError, match="no procedure 'unknown'"):
+            await client.request("start", procedure="unknown")
+        assert counts == ["again"]
+        await client.request("start", procedure="script")
+        await event_of(client, "prompt", id="door")
+        await client.answer("door", "yes")
+        await event_of(client, "idle")
+        assert counts == ["again", "forgotten"]
         await client.request("shutdown")
 
 
