@@ -55,6 +55,12 @@ class RawDoor:
         task.add_done_callback(self._stops.discard)
         self._on_open(trouble)
 
+    def watch_ended(self, watch: "asyncio.Task[None]") -> None:
+        """Nothing passes unwatched: a watch that fails, by a fault of the program, counts as an open door."""
+        if self.watch is not None and not watch.cancelled() and (error := watch.exception()) is not None:
+            self.watch.trouble = f"the door is watched no more: {error}"
+            self.opened(self.watch.trouble)
+
     async def ended(self) -> None:
         """Wait until STOP is written."""
         if self._stops:
@@ -89,6 +95,7 @@ async def raw_door(
     door.watch = DoorWatch(io, clock, door.opened)
     await door.watch.look()
     task = asyncio.create_task(door.watch.watch())
+    task.add_done_callback(door.watch_ended)
     try:
         yield door
     finally:

@@ -37,6 +37,7 @@ class Watches:
         self._clock = clock
         self._speed = speed
         self._tasks: list[asyncio.Task[None]] = []
+        self._over = False
 
     async def watch_door(self) -> None:
         """From now on the door is looked at; it has been when this returns."""
@@ -58,6 +59,7 @@ class Watches:
 
     async def end(self) -> None:
         """Look no more."""
+        self._over = True
         await cancel(*self._tasks)
 
     def _begin(self, task: "asyncio.Task[None]") -> None:
@@ -65,6 +67,7 @@ class Watches:
         task.add_done_callback(self._ended)
 
     def _ended(self, task: "asyncio.Task[None]") -> None:
-        """Nothing goes on unwatched: a watch that fails, by a fault of the program, ends the run."""
-        if not task.cancelled() and (error := task.exception()) is not None:
-            self._control.fault(DeviceFaultError(error))
+        """Nothing goes on unwatched: a watch that ends before the run, by a fault of the program, ends the run."""
+        error = None if task.cancelled() else task.exception()
+        if not self._over or error is not None:
+            self._control.fault(DeviceFaultError(error or RuntimeError("a watch has ended before its run")))

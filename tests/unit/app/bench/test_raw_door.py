@@ -80,3 +80,16 @@ async def test_without_a_watched_door_bytes_pass(link: Link) -> None:
     door = await link.begin(watched=False)
     door.require_closed()
     assert sent(link.far) == b""
+
+
+async def test_a_watch_that_fails_counts_as_an_open_door(link: Link) -> None:
+    door = await link.begin()
+
+    async def fail() -> bool:
+        raise RuntimeError("a fault of the program")
+
+    link.watched.door.door_closed = fail  # type: ignore[method-assign]  # a driver with a fault
+    await link.watched.pass_s(4 * TICK_S)
+    assert sent(link.far) == b"\r1;1;STOP\r"
+    with pytest.raises(SafetyError, match="watched no more: a fault of the program"):
+        door.require_closed()

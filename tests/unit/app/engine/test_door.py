@@ -295,3 +295,21 @@ async def test_an_alarm_during_the_interruption_aborts(bench: GuardedBench) -> N
     outcome = await opened(bench, answerer=ada)
     assert (outcome.status, outcome.exit_code) == ("aborted", ExitCode.SAFETY)
     assert bench.robot.calls.count("move") == 1
+
+
+async def test_a_watch_that_is_cancelled_from_outside_ends_the_run(
+    bench: GuardedBench, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    async def body(ctx: Context) -> None:
+        async def cancelled() -> bool:
+            raise asyncio.CancelledError
+
+        monkeypatch.setattr(bench.block, "door_closed", cancelled)
+        bench.robot.blocks = True
+        await ctx.move(AWAY)
+
+    request = bench.request(Script(body))
+    outcome = await run_procedure(request, bench.build, bench.clock, bench.publish, bench.install)
+    assert outcome.status == "failed"
+    assert "a watch has ended before its run" in outcome.text
+    assert "stop" in bench.robot.calls
