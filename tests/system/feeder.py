@@ -1,6 +1,6 @@
-"""A program that holds a jog key: it takes control, begins to jog and feeds until it is killed.
+"""A program that holds a key: it takes control, begins a jog or a walk and feeds until it is killed.
 
-Arguments: path of the engine's socket, joint. A line on stdout says that the joint moves.
+Arguments: path of the engine's socket, joint or `walk`. A line on stdout says that a joint moves, or the walk is fed.
 """
 
 import sys
@@ -36,5 +36,24 @@ def feed(path: str, joint: str) -> None:
         time.sleep(FEED_S)
 
 
+def walk(path: str) -> None:
+    """Walk for ever."""
+    client = Lines(path)
+    client.ask("hello", client="feeder", who="Ada")
+    client.ask("control")
+    begun = client.ask("start", procedure="open-loop", search="none", walk=True)
+    assert begun["ok"], begun
+    client.until(event="state", state="EXECUTE")
+    while True:
+        assert client.ask("walk-feed")["ok"]
+        sys.stdout.write("moving\n")
+        sys.stdout.flush()
+        time.sleep(FEED_S)
+
+
 if __name__ == "__main__":
-    feed(*sys.argv[1:])
+    place, what = sys.argv[1:]
+    if what == "walk":
+        walk(place)
+    else:
+        feed(place, what)

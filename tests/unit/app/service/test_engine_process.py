@@ -126,7 +126,7 @@ async def test_a_client_starts_one_run_after_another_and_ends_the_engine(bench: 
 async def test_nothing_begins_after_an_unacknowledged_stop_until_it_is_cleared(
     bench: FakeBench, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    whole = engine_process.carry_out
+    whole = vars(engine_process)["carry_out"]
 
     async def stopped(*given: Any, **options: Any) -> Any:
         found = await whole(*given, **options)
