@@ -229,6 +229,7 @@ class EngineProcess:
         try:
             planned = await asyncio.to_thread(self._planned, request)
             await self._drives.cancel()
+            self._facts()
             await self._bench.idle.release()
             self._planning = False
             outcome = await self._carry_out(request, planned, tell, self.hub.publish, keep_drives=True)
@@ -317,6 +318,7 @@ class EngineProcess:
             "cell": str(self._cell.resolve()),
             "runs": str(self._root.resolve()),
             "aborted": self._aborted or None,
+            "drives": self._drives.facts,
         }
 
     def _tell_drives(self, event: str, **fields: Json) -> None:

@@ -149,6 +149,29 @@ async def test_nothing_begins_after_an_unacknowledged_stop_until_it_is_cleared(
         await client.request("shutdown")
 
 
+async def test_a_client_that_comes_during_a_run_is_told_no_countdown(
+    bench: FakeBench, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    whole = vars(engine_process)["carry_out"]
+
+    async def left_on(*given: Any, **options: Any) -> Any:
+        return replace(await whole(*given, **options), drives_on=True)
+
+    engine, robot = SimpleNamespace(on_client_lost="stop"), SimpleNamespace(drives_off_after_s=300.0)
+    cell = SimpleNamespace(cell=SimpleNamespace(engine=engine, robot=robot))
+    monkeypatch.setattr(engine_process, "carry_out", left_on)
+    monkeypatch.setattr(engine_process, "load_cell", lambda _path: cell)
+    async with serving(bench.root), engine_client(bench.root) as client:
+        for _ in range(2):
+            await client.request("start", procedure="script")
+            await event_of(client, "prompt", id="door")
+            async with connected(bench.root) as other:
+                assert other.snapshot["drives"] is None
+            await client.answer("door", "yes")
+            await event_of(client, "drives", on=True)
+        await client.request("shutdown")
+
+
 async def test_drives_left_on_still_go_off_after_a_run_that_never_began(
     bench: FakeBench, monkeypatch: pytest.MonkeyPatch
 ) -> None:
