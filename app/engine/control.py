@@ -287,14 +287,14 @@ class RunControl:
             return ()
         self.moving = True
         try:
-            return await self._interruptible(action())
+            return await self._interruptible(action)
         finally:
             self.moving = False
 
-    async def _interruptible(self, action: Coroutine[Any, Any, T]) -> tuple[T] | tuple[()]:
+    async def _interruptible(self, action: Callable[[], Coroutine[Any, Any, T]]) -> tuple[T] | tuple[()]:
         """Run an action to its end; nothing comes back from one that an interruption has cut short."""
         before = self.interruptions
-        self._motion = task = asyncio.create_task(action)
+        self._motion = task = asyncio.create_task(self._begun(action))
         try:
             await asyncio.wait({task})
         finally:
@@ -303,7 +303,11 @@ class RunControl:
                 await cancel(task)
         if self.interruptions != before and _cut_short(task):
             return ()
-        return (task.result(),)
+        return task.result()
+
+    async def _begun(self, action: Callable[[], Coroutine[Any, Any, T]]) -> tuple[T] | tuple[()]:
+        """Run an action unless motion was forbidden before its task had its first turn."""
+        return (await action(),) if self._motion_permitted else ()
 
     async def halted(self) -> None:
         """Wait until every halt under way has ended."""
