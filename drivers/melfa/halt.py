@@ -17,6 +17,9 @@ PERIOD_S = 0.1
 TAKEN_WITHIN_S = 0.8
 """After which a STOP that no connection takes is reported, real s."""
 
+_INSISTS = 10
+"""STOPs on every connection, a period apart, when nobody can see whether one was heard."""
+
 _PRESS = "PRESS THE EMERGENCY STOP if the robot moves"
 
 
@@ -113,10 +116,17 @@ class Halt:
                 if not isinstance(error, DeviceError):
                     raise error
                 failures.append(str(error))
+        await self._insist()
         raise LinkError(
             f"{self._connections.main.where}: STOP was sent, but the standstill is not confirmed: {_PRESS} "
             f"({'; '.join(failures)})"
         )
+
+    async def _insist(self) -> None:
+        """Write STOP for a while longer: a connection that is closed now may take an unread one along."""
+        for _ in range(_INSISTS):
+            self.send()
+            await asyncio.sleep(PERIOD_S)
 
 
 class _Again:
