@@ -4,7 +4,9 @@ Plans, the gate of every motion, the jog and the rehearsal ask here.
 """
 
 from collections.abc import Sequence
+from dataclasses import dataclass, field
 from functools import lru_cache
+from itertools import pairwise
 
 import numpy as np
 
@@ -16,6 +18,9 @@ from procedures.errors import PlanError
 
 _LARGEST = 3600.0
 """Of a joint, deg or mm: beyond is no place of an arm, and a way from there could not be looked at in time."""
+
+_MOST_REMEMBERED = 100_000
+"""Clear legs of one scene: more than any plan has."""
 
 _STUCK = "the arm is too near where it begins: move it away with the controller's teach pendant"
 
@@ -83,9 +88,16 @@ def clear_part(here: Joints, target: Joints, bench: Bench) -> tuple[Joints, str 
 
 def _contact(way: Sequence[Joints], bench: Bench, passed: Sequence[bool] = ()) -> Contact | None:
     _require_places(way)
-    gaps = _gaps(bench.workspace, bench.reflectors, bench.arm.j3_mm)
+    known = _known_scene(bench.workspace, bench.reflectors, bench.arm.j3_mm)
     corners = np.array(passed) if passed and bench.arm.following == "blended" else None
-    return first_contact(gaps, np.array(way), bench.workspace.clearance_mm, corners)
+    # Where corners are cut, a leg depends on its neighbours.
+    legs = set(pairwise(way)) if corners is None else set()
+    if legs and legs <= known.clear:
+        return None
+    contact = first_contact(known.gaps, np.array(way), bench.workspace.clearance_mm, corners)
+    if contact is None and len(known.clear) + len(legs) <= _MOST_REMEMBERED:
+        known.clear.update(legs)
+    return contact
 
 
 def _require_places(way: Sequence[Joints]) -> None:
@@ -99,12 +111,25 @@ def _require_places(way: Sequence[Joints]) -> None:
         )
 
 
+@dataclass(frozen=True)
+class _KnownScene:
+    """The bodies of an arm and what stands around it.
+
+    Attributes:
+        gaps: their distances.
+        clear: legs that were found clear: the gate meets exactly those of the plan again.
+    """
+
+    gaps: Gaps
+    clear: set[tuple[Joints, Joints]] = field(default_factory=set)
+
+
 @lru_cache(maxsize=16)
-def _gaps(workspace: Workspace, reflectors: tuple[Reflector, ...], j3_mm: float) -> Gaps:
+def _known_scene(workspace: Workspace, reflectors: tuple[Reflector, ...], j3_mm: float) -> _KnownScene:
     boxes = (_named("keep-out box", workspace.keep_out), _named("wall of the keep-in box", workspace.keep_in))
     stands = tuple(_stand(reflector, workspace, j3_mm) for reflector in reflectors)
     table = Table("table", workspace.table_z_mm)
-    return Gaps(Scene(workspace.chain, workspace.bodies, stands, table, *boxes))
+    return _KnownScene(Gaps(Scene(workspace.chain, workspace.bodies, stands, table, *boxes)))
 
 
 def _stand(reflector: Reflector, workspace: Workspace, j3_mm: float) -> Capsule:
