@@ -34,6 +34,7 @@ class Channel:
         self._inbox = Inbox(_MOST_BYTES)
         self._unsent = bytearray()
         self._sent: asyncio.Future[None] | None = None
+        self._waits_for_room = False
         self._overtaken = 0
         self._over: LinkError | None = None
         self._loop.add_reader(descriptor, self._receive)
@@ -160,8 +161,10 @@ class Channel:
         del self._unsent[:count]
         if self._unsent:
             self._loop.add_writer(self._descriptor, self._flush)
-        else:
+            self._waits_for_room = True
+        elif self._waits_for_room:
             self._loop.remove_writer(self._descriptor)
+            self._waits_for_room = False
             self._end_writing()
 
     def _end_writing(self) -> None:

@@ -48,6 +48,7 @@ class ArmGuard:
         self._beat: asyncio.TimerHandle | None = None
         self._beat_due_s = 0.0
         self._motions = 0
+        self._said_moving = False
         self.stopped = ""
         self._released: set[str] = set()
 
@@ -142,12 +143,13 @@ class ArmGuard:
         """Have a motion guarded; see LinkGuard."""
         await self._require_guard()
         self._motions += 1
-        self._send_beat()
+        if not self._said_moving:
+            self._send_beat()
         try:
             yield
         finally:
+            # The next tick says that it is over: most often another motion has begun by then.
             self._motions -= 1
-            self._send_beat()
 
     async def _require_guard(self) -> None:
         """See a guard that answers; one that has died or hangs while nothing moves is replaced."""
@@ -213,7 +215,8 @@ class ArmGuard:
 
     def _send_beat(self) -> None:
         if self._process is not None:
-            self._process.say(f"beat {int(self._motions > 0)}")
+            self._said_moving = self._motions > 0
+            self._process.say(f"beat {int(self._said_moving)}")
 
     def _tick(self) -> None:
         """Give a sign of life, and look for the guard's."""

@@ -1,6 +1,5 @@
 """One joint motion over the R-protocol: the target goes into a variable, the motion takes it from there, once."""
 
-import asyncio
 from collections.abc import Awaitable, Callable
 from functools import partial
 
@@ -18,10 +17,10 @@ from drivers.healing import ATTEMPTS, Repeat
 from drivers.melfa.connections import Connections
 from drivers.melfa.motion import (
     LOOK_WHY,
+    answered,
     assignment,
     off_target,
     standstill,
-    until_answered,
 )
 from drivers.melfa.settings import MelfaSettings
 from drivers.readings import Joints
@@ -129,21 +128,17 @@ class JointMotion:
 
     async def _waited_for(self, target: Joints, permit: Callable[[], None]) -> Joints:
         """Move and wait for the answer, which comes at the end of the motion; return where the robot stands."""
-        answer = asyncio.ensure_future(
-            self._main.command(
-                f"EXEC2=MOV {self.variable}",
-                timeout_s=self._settings.move_timeout_s,
-                repeat=Repeat.BOUND,
-                permit=permit,
-            )
+        motion = self._main.command(
+            f"EXEC2=MOV {self.variable}",
+            timeout_s=self._settings.move_timeout_s,
+            repeat=Repeat.BOUND,
+            permit=permit,
         )
         self.waits = True
         try:
-            await until_answered(answer, self._connections.side)
+            await answered(motion, self._connections.side)
         finally:
             self.waits = False
-            answer.cancel()
-            await asyncio.wait({answer})
         reached = await self._main.joints()
         if not off_target(reached, target, self._settings):
             return reached

@@ -1,6 +1,7 @@
 """Parts of a joint motion: its command, the comparison of reported joints with it, waiting for standstill."""
 
 import asyncio
+import contextlib
 from collections.abc import Awaitable, Callable
 
 from drivers.clock import Clock
@@ -129,46 +130,80 @@ async def standstill(
         ) from None
 
 
-async def until_answered(answer: "asyncio.Future[None]", asker: Session) -> None:
-    """Wait for the answer of a motion; look meanwhile whether the arm stands without one.
+async def answered(motion: Awaitable[None], asker: Session) -> None:
+    """Await the answer of a motion; look meanwhile whether the arm stands without one.
 
     Args:
-        answer: of the motion; its error is raised.
+        motion: ends with the answer, or raises its error; cancelled where the arm stands without one.
         asker: a session that the motion does not block.
 
     Raises:
         LinkTimeoutError: the arm stands and no answer has come.
     """
-    await asyncio.wait({answer}, timeout=LOOK_S)
-    if answer.done():
-        return answer.result()
-    looking = asyncio.create_task(_stands(answer, asker))
+    look = _Look(asker)
     try:
-        await asyncio.wait({answer, looking}, return_when=asyncio.FIRST_COMPLETED)
-        # A look under way is let to its end, so that its link stays in step.
-        await asyncio.wait({looking}, timeout=LOOK_S)
+        async with asyncio.timeout(None) as patience:
+            look.begin_later(patience)
+            await motion
+    except TimeoutError:
+        if not patience.expired():
+            raise
+        raise LinkTimeoutError(f"{asker.where}: the arm stands and the motion is not answered") from None
     finally:
-        looking.cancel()
-        await asyncio.wait({looking})
-    if answer.done():
-        return answer.result()
-    raise LinkTimeoutError(f"{asker.where}: the arm stands and the motion is not answered")
+        await look.end()
 
 
-async def _stands(answer: "asyncio.Future[None]", asker: Session) -> None:
-    """Look until the arm has stood for a while, or the answer is there."""
-    last: Joints | None = None
-    still = 0
-    while still < STILL_LOOKS and not answer.done():
+class _Look:
+    """Looks at an arm whose motion takes longer than a moment; a short one costs no task.
+
+    Args:
+        asker: a session that the motion does not block.
+    """
+
+    def __init__(self, asker: Session) -> None:
+        self._asker = asker
+        self._over = asyncio.Event()
+        self._timer: asyncio.TimerHandle | None = None
+        self._task: asyncio.Task[None] | None = None
+
+    def begin_later(self, patience: asyncio.Timeout) -> None:
+        """Begin to look after a moment; the timeout expires when the arm has stood for a while."""
+        self._timer = asyncio.get_running_loop().call_later(LOOK_S, self._begin, patience)
+
+    def _begin(self, patience: asyncio.Timeout) -> None:
+        self._task = asyncio.create_task(self._until_standing(patience))
+
+    async def end(self) -> None:
+        """Look no more; a look under way is let to its end, so that its link stays in step."""
+        if self._timer is not None:
+            self._timer.cancel()
+        if self._task is None:
+            return
+        self._over.set()
         try:
-            running, joints = (await asker.state()).running, await asker.joints()
-        except DeviceError:
-            # What cannot be seen now is no reason to give up a motion whose answer may come.
-            still, last = 0, None
-        else:
-            still = still + 1 if joints == last and not running else 0
-            last = joints
-        await asyncio.wait({answer}, timeout=LOOK_S)
+            await asyncio.wait({self._task}, timeout=LOOK_S)
+        finally:
+            self._task.cancel()
+            await asyncio.wait({self._task})
+
+    async def _until_standing(self, patience: asyncio.Timeout) -> None:
+        last: Joints | None = None
+        still = 0
+        while still < STILL_LOOKS and not self._over.is_set():
+            try:
+                running, joints = (await self._asker.state()).running, await self._asker.joints()
+            except DeviceError:
+                # What cannot be seen now is no reason to give up a motion whose answer may come.
+                still, last = 0, None
+            else:
+                still = still + 1 if joints == last and not running else 0
+                last = joints
+            with contextlib.suppress(TimeoutError):
+                async with asyncio.timeout(LOOK_S):
+                    await self._over.wait()
+        # The answer may have come at the very moment.
+        if not self._over.is_set():
+            patience.reschedule(asyncio.get_running_loop().time())
 
 
 async def account_for(
