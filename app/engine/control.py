@@ -78,7 +78,7 @@ class RunControl:
         self._halting = 0
         self._changed = asyncio.Event()
         self._motion_permitted = False
-        self._motion: asyncio.Task[Any] | None = None
+        self._motion: asyncio.Timeout | None = None
         self._hold_first: str | None = None
         self._hold_reason = ""
         self.moving = False
@@ -294,20 +294,19 @@ class RunControl:
     async def _interruptible(self, action: Callable[[], Coroutine[Any, Any, T]]) -> tuple[T] | tuple[()]:
         """Run an action to its end; nothing comes back from one that an interruption has cut short."""
         before = self.interruptions
-        self._motion = task = asyncio.create_task(self._begun(action))
+        # A limit in place of a task: a task's turns of the loop come on top of every motion.
+        self._motion = limit = asyncio.timeout(None)
         try:
-            await asyncio.wait({task})
+            async with limit:
+                return (await action(),)
+        except (TimeoutError, RefusedError, NotArrivedError) as error:
+            # What the guard has done interrupts the run in the next turn of the loop.
+            await asyncio.sleep(0)
+            if self.interruptions == before or not (limit.expired() or _cut_short(error)):
+                raise
+            return ()
         finally:
             self._motion = None
-            if not task.done():
-                await cancel(task)
-        if self.interruptions != before and _cut_short(task):
-            return ()
-        return task.result()
-
-    async def _begun(self, action: Callable[[], Coroutine[Any, Any, T]]) -> tuple[T] | tuple[()]:
-        """Run an action unless motion was forbidden before its task had its first turn."""
-        return (await action(),) if self._motion_permitted else ()
 
     async def halted(self) -> None:
         """Wait until every halt under way has ended."""
@@ -403,7 +402,7 @@ class RunControl:
 
     def _drop_motion(self) -> None:
         if self._motion is not None:
-            self._motion.cancel()
+            self._motion.reschedule(asyncio.get_running_loop().time())
 
     def raise_ending(self) -> None:
         """Raise why the run ends, if it does.
@@ -415,13 +414,6 @@ class RunControl:
             raise self.ending
 
 
-def _cut_short(motion: "asyncio.Task[Any]") -> bool:
+def _cut_short(error: Exception) -> bool:
     """Return whether a motion ended as one does that a STOP has overtaken."""
-    if motion.cancelled():
-        return True
-    error = motion.exception()
-    if isinstance(error, GuardError):
-        return True
-    if isinstance(error, (AlarmError, NotReadyError)):
-        return False
-    return isinstance(error, (RefusedError, NotArrivedError))
+    return isinstance(error, GuardError) or not isinstance(error, (AlarmError, NotReadyError, TimeoutError))

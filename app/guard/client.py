@@ -19,7 +19,7 @@ from drivers.guarding import GuardError
 LOG_NAME: Final = "guard.log"
 """In the folder of all runs: what guards have done."""
 
-BEAT_S: Final = 0.05
+BEAT_S: Final = 0.1
 _FRESH_S = 0.3
 _ANSWER_S = 2.0
 _MOST_LOG_BYTES = 1 << 20
