@@ -125,9 +125,7 @@ class AttocubeIds:
         """
         self._type = ""
         await self._link.open()
-        if await self._mode() == _IDLE:
-            await self._require("system.startMeasurement")
-            self._started = True
+        await self._link.repeated(self._start)
         await self._await_start()
         self._corrects = await self._asks_unit()
         self._reference_pm = None
@@ -142,6 +140,8 @@ class AttocubeIds:
     async def zero(self) -> int:
         """Zero the axis, clear the latched faults; return the new zero's number.
 
+        The arm stands still meanwhile: a reset whose answer is lost is sent again, and the last one counts.
+
         Raises:
             RefusedError: the instrument refuses, in its own words; or its environment unit was switched.
             LinkError: lost or silent.
@@ -150,8 +150,7 @@ class AttocubeIds:
         await self._check_unit()
         if (await self._displacement()).error:
             await self._ask("system.resetError", False)
-        with self._latches.zeroing():
-            await self._require("system.resetAxis", self._settings.axis)
+        await self._link.repeated(self._reset_axis)
         answer = await self._displacement()
         if answer.error:
             raise await self._refused("displacement.getAxisDisplacement", answer.error)
@@ -201,6 +200,10 @@ class AttocubeIds:
             zero_id=self._latches.zero_id,
         )
 
+    async def _reset_axis(self) -> None:
+        with self._latches.zeroing():
+            await self._require("system.resetAxis", self._settings.axis)
+
     async def _displacement(self) -> codec.Answer:
         answer = await self._ask("displacement.getAxisDisplacement", self._settings.axis)
         self._latches.note(beam_lost=answer.error != 0)
@@ -249,6 +252,12 @@ class AttocubeIds:
                 "measurement in the instrument's web page",
                 0,
             )
+
+    async def _start(self) -> None:
+        """Start the measurement unless it runs, also by an order of which the answer was lost."""
+        if await self._mode() == _IDLE:
+            self._started = True
+            await self._require("system.startMeasurement")
 
     async def _await_start(self) -> None:
         """Wait until the measurement runs.

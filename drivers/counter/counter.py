@@ -14,7 +14,6 @@ from drivers.counter.profile import CounterProfile, Status, load_profile
 from drivers.counter.streamed import StreamedCounter
 from drivers.endpoint import open_transport
 from drivers.errors import DeviceError, LinkError, ProtocolError, RefusedError, WrongDeviceError
-from drivers.healing import Repeat
 from drivers.latches import Latches
 from drivers.link import RequestLink
 from drivers.readings import CounterReading, CounterStatus, Identity
@@ -135,6 +134,8 @@ class LineCounter:
     async def zero(self) -> int:
         """Zero the count, clear the latched faults; return the new zero's number.
 
+        The arm stands still meanwhile: a zero whose answer is lost is sent again, and the last one counts.
+
         Raises:
             RefusedError: the instrument refuses.
             LinkError: lost or silent.
@@ -148,10 +149,7 @@ class LineCounter:
             with self._latches.zeroing():
                 await self._link.send(self._encode(zero.command), self._profile.line.timeout_s)
         else:
-            with self._latches.zeroing():
-                text = await self._ask(zero.command, Repeat.NEVER)
-                if not re.search(zero.reply, text):
-                    raise self._unfit(zero.command, text, ProtocolError(f"no match for {zero.reply!r}"))
+            await self._link.repeated(partial(self._zero, zero.command, zero.reply))
         if zero.mode == "device":
             self._offset_mm, self._last_count = 0.0, 0
         return self._latches.zeroed()
@@ -205,6 +203,12 @@ class LineCounter:
             return {"beam_lost": False}
         return (await self._told(status.command, partial(codec.parse_bits, status)))[0]
 
+    async def _zero(self, command: str, reply: str) -> None:
+        with self._latches.zeroing():
+            text = await self._ask(command)
+            if not re.search(reply, text):
+                raise self._unfit(command, text, ProtocolError(f"no match for {reply!r}"))
+
     async def _signal(self, default: float) -> float:
         signal = self._profile.signal
         if not signal:
@@ -229,7 +233,7 @@ class LineCounter:
         """
 
         async def once() -> tuple[T, str]:
-            text = await self._ask(command, Repeat.NEVER)
+            text = await self._ask(command)
             try:
                 return parse(text), text
             except ProtocolError as exc:
@@ -240,12 +244,10 @@ class LineCounter:
         except RefusedError:
             return await self._link.repeated(once)
 
-    async def _ask(self, command: str, repeat: Repeat) -> str:
+    async def _ask(self, command: str) -> str:
         await self._pause()
         timeout_s = self._profile.line.timeout_s
-        text = await self._link.request(
-            self._encode(command), partial(self._decoder, command), timeout_s, repeat=repeat
-        )
+        text = await self._link.request(self._encode(command), partial(self._decoder, command), timeout_s)
         self._check_error(command, text)
         return text
 

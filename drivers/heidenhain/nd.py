@@ -119,24 +119,22 @@ class HeidenhainNd:
     async def zero(self) -> int:
         """Zero the count, clear the error on the display; return the new zero's number.
 
+        The arm stands still meanwhile: when a key's answer is lost all are pressed again, and the last zero counts.
+
         Raises:
             RefusedError: the error does not go away, or the display refuses a key.
             WrongDeviceError: the display's decimals are not those of the settings.
             LinkError: lost or silent.
             ProtocolError: garbage came.
         """
-        if await self._error_text():
-            await self._press(_CLEAR)
-            if text := await self._error_text():
-                raise RefusedError(
-                    f"{self._link.where}: no zero, the display shows {text!r}: aim the beam first", 0
-                )
+        if text := await self._error_that_stays():
+            raise RefusedError(
+                f"{self._link.where}: no zero, the display shows {text!r}: aim the beam first", 0
+            )
         # A display that was connected without a signal had no value to compare with.
         self._check_decimals(await self._ask("A0100"))
         if self._settings.zero == "keys":
-            with self._latches.zeroing():
-                for key in _ZERO_KEYS:
-                    await self._press(key)
+            await self._link.repeated(self._press_zero)
             self._offset_mm = 0.0
         else:
             self._offset_mm = (await self._position())[0]
@@ -161,10 +159,7 @@ class HeidenhainNd:
             LinkError: lost or silent.
             ProtocolError: garbage came.
         """
-        text = await self._error_text()
-        if text:
-            await self._press(_CLEAR)
-            text = await self._error_text()
+        text = await self._error_that_stays()
         return CounterStatus(
             beam_ok=not text,
             beam_lost=self._latches.beam_lost,
@@ -195,6 +190,23 @@ class HeidenhainNd:
         text = await self._ask(self._settings.error_request)
         self._latches.note(beam_lost=bool(text))
         return text
+
+    async def _error_that_stays(self) -> str:
+        """Clear the error on the display, if there is one; return what is shown then."""
+        return await self._link.repeated(self._cleared)
+
+    async def _cleared(self) -> str:
+        # Looked at before each press: what C does without an error depends on the display's parameters.
+        if not await self._error_text():
+            return ""
+        await self._press(_CLEAR)
+        return await self._error_text()
+
+    async def _press_zero(self) -> None:
+        """Set the datum to 0; from its beginning always, since only zeros are ever entered: 00 ENT sets 0 too."""
+        with self._latches.zeroing():
+            for key in _ZERO_KEYS:
+                await self._press(key)
 
     async def _press(self, key: str) -> None:
         reply = await self._ask(key, Repeat.NEVER)

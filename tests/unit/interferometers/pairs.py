@@ -60,6 +60,9 @@ class Far(FarEnd):
     Args:
         world: the emulated bench.
         session: makes the session of a new client.
+
+    Attributes:
+        passed: from what the instrument says to what arrives of it.
     """
 
     def __init__(self, world: World, session: Callable[[], Session]) -> None:
@@ -67,6 +70,7 @@ class Far(FarEnd):
         self.world = world
         self.muted = False
         self.new_session = session
+        self.passed: Callable[[bytes], bytes] = lambda data: data
 
     async def _serve(self) -> None:
         while True:
@@ -99,8 +103,8 @@ class Far(FarEnd):
             await self._say(answer)
 
     async def _say(self, data: bytes) -> None:
-        if data and not self.muted and self.near.is_open:
-            await self.far.write(data)
+        if data and not self.muted and self.near.is_open and (arriving := self.passed(data)):
+            await self.far.write(arriving)
 
 
 @dataclass(frozen=True)

@@ -1,5 +1,7 @@
 """What holds for every interferometer: a returning beam never revives an old count, a new link neither."""
 
+from collections.abc import Callable
+from itertools import count
 from typing import Any
 
 import pytest
@@ -12,6 +14,7 @@ from drivers.lasertex.hpi import HpiSettings, LasertexHpi
 from drivers.umd.display import UmdDisplay, UmdSettings
 from simulators.config import Option
 from simulators.errors import EmulatorError
+from tests.unit.drivers.virtual_time import run
 from tests.unit.interferometers.pairs import Make, Pair, new_session, paired, quiet_world
 from tests.unit.simulators.benches import aimed, go
 
@@ -26,6 +29,15 @@ DRIVERS: dict[str, Make] = {
 }
 
 OPTIONS: dict[str, dict[str, Option]] = {"attocube-ids": {"start_time_s": 0}}
+
+MISHAPS: dict[str, Callable[[bytes], bytes]] = {
+    "lost": lambda _data: b"",
+    "doubled": lambda data: data + data,
+    "garbled": lambda data: bytes([data[0] ^ 0x80]) + data[1:],
+}
+
+ANSWERS = 14
+"""More than any of these drivers takes for a zero after a lost beam."""
 
 every_interferometer = pytest.mark.parametrize("protocol", sorted(DRIVERS))
 
@@ -66,6 +78,40 @@ async def test_zero_and_way(protocol: str) -> None:
         assert reading.displacement_mm == pytest.approx(way_mm, rel=1e-3, abs=1.1e-3)
         assert reading.zero_id == 1
         assert not (await pair.driver.status()).beam_lost
+
+
+def spoilt(place: int, mishap: str) -> Callable[[bytes], bytes]:
+    """Return what spoils one answer of all that follow."""
+    places = count()
+    return lambda data: MISHAPS[mishap](data) if next(places) == place else data
+
+
+@pytest.mark.parametrize("mishap", MISHAPS)
+@pytest.mark.parametrize(
+    ("protocol", "make"),
+    [
+        *((protocol, DRIVERS[protocol]) for protocol in ("line-counter", "heidenhain-nd", "attocube-ids")),
+        ("heidenhain-nd", lambda t, c: HeidenhainNd(t, c, NdSettings(quiet_s=0.001, zero="keys"))),
+    ],
+)
+def test_any_one_spoilt_answer_leaves_a_zero_whole(protocol: str, make: Make, mishap: str) -> None:
+    async def zeroed(place: int) -> None:
+        async with paired(protocol, make, OPTIONS.get(protocol)) as pair:
+            pair.bench.block_beam(None)
+            await seen(pair)
+            pair.bench.unblock_beam()
+            pair.far.passed = spoilt(place, mishap)
+            await pair.driver.status()
+            assert await pair.driver.zero() == 1
+            before_mm = pair.bench.insight().length_mm
+            go(pair.bench, aimed(20.01, 30.01))
+            pair.bench.advance(0.01)
+            way_mm = pair.bench.insight().length_mm - before_mm
+            reading = await pair.driver.read()
+            assert reading.displacement_mm == pytest.approx(way_mm, rel=1e-3, abs=1.1e-3)
+
+    for place in range(ANSWERS):
+        run(zeroed(place))
 
 
 @every_interferometer

@@ -94,8 +94,8 @@ class NorraLd5:
             LinkError: lost or silent.
             ProtocolError: garbage came.
         """
-        # A zero that is sent twice would hide what happened between the two: it is never repeated.
-        await self._ask(codec.ZERO, Repeat.NEVER)
+        # The arm stands still meanwhile: a zero whose answer is lost is sent again, and the last one counts.
+        await self._link.repeated(self._zero)
         return self._latches.zeroed()
 
     async def read(self) -> CounterReading:
@@ -129,6 +129,10 @@ class NorraLd5:
             signal_native=f"{status.signal_percent} %",
             zero_id=self._latches.zero_id,
         )
+
+    async def _zero(self) -> None:
+        with self._latches.zeroing():
+            await self._ask(codec.ZERO, Repeat.NEVER)
 
     async def _ask(self, command: str, repeat: Repeat = Repeat.HARMLESS) -> str:
         """Return the value in the answer to a command."""
