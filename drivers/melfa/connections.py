@@ -4,6 +4,7 @@ from collections.abc import Sequence
 
 from drivers.errors import LinkError
 from drivers.melfa.session import Session
+from drivers.melfa.side import QUESTIONS, Side
 
 
 class Connections:
@@ -12,29 +13,29 @@ class Connections:
     Args:
         main: holds the operation right and waits for the end of motions.
         stop: for STOP, which must not queue behind that wait; None: there is but one.
-        status: for questions while the arm moves, so that they do not stand before a STOP; None: `stop` serves them.
+        status: for questions while the arm moves, so that they do not stand before a STOP; None: `stop` serves them,
+            as it does while this one is lost.
+
+    Attributes:
+        side: asks questions while the arm moves.
     """
 
     def __init__(self, main: Session, stop: Session | None, status: Session | None) -> None:
         self.main = main
-        self._further = (("STOP", stop), ("questions during motion", status))
+        self.side = Side(main)
+        self._further = (("STOP", stop), (QUESTIONS, status))
         self._open: list[Session] = []
         self._note = ""
 
     @property
     def note(self) -> str:
         """What an operator should know of connections that are missing; empty when all are there."""
-        return self._note
+        return self._note or self.side.note
 
     @property
     def has_side(self) -> bool:
         """Whether there is one that no motion blocks."""
         return bool(self._open)
-
-    @property
-    def side(self) -> Session:
-        """The one for questions while the arm moves."""
-        return self._open[-1] if self._open else self.main
 
     @property
     def askers(self) -> Sequence[Session]:
@@ -57,22 +58,24 @@ class Connections:
         Raises:
             WrongDeviceError: something else answers there.
         """
-        self._open = []
+        await self.shut()
         self._note = ""
         if self._further[0][1] is None:
             self._note = "no second connection for STOP on this line: it goes between two polls"
         for use, session in self._further:
             if session is None:
-                return
+                break
             try:
                 await session.open()
             except LinkError as exc:
                 self._note = self._missing(use, exc)
-                return
+                break
             self._open.append(session)
+        self.side = Side(*self.askers)
 
     async def shut(self) -> None:
         """Close those beside the first at once."""
+        await self.side.close()
         further, self._open = self._open, []
         for session in further:
             await session.close()

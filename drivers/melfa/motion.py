@@ -16,6 +16,7 @@ from drivers.errors import (
 )
 from drivers.melfa.session import Session
 from drivers.melfa.settings import MelfaSettings
+from drivers.melfa.side import Side
 from drivers.readings import Joints, RobotStatus
 
 VARIABLES = tuple(f"JCATSEY{number}" for number in range(1, 9))
@@ -130,12 +131,12 @@ async def standstill(
         ) from None
 
 
-async def answered(motion: Awaitable[None], asker: Session) -> None:
+async def answered(motion: Awaitable[None], asker: Side) -> None:
     """Await the answer of a motion; look meanwhile whether the arm stands without one.
 
     Args:
         motion: ends with the answer, or raises its error; cancelled where the arm stands without one.
-        asker: a session that the motion does not block.
+        asker: is not blocked by the motion.
 
     Raises:
         LinkTimeoutError: the arm stands and no answer has come.
@@ -157,10 +158,10 @@ class _Look:
     """Looks at an arm whose motion takes longer than a moment; a short one costs no task.
 
     Args:
-        asker: a session that the motion does not block.
+        asker: is not blocked by the motion.
     """
 
-    def __init__(self, asker: Session) -> None:
+    def __init__(self, asker: Side) -> None:
         self._asker = asker
         self._over = asyncio.Event()
         self._timer: asyncio.TimerHandle | None = None
@@ -207,7 +208,7 @@ class _Look:
 
 
 async def account_for(
-    session: Session,
+    asker: Side,
     clock: Clock,
     settings: MelfaSettings,
     target: Joints,
@@ -221,7 +222,7 @@ async def account_for(
     An arm that still approaches its target is waited for.
 
     Args:
-        session: where to ask.
+        asker: is not blocked by the motion.
         clock: time of the pause between two polls.
         settings: of the driver.
         target: of the motion.
@@ -236,34 +237,34 @@ async def account_for(
     """
     try:
         async with asyncio.timeout(settings.move_timeout_s):
-            status, off = await _followed(session, clock, settings, target, still_polls)
+            status, off = await _followed(asker, clock, settings, target, still_polls)
     except (DeviceError, TimeoutError) as exc:
         await stop()
         why = str(exc) or "no answer in time, or it moves for too long"
         raise LinkError(
-            f"{session.where}: the answer to the motion is lost ({lost}) and the controller does not tell "
+            f"{asker.where}: the answer to the motion is lost ({lost}) and the controller does not tell "
             f"where the robot is ({why}): the robot was told to stop; {LOOK_WHY}"
         ) from lost
     if not off and not status.alarm_number:
         return
     await stop()
     if status.alarm_number:
-        raise AlarmError(f"{session.where}: {status.alarm_text}", status.alarm_number) from lost
+        raise AlarmError(f"{asker.where}: {status.alarm_text}", status.alarm_number) from lost
     raise NotArrivedError(
-        f"{session.where}: the answer to the motion is lost ({lost}); the robot "
+        f"{asker.where}: the answer to the motion is lost ({lost}); the robot "
         f"{'moves' if status.running else 'stands'} elsewhere ({off}) and was told to stop: {LOOK_WHY}"
     ) from lost
 
 
 async def _followed(
-    session: Session, clock: Clock, settings: MelfaSettings, target: Joints, still_polls: int
+    asker: Side, clock: Clock, settings: MelfaSettings, target: Joints, still_polls: int
 ) -> tuple[RobotStatus, str]:
     """Look until the arm stands, or no longer approaches its target; return its state and what is off."""
     last: Joints | None = None
     still = 1
     while True:
         async with asyncio.timeout(_TELL_S):
-            status, joints = await session.status(), await session.joints()
+            status, joints = await asker.status(), await asker.joints()
         off = off_target(joints, target, settings)
         still = still + 1 if joints == last else 1
         # A program that waits for the next way counts as running too: then only the joints tell.

@@ -38,6 +38,7 @@ from drivers.melfa.motion import VARIABLES, account_for, unstarted_polls
 from drivers.melfa.servo import servo_is
 from drivers.melfa.session import Session, byte_time_s
 from drivers.melfa.settings import MelfaSettings
+from drivers.melfa.side import Side
 from drivers.melfa.stops import Stops, StopWatch
 from drivers.readings import Identity, Joints, RobotStatus
 from drivers.record import Sink
@@ -465,8 +466,8 @@ class MelfaR3:
             await ask(f"OVRD={self._override_percent}", codec.free_text)
 
     @property
-    def _asker(self) -> Session:
-        """The session for questions: the first one unless a motion blocks it."""
+    def _asker(self) -> Session | Side:
+        """Who is asked: the first session unless a motion blocks it."""
         return self._connections.side if self._motion.waits else self._main
 
 
