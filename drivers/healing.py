@@ -20,6 +20,11 @@ MOST_LOST = 0.2
 ATTEMPTS = 6
 """How often something harmless is asked at most, within ten seconds."""
 
+REOPEN_S = 2.0
+"""For so long a device that has just dropped its connections may refuse new ones, real s."""
+
+_REOPEN_PAUSE_S = 0.1
+
 _FEWEST_LOST = 8
 """Fewer losses within the window tell nothing about their share."""
 
@@ -116,3 +121,24 @@ async def repeated(work: Callable[[], Awaitable[T]], losses: Losses, where: str)
                     f"check cable, connectors and shielding, and that no other program uses it (last: {exc})"
                 ) from exc
     return await work()
+
+
+async def reopened(attempt: Callable[[], Awaitable[None]], hopeful: Callable[[], bool]) -> None:
+    """Open a link again that was lost; try for a while, since its device may refuse for a moment.
+
+    Args:
+        attempt: opens the link.
+        hopeful: whether another attempt makes sense.
+
+    Raises:
+        LinkError: as the last attempt raised it.
+    """
+    loop = asyncio.get_running_loop()
+    until_s = loop.time() + REOPEN_S
+    while True:
+        try:
+            return await attempt()
+        except LinkError:
+            if loop.time() + _REOPEN_PAUSE_S > until_s or not hopeful():
+                raise
+        await asyncio.sleep(_REOPEN_PAUSE_S)

@@ -12,7 +12,7 @@ from drivers.errors import (
     ProtocolError,
     UnreachableError,
 )
-from drivers.healing import Losses, Repeat, repeated
+from drivers.healing import Losses, Repeat, reopened, repeated
 from drivers.transport import Transport
 
 T = TypeVar("T")
@@ -315,7 +315,7 @@ class RequestLink:
             raise NotSentError(f"{self.where}: the link is out of step ({self._doubt}): nothing was sent")
         self.heal_count += 1
         if not await self._heals_in_place():
-            await self._connect()
+            await reopened(self._connect, self._may_be_opened)
 
     async def _heals_in_place(self) -> bool:
         """Get in step on the open connection: answers come in order, so behind that to `identify` none is owed."""
@@ -335,6 +335,9 @@ class RequestLink:
 
     def _can_be_read(self) -> bool:
         return not (self._ended or self._floods)
+
+    def _may_be_opened(self) -> bool:
+        return self._is_open and not self._floods and not self._losses.too_many
 
     async def _connect(self) -> None:
         self._doubt = "the greeting is not finished"

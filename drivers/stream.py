@@ -6,7 +6,7 @@ from typing import Generic, Protocol, TypeVar
 
 from drivers.clock import Clock
 from drivers.errors import DeviceError, LinkError, LinkTimeoutError
-from drivers.healing import Losses, repeated
+from drivers.healing import Losses, reopened, repeated
 from drivers.transport import Transport
 
 T = TypeVar("T")
@@ -143,7 +143,7 @@ class StreamLink(Generic[T]):
             await asyncio.sleep(0)
             if self._failure is not None:
                 self.heal_count += 1
-                await self._connect()
+                await reopened(self._connect, lambda: self._is_open)
 
     async def send(self, data: bytes) -> None:
         """Send bytes.

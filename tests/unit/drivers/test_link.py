@@ -301,13 +301,13 @@ async def test_a_greeting_that_fails_half_way_leaves_no_session() -> None:
             await link.exchange(b"who?", Line(), LONG_S)
             if peer.hang_ups and not refusals:
                 refusals += 1
-                raise LinkError("no right given")
+                raise ProtocolError("no right given")
 
         link = RequestLink(peer.transport, name="device", greet=greet, quiet_s=QUIET_S)
         await link.open()
         with pytest.raises(LinkTimeoutError):
             await link.request(b"slow?", Line, SHORT_S)
-        with pytest.raises(LinkError, match="no right given"):
+        with pytest.raises(ProtocolError, match="no right given"):
             await link.request(b"speed?", Line, LONG_S)
         assert b"speed?" not in peer.requests
         assert await link.request(b"speed?", Line, LONG_S) == "answer to speed"
