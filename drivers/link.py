@@ -206,12 +206,15 @@ class RequestLink:
             timeout_s: for sending, real s.
 
         Raises:
-            LinkTimeoutError: the bytes are not taken.
+            LinkTimeoutError: the bytes are not taken; the link is out of step until the next request heals it.
             LinkError: not open or lost.
         """
         async with self._lock:
             await self._get_in_step(heal=True)
-            await self._bounded(self._transport.write(data), data, timeout_s)
+            half_sent = self._doubt = f"{data!r} may be half sent"
+            await self._counted(self._transport.write(data), f"{data!r} is not taken", timeout_s)
+            if self._doubt is half_sent:
+                self._doubt = ""
 
     def send_urgent(self, data: bytes, *, cut: bytes) -> None:
         """Write past the request in flight. Its answer and this one cannot be told apart afterwards.
@@ -256,12 +259,7 @@ class RequestLink:
         outstanding = f"the answer to {data!r} is outstanding"
         self._doubt = outstanding
         self._received = b""
-        try:
-            reply = await self._bounded(self._ask(data, decoder), data, timeout_s)
-        except (LinkError, ProtocolError) as exc:
-            self._losses.lost()
-            self._ended |= isinstance(exc, LinkError) and not isinstance(exc, LinkTimeoutError)
-            raise
+        reply = await self._counted(self._ask(data, decoder), f"no answer to {data!r}", timeout_s)
         self._losses.answered()
         # `send_urgent` puts another text here meanwhile; then the doubt stays.
         if self._doubt is outstanding:
@@ -294,14 +292,23 @@ class RequestLink:
         except ProtocolError as exc:
             raise ProtocolError(f"{self.where}: {exc}; last bytes {self._received!r}") from None
 
-    async def _bounded(self, work: Awaitable[T], data: bytes, timeout_s: float) -> T:
+    async def _counted(self, work: Awaitable[T], failure: str, timeout_s: float) -> T:
+        """Do something within a time; count it as lost when it fails."""
+        try:
+            return await self._bounded(work, failure, timeout_s)
+        except (LinkError, ProtocolError) as exc:
+            self._losses.lost()
+            self._ended |= isinstance(exc, LinkError) and not isinstance(exc, LinkTimeoutError)
+            raise
+
+    async def _bounded(self, work: Awaitable[T], failure: str, timeout_s: float) -> T:
         try:
             async with asyncio.timeout(timeout_s):
                 return await work
         except TimeoutError:
             came = f"last bytes {self._received!r}" if self._received else "no byte came"
             raise LinkTimeoutError(
-                f"{self.where}: no answer to {data!r} within {timeout_s:g} s, {came}: check that the device "
+                f"{self.where}: {failure} within {timeout_s:g} s, {came}: check that the device "
                 "is not busy or switched off; the link is opened again before the next request"
             ) from None
 

@@ -324,6 +324,32 @@ async def test_a_command_without_answer_is_sent() -> None:
     assert peer.requests == [b"who?", b"Z", b"speed?"]
 
 
+@pytest.mark.parametrize("cancelled", [False, True])
+async def test_a_command_that_is_half_sent_poisons_the_link(
+    cancelled: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    async def stuck(_data: bytes) -> None:
+        await asyncio.Event().wait()
+
+    async with Peer(echo) as peer:
+        link = make(peer.transport)
+        await link.open()
+        with monkeypatch.context() as patch:
+            patch.setattr(peer.near, "write", stuck)
+            if cancelled:
+                sending = asyncio.create_task(link.send(b"Z", LONG_S))
+                await until(lambda: bool(link.doubt))
+                sending.cancel()
+                await asyncio.wait({sending})
+            else:
+                with pytest.raises(LinkTimeoutError, match="b'Z' is not taken within"):
+                    await link.send(b"Z", SHORT_S)
+        assert link.doubt == "b'Z' may be half sent"
+        assert await link.request(b"speed?", Line, LONG_S) == "answer to speed"
+        assert (link.heal_count, link.doubt) == (1, "")
+        await link.close()
+
+
 async def test_uninterrupted_work_ends_before_the_cancellation_goes_on() -> None:
     gate, done = asyncio.Event(), []
 
