@@ -347,7 +347,7 @@ class RequestLink:
         return self._is_open and not self._floods and not self._losses.too_many
 
     async def _connect(self) -> None:
-        self._doubt = "the greeting is not finished"
+        unfinished = self._doubt = "the greeting is not finished"
         self._floods = self._ended = False
         await self._transport.close()
         try:
@@ -367,6 +367,9 @@ class RequestLink:
             # A greeting that ends half-way leaves no session, although its last exchange may have been whole.
             self._doubt = "the greeting failed"
             raise
+        if self._doubt is unfinished:
+            # A device that is asked nothing owes nothing.
+            self._doubt = ""
 
     async def _drain(self) -> bytes:
         """Read until nothing comes for the quiet time; return the first bytes."""

@@ -2,7 +2,6 @@
 
 from typing import Any, ClassVar, Protocol, Self
 
-from drivers.air.client import RegisterClient
 from drivers.air.maps import (
     VAISALA_PRESSURE_NOTE,
     AirSettings,
@@ -15,6 +14,7 @@ from drivers.air.maps import (
 from drivers.clock import Clock
 from drivers.endpoint import require_stream
 from drivers.errors import LinkTimeoutError, ProtocolError, RefusedError
+from drivers.modbus.client import RegisterClient
 from drivers.readings import AirSample, Identity
 from drivers.record import Sink
 

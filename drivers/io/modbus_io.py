@@ -4,10 +4,10 @@ from typing import Any, ClassVar, Literal, Protocol, Self
 
 from pydantic import BaseModel, ConfigDict, Field, model_validator
 
-from drivers.air.client import RegisterClient
 from drivers.clock import Clock
 from drivers.endpoint import require_stream
 from drivers.errors import LinkTimeoutError, RefusedError
+from drivers.modbus.client import RegisterClient
 from drivers.readings import Identity
 from drivers.record import Sink
 

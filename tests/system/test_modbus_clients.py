@@ -9,12 +9,12 @@ import pytest
 from pymodbus import FramerType
 from pymodbus.client import ModbusSerialClient, ModbusTcpClient
 
-from drivers.air.client import RegisterClient
 from drivers.air.modbus_air import ModbusAir
 from drivers.air.ptu300 import VaisalaAscii
 from drivers.clock import SystemClock
 from drivers.endpoint import SerialEndpoint
 from drivers.io.modbus_io import ModbusIo
+from drivers.modbus.client import RegisterClient
 from tests.system.command import catseye
 from tests.system.modbus_cell import ModbusCell, modbus_cell
 
@@ -111,6 +111,7 @@ async def test_a_late_answer_over_a_serial_line_is_not_taken_for_the_next_one() 
     loop.add_reader(master, answer)
     air = RegisterClient(SerialEndpoint(os.ttyname(slave)), timeout_s=0.2)
     try:
+        await air.open()
         assert await air.read(3, 0, 1) == [0x1111]
         assert await air.read(3, 2, 1) == [0x2222]
     finally:
