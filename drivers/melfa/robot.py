@@ -39,6 +39,7 @@ from drivers.melfa.servo import servo_is
 from drivers.melfa.session import Session, byte_time_s
 from drivers.melfa.settings import MelfaSettings
 from drivers.melfa.side import Side
+from drivers.melfa.starting import start_once
 from drivers.melfa.stops import Stops, StopWatch
 from drivers.readings import Identity, Joints, RobotStatus
 from drivers.record import Sink
@@ -387,21 +388,9 @@ class MelfaR3:
             raise
 
     async def start_program(self, name: str, permit: Callable[[], None]) -> None:
-        """Reset the slot and start a program from its first line, once (sheet 1.9).
-
-        Args:
-            name: of the program.
-            permit: is asked right before the start is written; what it raises keeps it from being sent.
-
-        Raises:
-            AlarmError: an alarm is active.
-            NotReadyError: refused for a reason that an operator has to look at.
-            RefusedError: there is no such program, or it cannot be started.
-            LinkError: lost or silent.
-        """
+        """Start a program from its first line unless it runs; see `start_once`."""
         await self.take_right()
-        await self._main.command("RSTPRG", repeat=Repeat.HARMLESS)
-        await self._main.command(f"RUN{name};1", permit=permit)
+        await start_once(self._main, self._clock, self._settings, name, permit)
 
     async def account_for(self, target: Joints, lost: DeviceError) -> None:
         """Ask where the robot is after the answer to a motion was lost; go on only if it stands at the target.

@@ -11,6 +11,7 @@ import pytest
 from drivers.errors import (
     LinkError,
     NotArrivedError,
+    NotReadyError,
     ProtocolError,
     RefusedError,
     WrongDeviceError,
@@ -22,7 +23,7 @@ from drivers.melfa.settings import MelfaSettings
 from drivers.readings import Joints
 from procedures.devices import JogRobot
 from tests.patience import HANG_S
-from tests.unit.drivers.melfa_bench import JPOS, Controller
+from tests.unit.drivers.melfa_bench import JPOS, STATE, Controller
 from tests.unit.drivers.peers import Peer, StepClock, until
 
 WAY: tuple[Joints, ...] = ((1.0, 2.0, 5.0, -3.0), (2.0, 4.0, 5.0, -6.5), (3.0, 6.0, 5.0, -10.0))
@@ -299,6 +300,64 @@ async def test_a_lost_answer_to_a_reset_of_the_program_is_no_event() -> None:
         bench.controller.replies["RSTPRG"] = lambda: next(lost, ["QoK"])
         await bench.robot.follow(WAY)
         assert bench.main.requests.count(b"1;1;RUNCATSDL;1\r") == 1
+
+
+def started(bench: Linked) -> int:
+    """Return how often the program was started."""
+    return bench.main.requests.count(b"1;1;RUNCATSDL;1\r")
+
+
+def run_unanswered(bench: Linked, flags: str) -> None:
+    """Have the controller start the program, or not, and the answer get lost."""
+
+    def reply() -> Iterable[str]:
+        bench.controller.flags = flags
+        return []
+
+    bench.controller.replies["RUNCATSDL;1"] = reply
+
+
+async def test_a_lost_answer_to_a_start_is_no_event_when_the_program_runs() -> None:
+    async with linked() as bench:
+        await bench.robot.stop()
+        run_unanswered(bench, "E0060")
+        await bench.robot.follow(WAY)
+        assert started(bench) == 1
+        assert bench.program.driven == [pytest.approx(target) for target in WAY]
+
+
+async def test_a_program_that_does_not_run_is_not_started_twice() -> None:
+    async with linked() as bench:
+        await bench.robot.stop()
+        run_unanswered(bench, "A0060")
+        with pytest.raises(LinkError, match="not started a second time"):
+            await bench.robot.follow(WAY)
+        assert started(bench) == 1
+        assert bench.program.driven == []
+
+
+async def test_after_a_lost_answer_to_a_way_the_running_program_is_left_alone() -> None:
+    async with linked() as bench:
+        bench.program.silent = {2}
+        await bench.robot.follow(WAY)
+        bench.program.silent = set()
+        before = len(bench.main.requests)
+        await bench.robot.follow(WAY[:1])
+        assert bench.program.driven == [pytest.approx(WAY[0])]
+        asked = b"".join(bench.main.requests[before:])
+        assert b"RSTPRG" not in asked
+        assert b"RUN" not in asked
+
+
+async def test_another_program_that_runs_is_not_reset() -> None:
+    async with linked() as bench:
+        await bench.robot.stop()
+        bench.controller.replies["STATE"] = lambda: ["QoKOTHER.MB5" + STATE.format(flags="E0060")[3:]]
+        with pytest.raises(
+            NotReadyError, match="the program OTHER runs on the controller, CATSDL was not started"
+        ):
+            await bench.robot.follow(WAY)
+        assert b"RSTPRG" not in b"".join(bench.main.requests)
 
 
 class SlowGuard(Unguarded):
