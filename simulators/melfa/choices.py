@@ -16,6 +16,8 @@ class Choices:
         teach_keeps_right: in TEACH the right stays; otherwise it is lost, and CNTLON is refused with 5000.
         stop_overtakes: a STOP behind a waiting EXEC2 on the same connection is heard; otherwise that connection is
             not read before EXEC2 has answered.
+        reset_while_running: RSTPRG, SLOTINIT and RUN act on a program that waits for its PC; otherwise they are
+            refused with 5640 as long as it runs.
         jog_percent: jog speed at an override of 100 %, per cent of the largest speed.
         inch_high: step of high inching, deg or mm.
         inch_low: step of low inching, deg or mm.
@@ -26,6 +28,7 @@ class Choices:
     exclusive_right: bool = False
     teach_keeps_right: bool = False
     stop_overtakes: bool = False
+    reset_while_running: bool = False
     jog_percent: float = 10.0
     inch_high: float = 0.1
     inch_low: float = 0.01
@@ -44,6 +47,7 @@ class Choices:
             exclusive_right=flag(device, "exclusive_right"),
             teach_keeps_right=flag(device, "teach_keeps_right"),
             stop_overtakes=flag(device, "stop_overtakes"),
+            reset_while_running=flag(device, "reset_while_running"),
             jog_percent=number(device, "jog_percent", default.jog_percent),
             inch_high=number(device, "inch_high", default.inch_high),
             inch_low=number(device, "inch_low", default.inch_low),

@@ -8,13 +8,14 @@ Input …) stops the program with alarm 4220.
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from simulators.melfa import alarms, statements
 from simulators.melfa.alarms import Refusal
 from simulators.melfa.programs import EXTENSION
-from simulators.melfa.resident import Stage
+from simulators.melfa.resident import Resident, Stage
 
 if TYPE_CHECKING:
     # The controller has the task, and the task commands the controller.
@@ -116,9 +117,10 @@ class Task:
         """Begin at the top next time, and let another program be selected.
 
         Raises:
-            Refusal: it runs.
+            Refusal: it runs, or one that waits for its PC.
         """
         self._require_stopped()
+        self._require_at_rest(self._controller.residents.values())
         self.paused = False
         self._place = 0
         for resident in self._controller.residents.values():
@@ -136,6 +138,7 @@ class Task:
             started = [residents[key] for key in (self._controller.memory.key(name),) if key in residents]
         else:
             started = [resident for resident in residents.values() if resident.stage is Stage.HALTED]
+        self._require_at_rest(started)
         if started:
             self._controller.require_start()
             self._controller.stopped = False
@@ -145,6 +148,11 @@ class Task:
 
     def _require_stopped(self) -> None:
         if self.running:
+            raise Refusal(alarms.WHILE_RUNNING)
+
+    def _require_at_rest(self, residents: Iterable[Resident]) -> None:
+        tolerated = self._controller.choices.reset_while_running
+        if not tolerated and any(resident.running for resident in residents):
             raise Refusal(alarms.WHILE_RUNNING)
 
     def _next(self) -> None:

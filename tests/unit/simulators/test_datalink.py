@@ -9,6 +9,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from simulators.bench.bench import Bench
+from simulators.melfa.alarms import Refusal
+from simulators.melfa.choices import Choices
 from simulators.melfa.controller import Controller
 from simulators.melfa.datalink import Datalink, DatalinkSession
 from simulators.serving import Pending
@@ -232,6 +234,26 @@ def test_after_a_reset_the_next_connection_starts_the_program() -> None:
     line.session = line.client()
     assert line.ask(records.WHO) == records.EMULATOR
     assert line.ask(records.ADD) == records.ADDED
+
+
+def test_a_program_that_runs_is_neither_reset_nor_started() -> None:
+    """Sheet, section 5.3: 5640 is "not possible while running"; which commands it refuses is not told."""
+    line = Line()
+    for command in (line.controller.task.reset, lambda: line.controller.task.start("CATSDL", repeat=False)):
+        with pytest.raises(Refusal) as caught:
+            command()
+        assert caught.value.number == 5640
+    assert line.ask(records.ADD) == records.ADDED
+
+
+def test_a_controller_may_reset_a_program_that_runs() -> None:
+    line = Line()
+    line.controller.choices = Choices(reset_while_running=True)
+    line.controller.task.reset()
+    assert not line.program.running
+    line.controller.task.start("CATSDL", repeat=False)
+    line.controller.task.start("CATSDL", repeat=False)
+    assert line.program.running
 
 
 def test_the_servo_going_off_halts_a_drive_but_not_a_program_that_waits() -> None:
