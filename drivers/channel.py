@@ -2,6 +2,7 @@
 
 import asyncio
 import os
+from abc import ABC, abstractmethod
 from collections.abc import Callable
 
 from drivers.errors import LinkError
@@ -177,3 +178,68 @@ class Channel:
     def _require_open(self) -> None:
         if self._over is not None:
             raise LinkError(str(self._over))
+
+
+class ChannelTransport(ABC):
+    """Base of the transports through a descriptor; those that derive from it open and close it."""
+
+    def __init__(self) -> None:
+        self._channel: Channel | None = None
+
+    @property
+    @abstractmethod
+    def endpoint(self) -> str:
+        """Where it leads."""
+
+    async def write(self, data: bytes) -> None:
+        """Send all bytes.
+
+        Raises:
+            LinkError: the link is closed or broken.
+        """
+        await self._require_opened().write(data)
+
+    def send_urgent(self, data: bytes, *, cut: bytes = b"") -> None:
+        """Hand bytes to the operating system past what waits; see `Transport.send_urgent`.
+
+        Raises:
+            LinkError: the link is closed or broken, or takes no bytes now.
+        """
+        self._require_opened().send_urgent(data, cut)
+
+    def fileno(self) -> int:
+        """Return the descriptor.
+
+        Raises:
+            LinkError: the link is closed or broken.
+        """
+        return self._require_opened().fileno()
+
+    async def read(self) -> bytes:
+        """Return the next chunk.
+
+        Raises:
+            LinkError: the link is closed or broken, or the other side has closed it.
+        """
+        return await self._require_opened().read()
+
+    def waiting(self) -> bytes:
+        """Return a chunk that has come, empty bytes when nothing has.
+
+        Raises:
+            LinkError: the link is closed or broken, or the other side has closed it.
+        """
+        return self._require_opened().waiting()
+
+    def _is_open(self) -> bool:
+        return self._channel is not None and self._channel.is_open
+
+    def _let_go(self) -> None:
+        """Take the channel from the descriptor before that is closed."""
+        if self._channel:
+            self._channel.close(LinkError(f"{self.endpoint}: the link was closed: connect again"))
+
+    def _require_opened(self) -> Channel:
+        if not self._channel:
+            raise LinkError(f"{self.endpoint}: the link is not open: connect first")
+        return self._channel

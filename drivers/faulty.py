@@ -35,7 +35,7 @@ from typing import Literal, get_args
 
 from drivers.errors import LinkError
 from drivers.record import Direction
-from drivers.transport import Transport
+from drivers.transport import Transport, WrappedTransport
 
 Kind = Literal[
     "split", "coalesce", "delay", "drop", "duplicate", "corrupt", "stall", "half-close", "late", "foreign"
@@ -97,8 +97,8 @@ class _Chunk:
     takes_more: bool = False
 
 
-class FaultyTransport:
-    """Wraps a transport and makes it go wrong.
+class FaultyTransport(WrappedTransport):
+    """Makes a transport go wrong.
 
     Args:
         inner: the transport that does the work.
@@ -107,7 +107,7 @@ class FaultyTransport:
     """
 
     def __init__(self, inner: Transport, faults: Iterable[Fault], *, note: str = "") -> None:
-        self._inner = inner
+        super().__init__(inner)
         self._faults = {(fault.direction, fault.at): fault for fault in faults}
         self._note = note
         self._counts: dict[Direction, int] = {"tx": 0, "rx": 0}
@@ -165,14 +165,6 @@ class FaultyTransport:
         if not self._swallows(fault.kind if fault else ""):
             self._inner.send_urgent(data, cut=cut)
             self._release_late()
-
-    def fileno(self) -> int:
-        """Return the descriptor of the link inside.
-
-        Raises:
-            LinkError: the link is closed.
-        """
-        return self._inner.fileno()
 
     async def read(self) -> bytes:
         """Return the next chunk.

@@ -9,7 +9,7 @@ from contextlib import AbstractAsyncContextManager, asynccontextmanager
 from typing import Protocol
 
 from drivers.errors import NotReadyError
-from drivers.transport import Transport
+from drivers.transport import Transport, WrappedTransport
 
 
 class GuardError(NotReadyError):
@@ -79,8 +79,8 @@ def guarded(inner: Transport, guard: LinkGuard | None, name: str, stop: bytes) -
     return inner if guard is None else GuardedTransport(inner, guard, name, stop)
 
 
-class GuardedTransport:
-    """Wraps a transport whose connection the guard has a duplicate of while it is open.
+class GuardedTransport(WrappedTransport):
+    """Has the guard keep a duplicate of a transport's connection while it is open.
 
     Args:
         inner: the transport that does the work.
@@ -90,15 +90,10 @@ class GuardedTransport:
     """
 
     def __init__(self, inner: Transport, guard: LinkGuard, name: str, stop: bytes) -> None:
-        self._inner = inner
+        super().__init__(inner)
         self._guard = guard
         self._name = name
         self._stop = stop
-
-    @property
-    def endpoint(self) -> str:
-        """Where it leads."""
-        return self._inner.endpoint
 
     async def open(self) -> None:
         """Connect, and hand a duplicate to the guard.
@@ -115,43 +110,3 @@ class GuardedTransport:
             await self._inner.close()
         finally:
             await self._guard.release(self._name)
-
-    async def write(self, data: bytes) -> None:
-        """Send all bytes.
-
-        Raises:
-            LinkError: the link is closed.
-        """
-        await self._inner.write(data)
-
-    def send_urgent(self, data: bytes, *, cut: bytes = b"") -> None:
-        """Hand bytes to the operating system at once; see Transport.
-
-        Raises:
-            LinkError: the link is closed, or takes not all bytes now.
-        """
-        self._inner.send_urgent(data, cut=cut)
-
-    async def read(self) -> bytes:
-        """Return the next chunk.
-
-        Raises:
-            LinkError: the other side has closed the link.
-        """
-        return await self._inner.read()
-
-    def waiting(self) -> bytes:
-        """Return a chunk that has come, empty bytes when there is none.
-
-        Raises:
-            LinkError: the other side has closed the link.
-        """
-        return self._inner.waiting()
-
-    def fileno(self) -> int:
-        """Return the descriptor of the open link.
-
-        Raises:
-            LinkError: the link is closed, or has none.
-        """
-        return self._inner.fileno()

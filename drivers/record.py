@@ -3,7 +3,7 @@
 from collections.abc import Callable
 from typing import Literal
 
-from drivers.transport import Transport
+from drivers.transport import Transport, WrappedTransport
 
 Direction = Literal["tx", "rx"]
 """Seen from the program: tx is sent, rx is received."""
@@ -12,8 +12,8 @@ Sink = Callable[[Direction, bytes], None]
 """Takes the direction and the bytes; must neither block nor raise."""
 
 
-class RecordingTransport:
-    """Wraps a transport and hands what passes to a sink.
+class RecordingTransport(WrappedTransport):
+    """Hands what passes through a transport to a sink.
 
     Args:
         inner: the transport that does the work.
@@ -22,25 +22,8 @@ class RecordingTransport:
     """
 
     def __init__(self, inner: Transport, sink: Sink) -> None:
-        self._inner = inner
+        super().__init__(inner)
         self._sink = sink
-
-    @property
-    def endpoint(self) -> str:
-        """Where it leads."""
-        return self._inner.endpoint
-
-    async def open(self) -> None:
-        """Connect.
-
-        Raises:
-            LinkError: unreachable.
-        """
-        await self._inner.open()
-
-    async def close(self) -> None:
-        """Disconnect; may be called any number of times."""
-        await self._inner.close()
 
     async def write(self, data: bytes) -> None:
         """Send all bytes.
@@ -59,14 +42,6 @@ class RecordingTransport:
         """
         self._sink("tx", data)
         self._inner.send_urgent(data, cut=cut)
-
-    def fileno(self) -> int:
-        """Return the descriptor of the link inside.
-
-        Raises:
-            LinkError: the link is closed.
-        """
-        return self._inner.fileno()
 
     async def read(self) -> bytes:
         """Return the next chunk, at least one byte.

@@ -14,7 +14,7 @@ from typing import Literal
 
 import serial
 
-from drivers.channel import Channel
+from drivers.channel import Channel, ChannelTransport
 from drivers.errors import LinkError
 
 Parity = Literal["N", "E", "O"]
@@ -58,7 +58,7 @@ def is_pseudo_terminal(device: str) -> bool:
     return os.path.realpath(device).startswith(_PSEUDO_TERMINALS)
 
 
-class SerialTransport:
+class SerialTransport(ChannelTransport):
     """A serial port, held by nobody else while it is open.
 
     Args:
@@ -76,13 +76,13 @@ class SerialTransport:
         open_timeout_s: float = 5.0,
         write_timeout_s: float = 1.0,
     ) -> None:
+        super().__init__()
         self._device = device
         self._settings = settings
         self._open_timeout_s = open_timeout_s
         # The kernel's buffer may be full of bytes that the line still has to carry.
         self._write_timeout_s = write_timeout_s + 12 * _KERNEL_BYTES / settings.baud
         self._port: serial.Serial | None = None
-        self._channel: Channel | None = None
 
     @property
     def endpoint(self) -> str:
@@ -95,7 +95,7 @@ class SerialTransport:
         Raises:
             LinkError: missing, not permitted, held by another program, or wrong settings for it.
         """
-        if self._channel and self._channel.is_open:
+        if self._is_open():
             return
         await self.close()
         worker = ThreadPoolExecutor(1, thread_name_prefix="serial-line")
@@ -119,8 +119,7 @@ class SerialTransport:
 
     async def close(self) -> None:
         """Close the port within a bounded time; may be called any number of times."""
-        if self._channel:
-            self._channel.close(LinkError(f"{self.endpoint}: the link was closed: connect again"))
+        self._let_go()
         port, self._port = self._port, None
         if not port:
             return
@@ -138,46 +137,13 @@ class SerialTransport:
         Raises:
             LinkError: the link is closed or broken, or the line takes no bytes.
         """
-        channel = self._require_opened()
         try:
             async with asyncio.timeout(self._write_timeout_s):
-                await channel.write(data)
+                await super().write(data)
         except TimeoutError:
             raise LinkError(
                 f"{self.endpoint}: the line does not take bytes: check cable, power and the instrument's handshake"
             ) from None
-
-    def send_urgent(self, data: bytes, *, cut: bytes = b"") -> None:
-        """Hand bytes to the operating system past what waits; see `Transport.send_urgent`.
-
-        Raises:
-            LinkError: the link is closed or broken, or takes no bytes now.
-        """
-        self._require_opened().send_urgent(data, cut)
-
-    def fileno(self) -> int:
-        """Return the descriptor.
-
-        Raises:
-            LinkError: the link is closed or broken.
-        """
-        return self._require_opened().fileno()
-
-    async def read(self) -> bytes:
-        """Return the next chunk.
-
-        Raises:
-            LinkError: the link is closed or broken.
-        """
-        return await self._require_opened().read()
-
-    def waiting(self) -> bytes:
-        """Return a chunk that has come, empty bytes when nothing has.
-
-        Raises:
-            LinkError: the link is closed or broken.
-        """
-        return self._require_opened().waiting()
 
     def _open_port(self) -> serial.Serial:
         s = self._settings
@@ -195,11 +161,6 @@ class SerialTransport:
             inter_byte_timeout=0,
             exclusive=True,
         )
-
-    def _require_opened(self) -> Channel:
-        if not self._channel:
-            raise LinkError(f"{self.endpoint}: the link is not open: connect first")
-        return self._channel
 
     def _not_opened(self, exc: BaseException) -> LinkError:
         number = getattr(exc, "errno", None)

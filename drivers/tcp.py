@@ -9,7 +9,7 @@ import contextlib
 import os
 import socket
 
-from drivers.channel import Channel
+from drivers.channel import Channel, ChannelTransport
 from drivers.errors import LinkError
 
 _ENDED = (
@@ -18,7 +18,7 @@ _ENDED = (
 )
 
 
-class TcpTransport:
+class TcpTransport(ChannelTransport):
     """A client socket without Nagle's delay.
 
     Args:
@@ -28,11 +28,11 @@ class TcpTransport:
     """
 
     def __init__(self, host: str, port: int, *, connect_timeout_s: float = 5.0) -> None:
+        super().__init__()
         self._host = host
         self._port = port
         self._connect_timeout_s = connect_timeout_s
         self._socket: socket.socket | None = None
-        self._channel: Channel | None = None
 
     @property
     def endpoint(self) -> str:
@@ -46,7 +46,7 @@ class TcpTransport:
         Raises:
             LinkError: unreachable; the text names the endpoint and what to check.
         """
-        if self._channel and self._channel.is_open:
+        if self._is_open():
             return
         await self.close()
         try:
@@ -69,54 +69,13 @@ class TcpTransport:
 
     async def close(self) -> None:
         """Disconnect; may be called any number of times."""
-        if self._channel:
-            self._channel.close(LinkError(f"{self.endpoint}: the link was closed: connect again"))
+        self._let_go()
         link, self._socket = self._socket, None
         if link:
             # Somebody may hold a duplicate of the descriptor, which would keep the connection.
             with contextlib.suppress(OSError):
                 link.shutdown(socket.SHUT_RDWR)
             link.close()
-
-    async def write(self, data: bytes) -> None:
-        """Send all bytes.
-
-        Raises:
-            LinkError: the link is closed or broken.
-        """
-        await self._require_opened().write(data)
-
-    def send_urgent(self, data: bytes, *, cut: bytes = b"") -> None:
-        """Hand bytes to the operating system past what waits; see `Transport.send_urgent`.
-
-        Raises:
-            LinkError: the link is closed or broken, or takes no bytes now.
-        """
-        self._require_opened().send_urgent(data, cut)
-
-    def fileno(self) -> int:
-        """Return the descriptor.
-
-        Raises:
-            LinkError: the link is closed or broken.
-        """
-        return self._require_opened().fileno()
-
-    async def read(self) -> bytes:
-        """Return the next chunk.
-
-        Raises:
-            LinkError: the link is closed, broken or the other side has closed it.
-        """
-        return await self._require_opened().read()
-
-    def waiting(self) -> bytes:
-        """Return a chunk that has come, empty bytes when nothing has.
-
-        Raises:
-            LinkError: the link is closed, broken or the other side has closed it.
-        """
-        return self._require_opened().waiting()
 
     async def _connected(self) -> socket.socket:
         loop = asyncio.get_running_loop()
@@ -142,11 +101,6 @@ class TcpTransport:
             else:
                 return link
         raise failure
-
-    def _require_opened(self) -> Channel:
-        if not self._channel:
-            raise LinkError(f"{self.endpoint}: the link is not open: connect first")
-        return self._channel
 
 
 def _broken(exc: OSError) -> str:

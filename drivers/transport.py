@@ -71,3 +71,47 @@ class Transport(Protocol):
             LinkError: the other side has closed the link.
         """
         ...
+
+
+class WrappedTransport:
+    """Forwards everything to another transport: base of those that add something of their own. See `Transport`.
+
+    Args:
+        inner: the transport that does the work.
+    """
+
+    def __init__(self, inner: Transport) -> None:
+        self._inner = inner
+
+    @property
+    def endpoint(self) -> str:
+        """Where it leads."""
+        return self._inner.endpoint
+
+    async def open(self) -> None:
+        """Connect."""
+        await self._inner.open()
+
+    async def close(self) -> None:
+        """Disconnect; may be called any number of times."""
+        await self._inner.close()
+
+    async def write(self, data: bytes) -> None:
+        """Send all bytes."""
+        await self._inner.write(data)
+
+    async def read(self) -> bytes:
+        """Return the next chunk."""
+        return await self._inner.read()
+
+    def send_urgent(self, data: bytes, *, cut: bytes = b"") -> None:
+        """Hand bytes to the operating system at once."""
+        self._inner.send_urgent(data, cut=cut)
+
+    def fileno(self) -> int:
+        """Return the descriptor of the open link."""
+        return self._inner.fileno()
+
+    def waiting(self) -> bytes:
+        """Return a chunk that has come, empty bytes when there is none."""
+        return self._inner.waiting()
