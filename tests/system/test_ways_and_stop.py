@@ -110,3 +110,17 @@ async def test_a_way_beyond_the_controllers_limits_is_told_and_the_arm_stays_ins
             await robot.follow(((0.0, 10.0, 0.0, 0.0), (0.0, 10.0, 200.0, 0.0)))
         assert not bench.bench.moving
         assert bench.bench.joints[2] <= 150.0 + 1e-3
+
+
+async def test_after_a_way_whose_answer_was_lost_the_program_drives_the_next_one() -> None:
+    """The emulated controller refuses RSTPRG and RUN while the program runs, which it does then."""
+    async with ready("datalink") as (bench, robot):
+        _, program, _ = bench.desk.ports_of("robot")
+        way = asyncio.create_task(robot.follow(WAY))
+        await moving(bench)
+        program.muted = True
+        await way
+        program.muted = False
+        assert bench.bench.joints == pytest.approx(WAY[-1], abs=2e-3)
+        await robot.follow(WAY[:1])
+        assert bench.bench.joints == pytest.approx(WAY[0], abs=2e-3)
