@@ -5,6 +5,7 @@ import shutil
 from pathlib import Path
 
 from app.errors import StorageError
+from app.store.seal import mark_unsealed
 from drivers.clock import Clock
 
 
@@ -19,6 +20,7 @@ def make_directory(root: Path, procedure: str, clock: Clock, reserve_bytes: int)
         root.mkdir(parents=True, exist_ok=True)
         require_space(root, reserve_bytes)
         path.mkdir()
+        mark_unsealed(path)
     except OSError as error:
         raise StorageError(f"cannot create a run in {root}: {error}; choose another directory") from error
     return path

@@ -14,7 +14,7 @@ from app.errors import StorageError
 from app.store.catalog import run_name
 from app.store.lock import is_being_written
 from app.store.reader import Status, ending
-from app.store.schema import open_reader
+from app.store.schema import LAST_OPENED_OR_ENDED, open_reader
 from app.store.seal import DATABASE
 
 _Stamp = tuple[tuple[int, int], ...]
@@ -191,8 +191,5 @@ def _between_s(first_utc: str | None, last_utc: str | None) -> float | None:
 
 
 def _status(connection: sqlite3.Connection, path: Path) -> Status:
-    last = connection.execute(
-        "SELECT kind, data FROM events WHERE kind IN ('run-opened', 'run-reopened', 'run-ended') "
-        "ORDER BY seq DESC LIMIT 1"
-    ).fetchone()
+    last = connection.execute(LAST_OPENED_OR_ENDED).fetchone()
     return ending(last) or ("running" if is_being_written(path) else "died")

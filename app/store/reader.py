@@ -13,7 +13,7 @@ from typing import Any, Literal
 from app.errors import StorageError
 from app.store.lock import is_being_written
 from app.store.rows import row_crc32
-from app.store.schema import RAW_TABLES, UNREADABLE, open_reader
+from app.store.schema import LAST_OPENED_OR_ENDED, RAW_TABLES, UNREADABLE, open_reader
 from app.store.seal import DATABASE
 from app.store.soundness import changes, damage
 from procedures.context import Json, Table
@@ -158,10 +158,7 @@ class RunReader:
     @property
     def status(self) -> Status:
         """How the run ended; running when a living process writes it, died without a closing record."""
-        last = self._query(
-            "SELECT kind, data FROM events WHERE kind IN ('run-opened', 'run-reopened', 'run-ended') "
-            "ORDER BY seq DESC LIMIT 1"
-        )
+        last = self._query(LAST_OPENED_OR_ENDED)
         with self._decoding():
             ended = ending(last[0]) if last else None
         return ended or ("running" if is_being_written(self.path) else "died")

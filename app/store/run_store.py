@@ -294,6 +294,7 @@ class RunStore:
         return {
             "status": status,
             "exit_code": int(exit_code),
+            seal.PROMISED: True,
             "wire_lines_cut": self.wire.cut_lines,
             "wire_bytes_cut": self.wire.cut_bytes,
             "log_lines_cut": self.log.cut_lines,

@@ -107,6 +107,11 @@ VERSION = len(UPGRADES)
 """`user_version` of a file that this program writes."""
 
 
+LAST_OPENED_OR_ENDED = """
+SELECT kind, data FROM events WHERE kind IN ('run-opened', 'run-reopened', 'run-ended') ORDER BY seq DESC LIMIT 1
+"""
+"""What says how a run ended, or that it has not."""
+
 UNREADABLE = (sqlite3.Error, UnicodeDecodeError)
 """What reading a damaged file ends with; a broken text may stand even in SQLite's own message."""
 

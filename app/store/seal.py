@@ -21,10 +21,16 @@ APP_LOG = "app.log"
 _LARGEST_MANIFEST_BYTES = 4 * 1024 * 1024
 """Of the few files of a run; whoever lists runs reads every manifest whole."""
 
+UNSEALED = "unsealed"
+"""A file that stands for the manifest until there is one: a run that has neither has lost its manifest."""
+
+PROMISED = "sealed"
+"""Key of a closing record after which a manifest follows; older programs did not say so."""
+
 _DRAFT = f"{MANIFEST}.tmp"
 
 # SQLite's shared memory file is an index of the log beside it: it carries no data and changes when read.
-_IGNORED = {MANIFEST, _DRAFT, f"{DATABASE}-shm"}
+_IGNORED = {MANIFEST, UNSEALED, _DRAFT, f"{DATABASE}-shm"}
 
 _WRITING = stat.S_IWUSR | stat.S_IWGRP | stat.S_IWOTH
 
@@ -85,10 +91,24 @@ def seal(directory: Path, created_utc: str) -> None:
     crash_point("before-manifest")
     draft.rename(directory / MANIFEST)
     _sync(directory)
+    (directory / UNSEALED).unlink(missing_ok=True)
+
+
+def mark_unsealed(directory: Path) -> None:
+    """Mark a run that has no manifest yet, before its record says that it has one."""
+    if not is_marked_unsealed(directory):
+        (directory / UNSEALED).touch(exist_ok=False)
+        _sync(directory)
+
+
+def is_marked_unsealed(directory: Path) -> bool:
+    """Return whether a run is known to have no manifest; one of an older program is not marked."""
+    return os.path.lexists(directory / UNSEALED)
 
 
 def unseal(directory: Path) -> None:
     """Remove the manifest and give the write permission back, to go on with a run."""
+    mark_unsealed(directory)
     (directory / MANIFEST).unlink(missing_ok=True)
     (directory / _DRAFT).unlink(missing_ok=True)
     for path in _own_files(directory):

@@ -1,5 +1,6 @@
 """Whether a run's files are what was written; asked before anybody uses what they say."""
 
+import json
 import os
 import sqlite3
 from collections.abc import Callable
@@ -8,8 +9,8 @@ from pathlib import Path
 
 from app.errors import StorageError
 from app.store.lock import is_being_written
-from app.store.schema import UNREADABLE, open_reader
-from app.store.seal import DATABASE, Manifest, digest, read_manifest
+from app.store.schema import LAST_OPENED_OR_ENDED, UNREADABLE, open_reader
+from app.store.seal import DATABASE, MANIFEST, PROMISED, Manifest, digest, is_marked_unsealed, read_manifest
 from drivers.device_text import harmless
 
 _Stamp = tuple[tuple[str, int, int, int, int], ...]
@@ -30,8 +31,22 @@ def differences(directory: Path, manifest: Manifest) -> tuple[str, ...]:
 
 
 def changes(directory: Path) -> tuple[str, ...]:
-    """Return what speaks against a sealed run; empty for a sound one, and for one that is not sealed."""
+    """Return what speaks against a run that was sealed; empty for a sound one, and for one that never was."""
     return _remembered(directory, _changes)
+
+
+def lost_manifest(directory: Path) -> tuple[str, ...]:
+    """Return that a run without a manifest had one; empty when it never had, or nobody can say any more."""
+    if is_marked_unsealed(directory):
+        return ()
+    with closing(open_reader(directory / DATABASE)) as connection:
+        try:
+            last = connection.execute(LAST_OPENED_OR_ENDED).fetchone()
+            promised = last is not None and json.loads(last["data"]).get(PROMISED) is True
+        except (*UNREADABLE, ValueError, AttributeError):
+            # A damaged database is found as such.
+            return ()
+    return (f"{MANIFEST} is missing",) if promised else ()
 
 
 def damage(directory: Path) -> tuple[str, ...]:
@@ -73,9 +88,7 @@ def _cut_short(database: Path, whole_bytes: int) -> tuple[str, ...]:
 def _changes(directory: Path) -> tuple[str, ...]:
     try:
         manifest = read_manifest(directory)
-        if manifest is None:
-            return ()
-        found = differences(directory, manifest)
+        found = lost_manifest(directory) if manifest is None else differences(directory, manifest)
         # A run that somebody goes on with just now is no longer sealed.
         return _changes(directory) if found and read_manifest(directory) != manifest else found
     except StorageError as error:

@@ -7,7 +7,7 @@ from pathlib import Path
 from app.errors import StorageError
 from app.store.reader import Accept, RunReader, Status
 from app.store.seal import DATABASE, read_manifest
-from app.store.soundness import differences, integrity
+from app.store.soundness import differences, integrity, lost_manifest
 from procedures.context import Json
 
 
@@ -55,6 +55,8 @@ def _check_manifest(path: Path, status: Status) -> tuple[list[str], list[str]]:
     except StorageError as error:
         return [str(error)], []
     if manifest is None:
+        if texts := lost_manifest(path):
+            return list(texts), []
         if status in {"running", "died"}:
             return [], [f"not sealed: the run is {status}"]
         return [], ["not sealed: the process ended between the closing record and the manifest"]

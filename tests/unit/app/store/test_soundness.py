@@ -1,5 +1,6 @@
 """Who opens a run that was changed after its end is told so."""
 
+import shutil
 import sqlite3
 from contextlib import closing
 from pathlib import Path
@@ -9,10 +10,11 @@ import pytest
 from app.errors import StorageError
 from app.store import soundness
 from app.store.catalog import list_runs
+from app.store.mend import seal_late
 from app.store.reader import Accept, RunReader
 from app.store.run_store import RunStore
 from app.store.schema import RAW_TABLES
-from app.store.seal import MANIFEST, digest
+from app.store.seal import MANIFEST, UNSEALED, digest, unseal
 from app.store.verify import verify
 from tests.unit.app.store.fakes import SEARCH_ROW, TickingClock
 
@@ -78,6 +80,55 @@ async def test_a_damaged_manifest_is_refused(tmp_path: Path) -> None:
         RunReader(run)
 
 
+async def test_a_sealed_run_without_its_manifest_is_refused(tmp_path: Path) -> None:
+    run = await stored(tmp_path)
+    (run / MANIFEST).unlink()
+    with pytest.raises(StorageError, match=r"manifest\.json is missing") as refusal:
+        RunReader(run)
+    assert "--unverified" in str(refusal.value)
+    assert run.name in str(refusal.value)
+
+
+async def test_a_run_without_its_manifest_is_taken_on_demand(tmp_path: Path) -> None:
+    run = await stored(tmp_path)
+    (run / MANIFEST).unlink()
+    reader = RunReader(run, Accept.CHANGED)
+    assert len(reader.search()) == 3
+    assert reader.unverified == [f"{run.name}: manifest.json is missing"]
+
+
+async def test_a_database_moved_out_of_its_run_is_refused(tmp_path: Path) -> None:
+    run = await stored(tmp_path)
+    (tmp_path / "elsewhere").mkdir()
+    shutil.copy(run / "run.sqlite", tmp_path / "elsewhere")
+    with pytest.raises(StorageError, match=r"elsewhere .*manifest\.json is missing"):
+        RunReader(tmp_path / "elsewhere")
+
+
+async def test_a_removed_manifest_is_not_made_anew(tmp_path: Path) -> None:
+    run = await stored(tmp_path)
+    (run / MANIFEST).unlink()
+    with pytest.raises(StorageError, match=r"manifest\.json is missing"):
+        seal_late(run, "2026-01-02T00:00:00+00:00")
+    assert not (run / MANIFEST).exists()
+
+
+async def test_a_run_that_died_on_the_way_back_into_it_is_taken(tmp_path: Path) -> None:
+    run = await stored(tmp_path, "stopped")
+    unseal(run)
+    assert RunReader(run).status == "stopped"
+
+
+async def test_a_run_closed_by_an_older_program_is_taken(tmp_path: Path) -> None:
+    # It promised no manifest in its closing record, and had no file that stood for one.
+    store = await RunStore.create(tmp_path, "search", {}, TickingClock(), reserve_bytes=0)
+    await store.event("run-ended", {"status": "complete", "exit_code": 0})
+    await store.abandon()
+    (store.path / UNSEALED).unlink()
+    assert RunReader(store.path).status == "complete"
+    assert verify(store.path).ok
+
+
 async def test_a_changed_row_of_an_unsealed_run_is_refused(tmp_path: Path) -> None:
     run = await stored(tmp_path, None)
     tamper(run, TURNED)
@@ -132,7 +183,7 @@ async def test_a_run_that_somebody_goes_on_with_is_not_called_changed(
     run = await stored(tmp_path, "stopped")
 
     def reopened_meanwhile(directory: Path) -> object:
-        (directory / MANIFEST).unlink(missing_ok=True)
+        unseal(directory)
         return {}
 
     monkeypatch.setattr(soundness, "digest", reopened_meanwhile)

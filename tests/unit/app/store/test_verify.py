@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from app.store.run_store import RunStore
-from app.store.seal import MANIFEST
+from app.store.seal import MANIFEST, unseal
 from app.store.verify import verify
 from tests.unit.app.store.fakes import SEARCH_ROW, TickingClock
 
@@ -55,10 +55,15 @@ async def test_a_damaged_manifest(run: Path) -> None:
 
 
 async def test_a_run_that_was_not_sealed(run: Path) -> None:
-    (run / MANIFEST).unlink()
+    unseal(run)
     result = verify(run)
     assert result.ok
     assert "not sealed" in result.notes[0]
+
+
+async def test_a_removed_manifest(run: Path) -> None:
+    (run / MANIFEST).unlink()
+    assert verify(run).problems == ("manifest.json is missing",)
 
 
 @pytest.mark.parametrize(
