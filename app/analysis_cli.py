@@ -208,11 +208,9 @@ def compensate(
     hand: Hand = "right",
     start_direction: StartDirection = "1,1",
     cell: Annotated[
-        Path | None, typer.Option(help="cell file whose joint limits the commands have to keep")
+        Path | None, typer.Option(help="cell file whose joint limits and bodies the commands have to keep to")
     ] = None,
-    j4: Annotated[
-        float, typer.Option("--j4", metavar="DEG", help="angle of J4 throughout a MELFA-BASIC program")
-    ] = 0.0,
+    j4: Annotated[float, typer.Option("--j4", metavar="DEG", help="angle of J4 all along the path")] = 0.0,
     as_json: AsJson = False,
 ) -> None:
     """Turn the model round: commands that bring the arm where it shall go, or a bidirectional table.

@@ -13,7 +13,9 @@ from calibration.kinematics import forward
 from calibration.points import Commands
 from calibration.prediction import predict
 from calibration.types import Bools, Floats, Ints
+from procedures.bench import Bench
 from procedures.motion.approach import Command, Waypoint, with_take_up
+from procedures.motion.clear_way import refused_target
 
 STEP_DEG = 0.001
 """What the controller sets J1 and J2 by."""
@@ -112,16 +114,50 @@ def require_limits(path: CompensatedPath, j1_deg: Range, j2_deg: Range, lines: S
     Raises:
         LimitError: names the first line, and the remedy.
     """
-    row = -1
-    for stop in reversed(path.stops):
-        row = row if stop.command is None else stop.command.index
+    # Of a row the command is named before its take-up.
+    for row, stop in sorted(zip(_rows_of(path.stops), path.stops, strict=True), key=_row_first):
         for joint, angle, (low, high) in (("J1", stop.theta1_deg, j1_deg), ("J2", stop.theta2_deg, j2_deg)):
             if not low <= angle <= high:
-                what = "the take-up before it" if stop.command is None else "the corrected command"
                 raise LimitError(
-                    f"line {lines[row]}: {what} needs {joint} = {angle:.3f}°, outside its limits {low:g}°…{high:g}° "
-                    "of the cell file: take the row out, or choose the other hand or another path"
+                    f"line {lines[row]}: {_what(stop)} needs {joint} = {angle:.3f}°, outside its limits "
+                    f"{low:g}°…{high:g}° of the cell file: take the row out, or choose the other hand or another path"
                 )
+
+
+def require_clear(path: CompensatedPath, bench: Bench, j4_deg: float, lines: Sequence[int]) -> None:
+    """Refuse commands and take-up positions where, or on the way to which, bodies come too near each other.
+
+    Args:
+        path: what will be driven.
+        bench: the arm, its bodies, its surroundings.
+        j4_deg: angle of J4 all along.
+        lines: line of each row in its file.
+
+    Raises:
+        LimitError: names the first line, both bodies, how near they come, and the remedy.
+    """
+    way = [(stop.theta1_deg, stop.theta2_deg, bench.arm.j3_mm, j4_deg) for stop in path.stops]
+    if (refused := refused_target(way, bench)) is not None:
+        target, text = refused
+        row = _rows_of(path.stops)[target]
+        raise LimitError(f"line {lines[row]}: {_what(path.stops[target])} cannot be driven to: {text}")
+
+
+def _rows_of(stops: Sequence[Waypoint]) -> list[int]:
+    """Return the row that each stop is driven for; a take-up is driven for the row after it."""
+    rows: list[int] = []
+    for stop in reversed(stops):
+        rows.append(rows[-1] if stop.command is None else stop.command.index)
+    return rows[::-1]
+
+
+def _row_first(found: tuple[int, Waypoint]) -> tuple[int, bool]:
+    row, stop = found
+    return row, stop.command is None
+
+
+def _what(stop: Waypoint) -> str:
+    return "the take-up before it" if stop.command is None else "the corrected command"
 
 
 def _consistent(arm: IdentifiedArm, path: CommandPath) -> Compensation:

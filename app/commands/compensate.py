@@ -6,9 +6,10 @@ from typing import Any
 
 import numpy as np
 
-from app.analysis.compensating import CompensatedPath, compensate_path, require_limits
+from app.analysis.compensating import CompensatedPath, compensate_path, require_clear, require_limits
 from app.analysis.path_range import lines_text
 from app.analysis.validation import TAKE_UP_DEG
+from app.cell.bench import bench_of
 from app.cell.load import load_cell
 from app.cell.model import Cell
 from app.commands.output import emit, emit_json, say, table
@@ -28,6 +29,11 @@ from calibration.kinematics import Hand
 _LARGE_DEG = 0.2
 """No joint of a sound arm needs such a correction; a stretched arm pays for its reach with it."""
 
+_UNCHECKED = (
+    "without --cell FILE neither the limits of the joints nor the bodies of the arm and around it were checked: "
+    "give the cell file before anything is driven"
+)
+
 
 def compensate_command(
     result: Path,
@@ -44,7 +50,7 @@ def compensate_command(
 
     Raises:
         UsageError: a file or an option is wrong, or the form cannot hold what the result says.
-        LimitError: a corrected command leaves the limits of the cell's joints.
+        LimitError: a corrected command leaves the limits of the cell's joints, or something stands in its way.
         MeasurementRejectedError: no row has a correction, or a program would have to leave rows out.
     """
     require_other_file(output, result, path, cell)
@@ -63,7 +69,7 @@ def compensate_command(
     commanded = read_path_csv(path, origin.nominal_mm, hand, start_states(start_direction))
     take_up_deg = TAKE_UP_DEG if loaded is None else loaded.measurement.take_up_deg
     compensated = compensate_path(arm, commanded, origin.nominal_mm, take_up_deg)
-    warnings = _checked(compensated, path, form, loaded)
+    warnings = _checked(compensated, path, form, loaded, j4_deg)
     if settings is not None:
         write_atomically(output, melfa_program(compensated, origin, settings))
     elif form == "json":
@@ -129,15 +135,12 @@ def _settings(cell: Cell | None, j4_deg: float) -> MelfaSettings:
             "--format melfa needs --cell FILE: the program takes the height of J3, the cap of the speed, the limits "
             "of the joints, take-up and settling time from there"
         )
-    low, high = cell.robot.limits_deg.j4
-    if not low <= j4_deg <= high:
-        raise LimitError(f"--j4 {j4_deg:g} is outside the limits {low:g}°…{high:g}° of the cell file")
     return MelfaSettings(
         cell.robot.j3_mm, j4_deg, cell.robot.override_cap_percent, cell.measurement.settle_time_s
     )
 
 
-def _checked(path: CompensatedPath, file: Path, form: str, cell: Cell | None) -> list[str]:
+def _checked(path: CompensatedPath, file: Path, form: str, cell: Cell | None, j4_deg: float) -> list[str]:
     """Refuse what cannot be driven; return what has to be known about the rest."""
     lines = [row.line for row in path.path.rows]
     unsolved = _unsolved_text(path, lines)
@@ -146,8 +149,18 @@ def _checked(path: CompensatedPath, file: Path, form: str, cell: Cell | None) ->
         why = "nothing is left to correct" if not solved.any() else "a program leaves no row out"
         raise MeasurementRejectedError(f"{file}: {unsolved}; {why}, and nothing was written")
     if cell is not None:
-        require_limits(path, _range(cell.robot.limits_deg.j1), _range(cell.robot.limits_deg.j2), lines)
-    return [text for text in (unsolved, *_advice(path, lines)) if text]
+        _require_drivable(path, lines, cell, j4_deg)
+    unchecked = _UNCHECKED if cell is None else ""
+    return [text for text in (unsolved, unchecked, *_advice(path, lines)) if text]
+
+
+def _require_drivable(path: CompensatedPath, lines: list[int], cell: Cell, j4_deg: float) -> None:
+    limits = cell.robot.limits_deg
+    low, high = limits.j4
+    if not low <= j4_deg <= high:
+        raise LimitError(f"--j4 {j4_deg:g} is outside the limits {low:g}°…{high:g}° of the cell file")
+    require_limits(path, _range(limits.j1), _range(limits.j2), lines)
+    require_clear(path, bench_of(cell), j4_deg, lines)
 
 
 def _range(limits: list[float]) -> tuple[float, float]:

@@ -22,7 +22,10 @@ _LARGEST = 3600.0
 _MOST_REMEMBERED = 100_000
 """Clear legs of one scene: more than any plan has."""
 
-_STUCK = "the arm is too near where it begins: move it away with the controller's teach pendant"
+_STUCK = (
+    "the way begins too near it: if the arm stands there, move it away with the controller's teach pendant; if not, "
+    "begin elsewhere"
+)
 
 
 def require_clear_way(way: Sequence[Joints], bench: Bench) -> None:
@@ -66,8 +69,19 @@ def legs_refusal(start: Joints, legs: Sequence[Sequence[Joints]], bench: Bench) 
 
 def way_refusal(way: Sequence[Joints], bench: Bench) -> str | None:
     """Return why a way is not clear; None when it is. See `require_clear_way`."""
+    refused = refused_target(way, bench)
+    return None if refused is None else refused[1]
+
+
+def refused_target(way: Sequence[Joints], bench: Bench) -> tuple[int, str] | None:
+    """Return the target, from 0, to which a way is not clear, and why; None when it is.
+
+    Target 0 is where the way begins. See `require_clear_way`.
+    """
     contact = _contact(way, bench)
-    return None if contact is None else _refusal(contact, way, bench)
+    if contact is None:
+        return None
+    return 0 if _begins_blocked(contact) else _target(contact, way), _refusal(contact, way, bench)
 
 
 def clear_part(here: Joints, target: Joints, bench: Bench) -> tuple[Joints, str | None]:
@@ -147,14 +161,21 @@ def _named(what: str, boxes: tuple[Box, ...]) -> tuple[Box, ...]:
 def _refusal(contact: Contact, way: Sequence[Joints], bench: Bench) -> str:
     moving, other = contact.pair
     near = f"comes within {contact.distance_mm:.1f} mm" if contact.distance_mm > 0.0 else "runs into it"
-    target = way[min(contact.leg + 1, len(way) - 1)]
-    stuck = contact.leg == 0 and contact.clear_share == 0.0
-    remedy = _STUCK if stuck else _remedy(other)
+    target = _target(contact, way)
+    remedy = _STUCK if _begins_blocked(contact) else _remedy(other)
     return (
         f"the {other} stands in the arm's way: the {moving} {near} ({bench.workspace.clearance_mm:g} mm are kept "
-        f"free) near {_place(contact.pose)}, on the way to target {min(contact.leg + 1, len(way) - 1)} of "
-        f"{max(len(way) - 1, 1)}, {_place(target)}: {remedy}"
+        f"free) near {_place(contact.pose)}, on the way to target {target} of "
+        f"{max(len(way) - 1, 1)}, {_place(way[target])}: {remedy}"
     )
+
+
+def _begins_blocked(contact: Contact) -> bool:
+    return contact.leg == 0 and contact.clear_share == 0.0
+
+
+def _target(contact: Contact, way: Sequence[Joints]) -> int:
+    return min(contact.leg + 1, len(way) - 1)
 
 
 def _place(pose: Sequence[float]) -> str:

@@ -128,3 +128,11 @@ def test_commands_and_take_ups_keep_the_limits() -> None:
         require_limits(found, (-90.0, 90.0), (0.0, 140.0), [2, 3])
     with pytest.raises(LimitError, match=r"line 3: the corrected command needs J1 = -89\.505°"):
         require_limits(found, (-89.0, 90.0), (0.0, 140.0), [2, 3])
+
+
+def test_the_first_row_outside_the_limits_is_named() -> None:
+    path = joints([(0.0, 60.0, 1, 1), (80.0, 60.0, 1, 1), (85.0, 60.0, 1, 1)])
+    with pytest.raises(LimitError, match=r"line 3: "):
+        require_limits(
+            compensate_path(arm(5.0, 5.0), path, NOMINAL, 1.0), (-90.0, 70.0), (0.0, 140.0), [2, 3, 4]
+        )

@@ -135,6 +135,57 @@ def test_limits_of_the_joints_are_kept(tmp_path: Path) -> None:
         run(tmp_path, JOINTS + "45,60,1,1\n", cell=cell(tmp_path, "[-170.0, 44.0]"))
 
 
+def box(x_mm: float, y_mm: float) -> str:
+    """Return a box of 2 mm around a place, for a cell file."""
+    low, high = ([x_mm + d, y_mm + d, z] for d, z in ((-1.0, 0.0), (1.0, 300.0)))
+    return f'\n[[workspace.keep_out]]\nname = "press"\nmin_mm = {low}\nmax_mm = {high}\n'
+
+
+def cell_with_a_box(folder: Path, theta1_deg: float, theta2_deg: float) -> Path:
+    """Return a cell file with a box where the arm would stand at these angles."""
+    x_mm, y_mm = place(theta1_deg, theta2_deg, 1, 1)
+    return text_file(folder, TEMPLATE + box(x_mm, y_mm), "cell.toml")
+
+
+@pytest.mark.parametrize("form", ["csv", "json", "melfa"])
+@pytest.mark.parametrize(
+    ("boxed_deg", "line", "what"),
+    [
+        ((45.0, 60.0), 2, "the take-up before it"),
+        ((60.0, 60.0), 3, "the corrected command"),
+        ((52.5, 60.0), 3, "the corrected command"),
+        ((75.0, 60.0), 4, "the corrected command"),
+    ],
+)
+def test_bodies_in_the_way_are_refused(
+    tmp_path: Path, form: str, boxed_deg: tuple[float, float], line: int, what: str
+) -> None:
+    path = JOINTS + "45,60,1,1\n60,60,1,1\n75,60,1,1\n"
+    with pytest.raises(LimitError) as caught:
+        run(tmp_path, path, form, cell=cell_with_a_box(tmp_path, *boxed_deg))
+    text = str(caught.value)
+    assert text.startswith(f"line {line}: {what} cannot be driven to: the keep-out box press stands")
+    assert "runs into it (5 mm are kept free)" in text
+    assert not (tmp_path / f"out.{form}").exists()
+
+
+def test_bodies_are_looked_at_with_the_angle_of_j4(tmp_path: Path) -> None:
+    # The interferometer head reaches out from the J4 axis, to the side that J4 turns it to.
+    x_mm, y_mm = place(45.0, 60.0, 1, 1)
+    beside = text_file(tmp_path, TEMPLATE + box(x_mm, y_mm + 50.0), "cell.toml")
+    path = JOINTS + "45,60,1,1\n"
+    run(tmp_path, path, cell=beside, j4_deg=-15.0)
+    with pytest.raises(LimitError, match="interferometer head"):
+        run(tmp_path, path, cell=beside, j4_deg=165.0)
+
+
+def test_without_a_cell_nothing_is_said_to_be_clear(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    run(tmp_path, JOINTS + "45,60,1,1\n")
+    assert "without --cell FILE neither the limits of the joints nor the bodies" in capsys.readouterr().err
+
+
 @pytest.mark.parametrize("form", ["csv", "melfa"])
 def test_the_cell_file_of_another_arm_is_refused(tmp_path: Path, form: str) -> None:
     other = text_file(tmp_path, TEMPLATE.replace("link1_mm = 325.0", "link1_mm = 400.0"), "other.toml")
