@@ -17,7 +17,8 @@ from app.commands.output import say
 from app.commands.progress import ProgressBar
 from app.errors import UsageError
 from app.files.atomic import write_atomically
-from app.files.path_csv import read_path_csv
+from app.files.csv_text import csv_text
+from app.files.path_csv import DIRECTIONS, JOINTS, read_path_csv
 from app.report.design_page import render_design
 from calibration.design.criteria import CriterionName
 from calibration.points import Commands
@@ -149,6 +150,6 @@ def _write(
         say(f"{cell} written. Next: catseye run open-loop --cell {cell} --dry-run")
     if commands is not None and found.choice is not None:
         rows = (found.problem.sequence[k] for k in np.flatnonzero(found.choice.kept))
-        lines = [f"{one.theta1_deg:g},{one.theta2_deg:g},{one.direction1},{one.direction2}" for one in rows]
-        write_atomically(commands, "\n".join(["theta1_deg,theta2_deg,direction1,direction2", *lines, ""]))
+        cells = ([f"{o.theta1_deg:g}", f"{o.theta2_deg:g}", o.direction1, o.direction2] for o in rows)
+        write_atomically(commands, csv_text([*JOINTS, *DIRECTIONS], cells))
         say(f"{commands} written")

@@ -8,6 +8,7 @@ from app.analysis.exporting import Export, result_export, run_export
 from app.commands.output import say
 from app.errors import UsageError
 from app.files.atomic import write_atomically
+from app.files.csv_text import comment_lines
 from app.files.tabular import table_parquet
 from app.runs_folder import runs_folder
 from app.store.catalog import resolve_run
@@ -68,7 +69,7 @@ def form_of(output: Path, form: Format | None) -> Format:
 def _written(table: Export, form: Format) -> str | bytes:
     match form:
         case "csv":
-            return "".join(f"# UNVERIFIED: {text}\n" for text in table.unverified) + table.csv
+            return comment_lines(f"UNVERIFIED: {text}" for text in table.unverified) + table.csv
         case "json":
             return json.dumps({**_about(table), table.content: table.rows}, ensure_ascii=False) + "\n"
         case _:

@@ -9,9 +9,12 @@ from typing import Final
 _MARK: Final = "'"
 """Spreadsheets take a cell behind it for text."""
 
-# Some spreadsheets take the signs of full width for the plain ones.
-_FORMULA: Final = re.compile(r"'*(\s*[=+\-@\uff1d\uff0b\uff0d\uff20]|[\t\r\n])")
-_MARKED: Final = re.compile(_MARK + _FORMULA.pattern)
+# A spreadsheet may split a line at semicolons, as it does where decimals have a comma, or at tabs, and ignores quotes
+# that begin within a cell. Some take the signs of full width for the plain ones.
+_BEGINNING: Final = r"(?<![^;\t\r\n])"
+_FORMULA: Final = r"(?=(?:[^\S\t\r\n]|[\"'])*[=+\-@\uff1d\uff0b\uff0d\uff20]|'*[\t\r\n])"
+_UNMARKED: Final = re.compile(_BEGINNING + _FORMULA)
+_MARKED: Final = re.compile(_BEGINNING + _MARK + _FORMULA)
 _NUMBER: Final = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?")
 
 
@@ -24,11 +27,21 @@ def csv_text(names: Sequence[str], rows: Iterable[Sequence[object]], comments: I
         comments: stand above the header, a line each.
     """
     out = io.StringIO()
-    out.writelines(f"# {' '.join(text.splitlines())}\n" for text in comments)
+    out.write(comment_lines(comments))
     writer = csv.writer(out, lineterminator="\n")
     for row in (names, *rows):
         writer.writerow([_cell(value) if isinstance(value, str) else value for value in row])
     return out.getvalue()
+
+
+def comment_lines(texts: Iterable[str]) -> str:
+    """Return what stands above the header of a table, a line each."""
+    return "".join(f"# {_comment(' '.join(text.splitlines()))}\n" for text in texts)
+
+
+def _comment(text: str) -> str:
+    # Nothing quotes it, so that a spreadsheet splits it at commas too.
+    return ",".join(marked(part) for part in text.split(","))
 
 
 def _cell(text: str) -> str:
@@ -37,10 +50,13 @@ def _cell(text: str) -> str:
 
 
 def marked(text: str) -> str:
-    """Return a text as it stands in a cell: what a spreadsheet would take for a formula is marked as text."""
-    return _MARK + text if _FORMULA.match(text) and not _NUMBER.fullmatch(text) else text
+    """Return a text as it stands in a cell: what a spreadsheet would take for a formula is marked as text.
+
+    That is the text itself, or what follows a semicolon, a tab or the end of a line in it.
+    """
+    return text if _NUMBER.fullmatch(text) else _UNMARKED.sub(_MARK, text)
 
 
 def unmarked(cell: str) -> str:
     """Return the text of a cell that `marked` made."""
-    return cell.removeprefix(_MARK) if _MARKED.match(cell) else cell
+    return _MARKED.sub("", cell)

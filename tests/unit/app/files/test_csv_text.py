@@ -12,6 +12,7 @@ from app.files.csv_table import cells_of
 from app.files.csv_text import csv_text, marked, unmarked
 from app.files.points_csv import PointRow, points_csv, read_points_csv
 from app.files.tabular import table_csv
+from tests.unit.app.files.spreadsheet import formulas
 
 FORMULAS = (
     "=1+1",
@@ -27,32 +28,36 @@ FORMULAS = (
     "''+x",
     "\uff1d1+1",
     " \uff20SUM(A1)",
+    "x;=1+1",
+    ";=1+1",
+    ";\t-1+1",
+    "x; @SUM(A1)",
+    'x;"=1+1"',
+    'x";"=1+1',
+    "x;'=1+1",
+    "x\t=1+1",
+    "x\r=1+1",
+    "x\n\uff0b1+1",
+    "x;y;=1;=2",
 )
-BEGINNINGS = ("=", "+", "-", "@", "\uff1d", "\uff0b", "\uff0d", "\uff20", "\t", "\r", "\n")
-
-
-def cells(text: str) -> list[list[str]]:
-    """Return cells as any reader of CSV has them."""
-    return list(csv.reader(io.StringIO(text)))
 
 
 @pytest.mark.parametrize("name", FORMULAS)
-def test_no_writer_lets_a_text_begin_like_a_formula(name: str) -> None:
+def test_no_writer_lets_a_text_become_a_formula(name: str) -> None:
     row = PointRow(name, 0, -40.0, 20.0, 1, -1, -0.25, None)
     for written in (points_csv([row]), table_csv([{"reflector": name, name: -1.5}])):
-        texts = [
-            cell for line in cells(written) for cell in line if cell.strip(" '") and not _is_number(cell)
-        ]
-        assert name not in texts
-        assert not any(cell.lstrip(" ").startswith(BEGINNINGS) for cell in texts)
+        assert name not in [cell for line in csv.reader(io.StringIO(written)) for cell in line]
+        assert formulas(written) == []
 
 
-def _is_number(cell: str) -> bool:
-    try:
-        float(cell)
-    except ValueError:
-        return False
-    return True
+@pytest.mark.parametrize("name", [*FORMULAS, "x,=1+1", 'x,"=1+1"', "x, -1+1"])
+def test_no_comment_becomes_a_formula(name: str) -> None:
+    assert formulas(csv_text(["a"], [], [f"made from {name}", name])) == []
+
+
+@pytest.mark.parametrize("text", ["a, -1", "[1.0, -2.5]", "P1;P2", "a-b; c=d", "half\nway"])
+def test_what_is_no_formula_stays_as_it_is(text: str) -> None:
+    assert marked(text) == text
 
 
 @pytest.mark.parametrize("name", ["=1+1", "-P1", "@P", "'=P", "''-P", "'P", "P1"])
@@ -72,12 +77,17 @@ def test_a_comment_is_one_line() -> None:
     assert csv_text(["a"], [], ["made from x\n=1+1"]) == "# made from x =1+1\na\n"
 
 
-@given(st.text(st.sampled_from("'=+-@\t\r aé1"), max_size=8))
+@given(st.text(st.sampled_from("'\"=-@#;,\t\r\n aé1"), max_size=10))
+def test_no_text_becomes_a_formula(text: str) -> None:
+    assert formulas(csv_text(["x", text], [[-1.5, text]], [text])) == []
+
+
+@given(st.text(st.sampled_from("'\"=+-@;\t\r\n aé1"), max_size=8))
 def test_each_text_comes_back(text: str) -> None:
     assert unmarked(marked(text)) == text
 
 
-@given(st.text(st.sampled_from("'=+-@ aé1,\""), max_size=8).map(str.strip))
+@given(st.text(st.sampled_from("'=+-@; aé1,\""), max_size=8).map(str.strip))
 def test_each_text_comes_back_through_a_line(text: str) -> None:
     line = csv_text(["x", text], []).removesuffix("\n")
     assert cells_of(Path("t.csv"), 1, line) == ["x", text]
