@@ -3,6 +3,7 @@ PYTHON ?= python3
 # `make pythons` and its like take other environments than .venv, `make lowest` other versions.
 VENV := .venv
 VERSIONS := constraints.txt
+LOWEST := build/constraints-lowest.txt
 PACKAGES := -e '.[dev]'
 # Relative, and programs as modules: the path of the checkout may have spaces, which the first line of a script cannot.
 BIN := $(VENV)/bin
@@ -58,13 +59,14 @@ start: $(VENV)/installed  ## the terminal UI and a measurement by its keys
 pythons:  ## lint, types, contracts and the whole suite on every Python found
 	"$(PYTHON)" -m tests.pythons each suite
 
-lowest: .venv-lowest.txt  ## the whole suite with the oldest versions that pyproject.toml allows, on the oldest Python found
+lowest: $(LOWEST)  ## the whole suite with the oldest versions that pyproject.toml allows, on the oldest Python found
 	"$(PYTHON)" -m tests.pythons oldest tests-lowest .venv-lowest
 
-tests-lowest: VERSIONS := .venv-lowest.txt
+tests-lowest: VERSIONS := $(LOWEST)
 tests-lowest: tests
 
-.venv-lowest.txt: pyproject.toml tests/lowest.py
+$(LOWEST): pyproject.toml tests/lowest.py
+	@mkdir -p $(@D)
 	"$(PYTHON)" -m tests.lowest > $@
 
 peers: $(VENV)/installed  ## public clients of the protocols, unmodified, against the emulators

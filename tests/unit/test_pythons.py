@@ -2,6 +2,7 @@
 
 import stat
 import sys
+from fnmatch import fnmatch
 from pathlib import Path
 
 import pytest
@@ -65,3 +66,14 @@ def test_pins_are_the_lower_bounds() -> None:
     assert pins(["numpy>=1.26", "textual>=8.2.8,<9", "numpy>=1.26"]) == ["numpy==1.26", "textual==8.2.8"]
     with pytest.raises(ValueError, match=r"'numpy' in pyproject\.toml has no lower bound"):
         pins(["numpy"])
+
+
+def test_make_clean_removes_ignored_folders_alone() -> None:
+    root = Path(__file__).parents[2]
+    recipe = next(
+        line for line in (root / "Makefile").read_text().splitlines() if line.startswith("\trm -rf .venv")
+    )
+    patterns = recipe.split()[2:]
+    ignored = [line.rstrip("/") for line in (root / ".gitignore").read_text().splitlines()]
+    assert [one for one in patterns if not any(fnmatch(one, line) for line in ignored)] == []
+    assert [path.name for one in patterns for path in root.glob(one) if not path.is_dir()] == []
