@@ -125,7 +125,7 @@ _FOREIGN: tuple[tuple[type[BaseException], ExitCode], ...] = (
 
 
 def exit_code_of(error: BaseException) -> ExitCode:
-    """Return the exit code an error leads to; that of an unknown error is REJECTED.
+    """Return the exit code an error leads to; an error that is none of the program's own comes from a fault of it.
 
     A group of errors has the code of its first member.
     """
@@ -133,4 +133,4 @@ def exit_code_of(error: BaseException) -> ExitCode:
         return error.exit_code
     if isinstance(error, BaseExceptionGroup):
         return exit_code_of(error.exceptions[0])
-    return next((code for kind, code in _FOREIGN if isinstance(error, kind)), ExitCode.REJECTED)
+    return next((code for kind, code in _FOREIGN if isinstance(error, kind)), ExitCode.FAULT)

@@ -10,7 +10,7 @@ class ExitCode(IntEnum):
     """Everything asked for has been done."""
 
     REJECTED = 1
-    """The measurement was rejected, a criterion failed, or the program met an error of its own."""
+    """The measurement was rejected, or a criterion failed."""
 
     USAGE = 2
     """The command line, the cell file or another input file is wrong."""
@@ -26,6 +26,9 @@ class ExitCode(IntEnum):
 
     STORAGE = 6
     """The data could not be stored."""
+
+    FAULT = 70
+    """The program has a fault."""
 
     INTERRUPTED = 130
     """The operator stopped the run."""

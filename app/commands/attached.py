@@ -100,7 +100,7 @@ class Front:
                 return
             if event["event"] == "run-ended":
                 code = event.get("exit_code")
-                self._code = code if isinstance(code, int) else int(ExitCode.REJECTED)
+                self._code = code if isinstance(code, int) else int(ExitCode.FAULT)
                 return
 
     def _notice(self, event: Message) -> None:

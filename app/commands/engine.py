@@ -98,11 +98,16 @@ def detach(request: dict[str, Json], cell: Path, root: Path, *, as_json: bool) -
         if code is None:
             talk.seek(0)
             said = talk.read().decode(errors="replace").strip()
-            say(f"the engine ended with code {process.wait()} before the run was open: {said}")
-            code = process.returncode or ExitCode.REJECTED
+            code = _as_by_a_shell(process.wait())
+            say(f"the engine ended with code {code} before the run was open: {said}")
     # The engine runs on without this process; nothing here waits for it.
     process.returncode = process.returncode or 0
     sys.exit(int(code))
+
+
+def _as_by_a_shell(code: int) -> int:
+    """Return the exit code of a process that ought to have said why it ended; a signal counts from 128."""
+    return 128 - code if code < 0 else code or ExitCode.FAULT
 
 
 def _follow(

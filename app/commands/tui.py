@@ -51,7 +51,7 @@ def tui_command(cell: Path | None, runs: Path | None, speed: float) -> None:
             "unless [engine] on_client_lost of the cell file says otherwise, a jog is stopped. Start catseye tui "
             "again."
         )
-        sys.exit(ExitCode.REJECTED)
+        sys.exit(ExitCode.FAULT)
     sys.exit(code or 0)
 
 

@@ -35,7 +35,8 @@ from procedures.errors import BeamLostError, PlanError, PlanLimitError
         (TimeoutError(), 4),
         (KeyboardInterrupt(), 130),
         (asyncio.CancelledError(), 143),
-        (ZeroDivisionError(), 1),
+        (ZeroDivisionError(), 70),
+        (OSError("x"), 70),
         (ExceptionGroup("two", [AlarmError("x", 1), ValueError()]), 5),
     ],
 )

@@ -306,7 +306,7 @@ async def test_a_fault_of_the_program_still_leaves_everything_in_order(bench: Fa
         raise ZeroDivisionError("division by zero")
 
     outcome = await run(bench, Script(body))
-    assert (outcome.status, outcome.exit_code) == ("failed", ExitCode.REJECTED)
+    assert (outcome.status, outcome.exit_code) == ("failed", ExitCode.FAULT)
     assert "Traceback" in (outcome.path / "app.log").read_text()
     assert verify(outcome.path).ok
 

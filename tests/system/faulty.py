@@ -1,0 +1,15 @@
+"""The command with a fault in it: what lists the procedures fails as no command expects."""
+
+from pathlib import Path
+
+from app import cli
+from app.commands import procedures
+
+
+def _fault(cell: Path | None, runs: Path | None, as_json: bool) -> None:
+    raise ZeroDivisionError(f"{cell}, {runs}, {as_json}")
+
+
+if __name__ == "__main__":
+    procedures.procedures_command = _fault
+    cli.main()
