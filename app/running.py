@@ -153,7 +153,12 @@ async def carry_out(
         hands=_hands(cell),
         keep_drives=keep_drives,
         on_open=on_open,
-        walk_rule=WalkRule(partial(motions_from, planned), partial(walked_legs, root, cell), waive_walk),
+        walk_rule=WalkRule(
+            partial(motions_from, planned),
+            partial(walked_legs, root, cell),
+            planned.bench.arm.following == "blended",
+            waive_walk,
+        ),
     )
     build = observe(device_builder(cell, clock))
     if (walk := planned.walk) is not None:
@@ -189,7 +194,7 @@ async def motions_from(planned: PlannedRun, here: Joints) -> list[Leg]:
     """Return every straight motion that a planned run would drive from where the arm stands."""
     # A rehearsal takes seconds, in which the loop has to go on.
     context = await asyncio.to_thread(lambda: asyncio.run(rehearse(planned, here)))
-    return [Leg(start, end) for start, end in context.motions]
+    return context.motions
 
 
 def joint_limits(bench: Bench) -> JointLimits:

@@ -3,7 +3,6 @@
 from collections.abc import Awaitable, Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from datetime import UTC, datetime, timedelta
-from itertools import pairwise
 
 import numpy as np
 
@@ -13,6 +12,7 @@ from app.engine.measuring import dwell_interval_s
 from app.engine.operator import fault_of
 from app.errors import LimitError, MeasurementRejectedError
 from app.store.rows import encode
+from app.walk.tube import Leg, legs_through
 from procedures.bench import Bench
 from procedures.context import Json, Live, Location, MeasuredPoint, Measurement, Prompt, Row, Table
 from procedures.devices import Joints
@@ -96,7 +96,7 @@ class DryRunContext:
         prompts: the questions that were asked.
         notes: events and warnings, as (kind, data).
         rows: what was recorded, as (table, row).
-        motions: every straight joint motion, from where to where.
+        motions: every straight joint motion.
     """
 
     limits: JointLimits
@@ -107,7 +107,7 @@ class DryRunContext:
     notes: list[tuple[str, dict[str, Json]]] = field(default_factory=list)
     rows: list[tuple[Table, Row]] = field(default_factory=list)
     done: Mapping[str, Row] = field(default_factory=dict)
-    motions: list[tuple[Joints, Joints]] = field(default_factory=list)
+    motions: list[Leg] = field(default_factory=list)
     _account: _Account = field(default_factory=_Account)
     _in_step: bool = False
     _lost: bool = False
@@ -204,7 +204,7 @@ class DryRunContext:
         self._driven.append(tuple(way))
         account.speeds = account.speeds.faster(self._model.speeds(self.pose, way))
         self._watch_beam(way)
-        self.motions += pairwise((self.pose, *way))
+        self.motions += legs_through(self.pose, way, blended=self.bench.arm.following == "blended")
         self.pose = way[-1]
         self._questions = 0
 

@@ -2,7 +2,6 @@
 
 import asyncio
 from collections.abc import Awaitable, Callable, Sequence
-from itertools import pairwise
 from typing import Final, Protocol
 
 from app.errors import PromptUnansweredError, UnwalkedError
@@ -10,7 +9,7 @@ from app.store.reader import RunReader
 from app.store.run_store import RunStore
 from app.walk.register import as_row
 from app.walk.speed import place_text
-from app.walk.tube import TUBE_DEG, TUBE_MM, Leg, Tubes, uncovered
+from app.walk.tube import TUBE_DEG, TUBE_MM, Leg, Tubes, legs_through, uncovered
 from procedures.context import Json, Prompt
 from procedures.devices import DeviceIdentity, Joints
 
@@ -43,6 +42,7 @@ class WalkRule:
     Args:
         motions_from: returns every motion that the run would drive from where the arm stands.
         walked: returns the motions of valid walks of an arm.
+        blended: the arm passes the targets of a way without standing still.
         reason: why motions may be driven that were not walked, as typed beforehand; None when nothing was typed.
     """
 
@@ -50,10 +50,12 @@ class WalkRule:
         self,
         motions_from: Callable[[Joints], Awaitable[Sequence[Leg]]],
         walked: Callable[[DeviceIdentity], Sequence[Leg]],
+        blended: bool,
         reason: str | None = None,
     ) -> None:
         self._motions_from = motions_from
         self._walked = walked
+        self._blended = blended
         self._reason = (reason or "").strip()
         self._tubes: Tubes | None = None
 
@@ -97,7 +99,7 @@ class WalkRule:
         """
         if self._tubes is None:
             return
-        for leg in (Leg(*ends) for ends in pairwise((start, *way))):
+        for leg in legs_through(start, way, blended=self._blended):
             if not self._tubes.covers(leg):
                 raise UnwalkedError(
                     f"the motion {_leg_text(leg)} was not walked: it leaves {TUBE_DEG:g}° and {TUBE_MM:g} mm around "

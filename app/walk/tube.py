@@ -2,15 +2,18 @@
 
 A pose lies in the tube of a walked motion when some pose of that motion is within 1 deg of it in every revolute joint
 and within 5 mm in the quill. A motion is covered when each of its poses lies in some tube: exactly, not by samples.
+Where the arm cuts corners, so much less is left of the tube.
 """
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
 
+from calibration.kinematics.sweep import cut_corners
 from procedures.devices import Joints
 
 Floats = NDArray[np.float64]
@@ -36,10 +39,26 @@ class Leg:
     Attributes:
         start: where it begins.
         end: where it ends.
+        cut: how far the arm may be beside it where it cuts the corners at its ends, deg or mm.
     """
 
     start: Joints
     end: Joints
+    cut: Joints = (0.0, 0.0, 0.0, 0.0)
+
+
+def legs_through(start: Joints, way: Sequence[Joints], *, blended: bool) -> list[Leg]:
+    """Return the straight motions of a way, at whose end the arm stands still.
+
+    Args:
+        start: where it begins.
+        way: targets.
+        blended: the arm passes the targets before the last one without standing still.
+    """
+    places = (start, *way)
+    passed = np.array([0 < number < len(way) and blended for number in range(len(places))])
+    cuts = cut_corners(np.array(places), passed).tolist()
+    return [Leg(*ends, (a, b, c, d)) for ends, (a, b, c, d) in zip(pairwise(places), cuts, strict=True)]
 
 
 class Tubes:
@@ -76,7 +95,8 @@ class Tubes:
             walked.max(axis=1) + 1.0 >= motion.min(axis=0)
         )
         candidates = walked[near.all(axis=1)]
-        return len(candidates) > 0 and _cover_all(*_inside(motion, candidates))
+        radius = _RADIUS - np.array(leg.cut) / _TOLERANCES
+        return len(candidates) > 0 and _cover_all(*_inside(motion, candidates, radius))
 
 
 def uncovered(legs: Sequence[Leg], walked: Iterable[Leg]) -> list[Leg]:
@@ -103,7 +123,7 @@ def _scaled(leg: Leg) -> Floats:
     return scaled
 
 
-def _inside(motion: Floats, walked: Floats) -> tuple[Floats, Floats]:
+def _inside(motion: Floats, walked: Floats, radius: Floats) -> tuple[Floats, Floats]:
     """Return from which to which share of a motion it lies in the tube of each walked one, shape (n,) each.
 
     At share t of the motion and share s of the walked one the joints differ by g + t u - s v. All of them lie within
@@ -113,6 +133,7 @@ def _inside(motion: Floats, walked: Floats) -> tuple[Floats, Floats]:
     Args:
         motion: its ends in units of the tolerances, shape (2, 4).
         walked: those of the walked ones, shape (n, 2, 4).
+        radius: of the tubes in each joint, shape (4,).
     """
     g, u = motion[0] - walked[:, 0], np.broadcast_to(motion[1] - motion[0], walked[:, 0].shape)
     v = walked[:, 1] - walked[:, 0]
@@ -121,13 +142,13 @@ def _inside(motion: Floats, walked: Floats) -> tuple[Floats, Floats]:
     size = np.where(still, 1.0, np.abs(v))
     side = np.sign(v)
     slope, middle = side * u / size, side * g / size
-    half = np.where(still, np.inf, _RADIUS / size)
+    half = np.where(still, np.inf, radius / size)
     zeros, ones = np.zeros((len(walked), 1)), np.ones((len(walked), 1))
     lower = np.hstack([middle - half, zeros]), np.hstack([slope, zeros])
     upper = np.hstack([middle + half, ones]), np.hstack([slope, zeros])
     offset = (lower[0][:, :, None] - upper[0][:, None, :]).reshape(len(walked), -1)
     gradient = (lower[1][:, :, None] - upper[1][:, None, :]).reshape(len(walked), -1)
-    strip = np.where(still, _RADIUS - _STILL, np.inf)
+    strip = np.where(still, radius - _STILL, np.inf)
     offsets = np.hstack([offset, g - strip, -g - strip])
     gradients = np.hstack([gradient, u, -u])
     return _satisfied(offsets, gradients)

@@ -18,7 +18,7 @@ from app.procedure_list import Runnable
 from app.walk.feed import Feed, FeedLostError
 from app.walk.register import WALK, as_row
 from app.walk.speed import FASTEST_MM_S, MOST_PERCENT, place_text, walking_percent
-from app.walk.tube import Leg, Tubes, to_walk
+from app.walk.tube import TUBE_DEG, TUBE_MM, Leg, Tubes, to_walk
 from procedures.bench import Bench
 from procedures.context import Context, Live, Row
 from procedures.devices import DeviceIdentity, Joints
@@ -149,6 +149,7 @@ class Walk:
             if not legs:
                 await ctx.event("walked", motions=len(self._walked))
                 return
+            _require_walkable(legs)
             await self._round(ctx, legs)
         raise MeasurementRejectedError(
             f"{self.procedure.name} drives other motions each time it is gone through: after {_MOST_ROUNDS} rounds "
@@ -235,6 +236,21 @@ class Walk:
         fastest = fastest_mm_s(self._bench, leg.start, leg.end, self._percent)
         ctx.progress(self._done_s, self._total_s, f"{text}, {self._percent:g} %")
         ctx.show(Live("speed, at most", fastest, "mm/s", high=FASTEST_MM_S))
+
+
+def _require_walkable(legs: Sequence[Leg]) -> None:
+    """Refuse corners so wide that no walk along their legs would cover them.
+
+    Raises:
+        MeasurementRejectedError: names the first one.
+    """
+    wide = next((leg for leg in legs if not Tubes([leg]).covers(leg)), None)
+    if wide is not None:
+        raise MeasurementRejectedError(
+            f"the arm cuts the corners on its way to {place_text(wide.end)} by more than the {TUBE_DEG:g}° and "
+            f"{TUBE_MM:g} mm within which a motion counts as walked: take a driver that stops at every target, or "
+            "smaller steps"
+        )
 
 
 def _step_id(leg: Leg) -> str:

@@ -91,7 +91,7 @@ def first_contact(
     steps = np.diff(way, axis=0)
     needed = np.full((len(gaps.pairs), len(steps)), clearance_mm)
     if passed is not None:
-        needed += _cut_mm(gaps, way, passed)
+        needed += gaps.levers @ cut_corners(way, passed).T
     for first in range(0, len(steps), _MOST_AT_ONCE):
         legs = np.arange(first, min(first + _MOST_AT_ONCE, len(steps)))
         found = _first_blocked(gaps, way, needed, legs)
@@ -124,12 +124,17 @@ def _first_blocked(gaps: Gaps, way: Floats, needed: Floats, legs: Ints) -> tuple
     return blocked
 
 
-def _cut_mm(gaps: Gaps, way: Floats, passed: Bools) -> Floats:
-    """Return by how much cutting corners may bring pairs nearer on each leg, mm, shape (pairs, legs)."""
+def cut_corners(way: Floats, passed: Bools) -> Floats:
+    """Return how far the joints may be off each leg of a way whose corners are cut, deg or mm, shape (legs, joints).
+
+    Args:
+        way: targets, the present pose first, deg or mm, shape (n, joints).
+        passed: at which targets the arm does not stand still, shape (n,).
+    """
     bend = np.zeros_like(way)
     bend[1:-1] = 0.5 * np.abs(way[:-2] - 2.0 * way[1:-1] + way[2:])
     bend[~passed] = 0.0
-    return np.asarray(gaps.levers @ np.maximum(bend[:-1], bend[1:]).T, dtype=np.float64)
+    return np.maximum(bend[:-1], bend[1:])
 
 
 def _told(gaps: Gaps, start: Floats, step: Floats, needed: Floats, leg: int, share: float) -> Contact:

@@ -61,6 +61,13 @@ async def test_the_time_of_a_way_is_that_of_the_arms_way_of_following(
         await dry.follow(((50.0, 0.0, 0.0, 0.0), (50.0, 150.0, 0.0, 0.0)))
 
 
+@pytest.mark.parametrize(("way", "cut_deg"), [("stops", 0.0), ("blended", 25.0), ("streamed", 0.0)])
+async def test_motions_say_where_corners_are_cut(way: Following, cut_deg: float) -> None:
+    dry = DryRunContext(LIMITS, following(way))
+    await dry.follow(((50.0, 0.0, 0.0, 0.0), (50.0, 50.0, 0.0, 0.0)))
+    assert [leg.cut for leg in dry.motions] == [(cut_deg, cut_deg, 0.0, 0.0)] * 2
+
+
 def test_the_ideal_beam_returns_from_the_reflector_that_it_hits() -> None:
     assert length_mm((0.0, 0.0, 0.0, 0.0)) == pytest.approx(100.0)
     assert length_mm((90.0, 0.0, 0.0, 0.0)) == pytest.approx(350.0)

@@ -1,11 +1,14 @@
 """Whether a motion lies in tubes that were walked, against dense sampling."""
 
+from itertools import pairwise
+from random import Random
+
 import numpy as np
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 
-from app.walk.tube import Leg, Tubes
+from app.walk.tube import Leg, Tubes, legs_through
 from procedures.devices import Joints
 
 TOLERANCES = np.array([1.0, 1.0, 5.0, 1.0])
@@ -67,6 +70,48 @@ def test_a_motion_beyond_a_tolerance_is_not_covered(walked: Leg, axis: int, way:
     moved = values.copy()
     moved[:, axis] = beyond
     assert not Tubes([walked]).covers(Leg(joints(moved[0]), joints(moved[1])))
+
+
+@settings(max_examples=200, deadline=None)
+@given(st.lists(places, min_size=2, max_size=4), st.lists(legs, min_size=1, max_size=4), st.randoms())
+def test_what_is_covered_holds_for_corners_cut_anywhere(
+    way: list[Joints], others: list[Leg], chance: Random
+) -> None:
+    start, *targets = way
+    moved = [
+        tuple(q + chance.uniform(-0.9, 0.9) * t for q, t in zip(p, TOLERANCES, strict=True)) for p in way
+    ]
+    walked = [Leg(joints(np.array(a)), joints(np.array(b))) for a, b in pairwise(moved)] + others
+    if not all(Tubes(walked).covers(leg) for leg in legs_through(start, targets, blended=True)):
+        return
+    for one, two, three in zip(way, way[1:], way[2:], strict=False):
+        shares = np.random.default_rng(1).dirichlet((0.5, 0.5, 0.5), 100)
+        passed = shares @ np.array([one, two, three]) / TOLERANCES
+        there = np.vstack([poses(each, 81) for each in walked]) / TOLERANCES
+        worst = np.abs(passed[:, None, :] - there[None, :, :]).max(axis=2).min(axis=1).max()
+        assert worst <= 1.0 + spacing(walked)
+
+
+CORNER: list[Joints] = [(0.0, 0.0, 0.0, 0.0), (4.0, 0.0, 0.0, 0.0), (8.0, 1.0, 0.0, 0.0)]
+WALKED = [
+    Leg((0.0, -0.7, 0.0, 0.0), (4.0, -0.7, 0.0, 0.0)),
+    Leg((4.0, -0.7, 0.0, 0.0), (8.0, 0.3, 0.0, 0.0)),
+]
+
+
+def test_a_corner_that_is_cut_takes_room_in_the_tube() -> None:
+    stops, cuts = (legs_through(CORNER[0], CORNER[1:], blended=blended) for blended in (False, True))
+    tubes = Tubes(WALKED)
+    assert all(tubes.covers(leg) for leg in stops)
+    # The corner bends by 1° in J2, so that the arm may pass half of that inside it: 0.7° + 0.5° are too much.
+    assert [leg.cut for leg in cuts] == [(0.0, 0.5, 0.0, 0.0)] * 2
+    assert not any(tubes.covers(leg) for leg in cuts)
+    assert all(Tubes(stops).covers(leg) for leg in cuts)
+
+
+def test_the_last_target_of_a_way_is_not_passed() -> None:
+    (alone,) = legs_through(CORNER[0], CORNER[1:2], blended=True)
+    assert alone.cut == (0.0, 0.0, 0.0, 0.0)
 
 
 def test_ends_inside_do_not_cover_the_middle() -> None:

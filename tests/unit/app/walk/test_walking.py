@@ -6,6 +6,7 @@ from pathlib import Path
 import pytest
 
 from app.analysis.reporting import run_report
+from app.cell.template import TEMPLATE
 from app.exitcode import ExitCode
 from app.store.reader import RunReader
 from app.store.verify import verify
@@ -13,6 +14,8 @@ from app.walk.register import geometry_digest, own_legs, walked_legs
 from app.walk.rule import PROMPT, WAIVER
 from drivers.errors import LinkError
 from drivers.readings import Identity
+from procedures.context import Context, Row
+from procedures.devices import Joints
 from tests.unit.app.walk.tours import ELSEWHERE, FIRST, SECOND, Tour, TourBench
 
 REASON = "short visit, arm watched at the pendant"
@@ -41,6 +44,24 @@ async def test_a_walk_is_a_sealed_run_whose_steps_are_motions(bench: TourBench) 
     # The way back, with which the tour would begin anew, lies in the tube of the way there.
     assert [(leg.start, leg.end) for leg in own_legs(outcome.path)] == [(FIRST, FIRST), (FIRST, SECOND)]
     assert reader.points() == []
+
+
+class Round(Tour):
+    """Goes through its places without standing still where the arm can do that."""
+
+    async def _go(self, ctx: Context, place: Joints) -> Row:
+        one, *others = place
+        await ctx.follow(((one + 2.0, *others), (one - 2.0, *others)))  # type: ignore[arg-type]  # four joints
+        return {}
+
+
+async def test_corners_wider_than_a_tube_cannot_be_walked(tmp_path: Path) -> None:
+    link = 'driver = "melfa-datalink"\ndatalink_endpoint = "tcp://127.0.0.1:10003"'
+    blended = TEMPLATE.replace('driver = "melfa-r3"', link, 1)
+    outcome = await TourBench(tmp_path, Round((FIRST,)), blended).walk()
+    assert (outcome.status, outcome.exit_code) == ("failed", ExitCode.REJECTED)
+    assert "the arm cuts the corners on its way to" in outcome.text
+    assert (await TourBench(tmp_path, Round((FIRST,))).walk()).status == "complete"
 
 
 async def test_a_walk_is_driven_slowly(bench: TourBench) -> None:

@@ -1,0 +1,46 @@
+"""What a real arm may drive that was walked, where it passes targets without standing still."""
+
+from collections.abc import Sequence
+from pathlib import Path
+
+import pytest
+
+from app.errors import UnwalkedError
+from app.store.run_store import RunStore
+from app.walk.rule import WalkRule
+from app.walk.tube import Leg
+from drivers.readings import Identity
+from procedures.context import Json, Prompt
+from procedures.devices import Joints
+from tests.unit.app.store.fakes import TickingClock
+from tests.unit.app.walk.test_tube import CORNER, WALKED
+
+
+class SilentDesk:
+    """Nobody is there."""
+
+    async def ask(self, prompt: Prompt) -> str:
+        raise AssertionError(prompt.id)
+
+    async def event(self, kind: str, **data: Json) -> None:
+        """Keep nothing."""
+
+
+async def rule(root: Path, *, blended: bool) -> WalkRule:
+    async def motions(_here: Joints) -> Sequence[Leg]:
+        return []
+
+    made = WalkRule(motions, lambda _arm: WALKED, blended)
+    store = await RunStore.create(root, "open-loop", {}, TickingClock(), reserve_bytes=0)
+    await made.begin(Identity("fake", "1.0", "7", False), CORNER[0], SilentDesk(), store)
+    await store.abandon()
+    return made
+
+
+async def test_a_way_with_stops_beside_what_was_walked_passes(tmp_path: Path) -> None:
+    (await rule(tmp_path, blended=False)).require(CORNER[0], CORNER[1:])
+
+
+async def test_a_corner_cut_outside_of_what_was_walked_is_refused(tmp_path: Path) -> None:
+    with pytest.raises(UnwalkedError, match="was not walked"):
+        (await rule(tmp_path, blended=True)).require(CORNER[0], CORNER[1:])
