@@ -153,12 +153,7 @@ async def carry_out(
         hands=_hands(cell),
         keep_drives=keep_drives,
         on_open=on_open,
-        walk_rule=WalkRule(
-            partial(motions_from, planned),
-            partial(walked_legs, root, cell),
-            planned.bench.arm.following == "blended",
-            waive_walk,
-        ),
+        walk_rule=_walk_rule(planned, root, waive_walk),
     )
     build = observe(device_builder(cell, clock))
     if (walk := planned.walk) is not None:
@@ -167,6 +162,12 @@ async def carry_out(
         )
         build = fed(build, walk)
     return await run_procedure(request, build, clock, publish, install_signals)
+
+
+def _walk_rule(planned: PlannedRun, root: Path, reason: str | None) -> WalkRule:
+    walked = partial(walked_legs, root, planned.loaded.cell)
+    blended = planned.bench.arm.following == "blended"
+    return WalkRule(partial(motions_from, planned), walked, blended, reason)
 
 
 async def rehearse(planned: PlannedRun, here: Joints | None = None) -> DryRunContext:

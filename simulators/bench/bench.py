@@ -8,6 +8,7 @@ from simulators.bench.air import Air, AirSample
 from simulators.bench.arm import Arm
 from simulators.bench.counter import Counter, Gap, Reading, gaps_between
 from simulators.bench.insight import Insight
+from simulators.bench.looks import Looks
 from simulators.bench.motion import SHORTEST
 from simulators.bench.mount import Mount
 from simulators.bench.optics import NOBODY, Optics, Sight
@@ -15,9 +16,6 @@ from simulators.bench.types import Floats
 from simulators.config import EmulationConfig, Joints
 from simulators.errors import BenchError
 from simulators.truth import TrueArm
-
-_REST_STEP_S = 10.0
-"""While nothing moves only warming changes the beam; it is looked at this often."""
 
 _MOMENT_S = 1e-3
 """Speeds are taken over this time."""
@@ -51,8 +49,7 @@ class Bench:
         self._instruments: list[Counter] = []
         self._largest_miss_mm = 0.0
         self._witness = witness or (lambda _text: None)
-        self._times = self._arm.sample_times()
-        self._taken = self._times.size
+        self._looks = Looks(self._arm.sample_times())
         self._arrived = True
         self._appointments: list[tuple[float, Callable[[], None]]] = []
         self._slip_deg = [0.0, 0.0, 0.0, 0.0]
@@ -108,7 +105,7 @@ class Bench:
     def _pass_to(self, time_s: float) -> None:
         if time_s <= self.time_s:
             return
-        due = self._due_times(time_s)
+        due = self._looks.due(self.time_s, time_s)
         if due.size:
             self._follow(self._look(due))
         if time_s > self.standstill_s + SHORTEST:
@@ -357,7 +354,7 @@ class Bench:
         """Keep the arm ringing from now on for a time, s."""
         self._observe()
         self._arm.shake(amplitude_mm, self.time_s, self.time_s + duration_s)
-        self._plan_looks()
+        self._looks.plan(self._arm.sample_times(), self.time_s)
 
     def outrun_counters(self) -> None:
         """Let all counters lose count as after too fast a motion.
@@ -444,24 +441,8 @@ class Bench:
         return self._optics.names[int(sight.nearest[0])]
 
     def _restart_looks(self) -> None:
-        self._plan_looks()
+        self._looks.plan(self._arm.sample_times(), self.time_s)
         self._arrived = not self.moving
-
-    def _plan_looks(self) -> None:
-        self._times = self._arm.sample_times()
-        self._taken = int(np.searchsorted(self._times, self.time_s, side="right"))
-
-    def _due_times(self, until_s: float) -> Floats:
-        """Return the times of looks after the present and up to a moment, in order."""
-        upto = int(np.searchsorted(self._times, until_s, side="right"))
-        due = self._times[self._taken : upto]
-        self._taken = max(self._taken, upto)
-        calm_s = float(self._times[-1])
-        first = int(np.floor(max(0.0, self.time_s - calm_s) / _REST_STEP_S)) + 1
-        last = int(np.floor(max(0.0, until_s - calm_s) / _REST_STEP_S))
-        if last < first:
-            return due
-        return np.concatenate([due, calm_s + _REST_STEP_S * np.arange(first, last + 1)])
 
 
 class Instrument:

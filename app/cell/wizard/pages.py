@@ -53,7 +53,17 @@ def _needs_reason(cap_percent: str) -> bool:
 
 
 def _robot(answer: Answer) -> list[Question]:
+    return [*_controller(answer), *_nominal_arm(), *_motion_limits(answer)]
+
+
+def _controller(answer: Answer) -> list[Question]:
     further = {"melfa-datalink": "datalink_endpoint", "melfa-mxt": "mxt_endpoint"}.get(answer("robot.driver"))
+    following = Question(
+        f"robot.{further}",
+        "Endpoint of following",
+        "where the program on the controller answers; udp:// for CATSMXT",
+        find_out="the address that the program on the controller listens at; see docs/controller.md",
+    )
     return [
         Question(
             "robot.driver",
@@ -68,19 +78,13 @@ def _robot(answer: Answer) -> list[Question]:
             f"of the R-protocol: {_ENDPOINT}; the factory address of a CR controller is 192.168.0.20:10001",
             find_out="the controller's address: parameters NETIP and NETPORT, or the port of its serial line",
         ),
-        *(
-            [
-                Question(
-                    f"robot.{further}",
-                    "Endpoint of following",
-                    "where the program on the controller answers; udp:// for CATSMXT",
-                    find_out="the address that the program on the controller listens at; see docs/controller.md",
-                )
-            ]
-            if further
-            else []
-        ),
+        *([following] if further else []),
         Question("robot.expected_model", "Model", "how the controller calls itself; the links belong to it"),
+    ]
+
+
+def _nominal_arm() -> list[Question]:
+    return [
         Question("robot.link1_mm", "Link 1, mm", "from J1 to J2, nominal, from the catalogue", "number"),
         Question("robot.link2_mm", "Link 2, mm", "from J2 to J4, nominal, from the catalogue", "number"),
         Question(
@@ -89,6 +93,12 @@ def _robot(answer: Answer) -> list[Question]:
             "where the beam is at the height of the reflectors; beam-level finds it",
             "number",
         ),
+    ]
+
+
+def _motion_limits(answer: Answer) -> list[Question]:
+    reason = Question("robot.override_cap_reason", "Reason for that", "why the arm is let go so fast")
+    return [
         Question(
             "robot.j3_range_mm", "Range of J3, mm", "two numbers: heights levelling may go to", "numbers"
         ),
@@ -98,11 +108,7 @@ def _robot(answer: Answer) -> list[Question]:
             "the program never drives faster; begin with 5 … 20",
             "number",
         ),
-        *(
-            [Question("robot.override_cap_reason", "Reason for that", "why the arm is let go so fast")]
-            if _needs_reason(answer("robot.override_cap_percent"))
-            else []
-        ),
+        *([reason] if _needs_reason(answer("robot.override_cap_percent")) else []),
         *(
             Question(
                 f"robot.limits_deg.{joint}",
