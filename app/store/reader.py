@@ -258,17 +258,16 @@ class RunReader:
         self, table: str, rows: dict[int, dict[str, Any]], entries: dict[int, tuple[int, int]]
     ) -> list[str]:
         texts = []
-        for number, (_, crc32) in entries.items():
-            with self._decoding():
+        with self._decoding():
+            for number, (_, crc32) in entries.items():
                 if number not in rows:
                     texts.append(f"row {number} of {table} is missing")
                 elif row_crc32(table, rows[number]) != crc32:
                     texts.append(f"row {number} of {table} is not what was written")
-        # Rows from before an upgrade have no entry; whatever was stored after the first entry has one.
-        first = min(entries, default=math.inf)
-        unlisted = [number for number in rows if number > first and number not in entries]
-        texts += [f"row {number} of {table} has no entry in the journal" for number in unlisted]
-        return texts
+            # Rows from before an upgrade have no entry; whatever was stored after the first entry has one.
+            first = min(entries, default=math.inf)
+            unlisted = [number for number in rows if number > first and number not in entries]
+        return texts + [f"row {number} of {table} has no entry in the journal" for number in unlisted]
 
     def _query(self, sql: str) -> list[sqlite3.Row]:
         with self._connected() as connection:

@@ -151,6 +151,16 @@ async def test_a_row_without_an_entry_in_the_journal_is_refused(tmp_path: Path) 
         RunReader(run).search()
 
 
+async def test_a_journal_whose_numbers_are_none_is_refused(tmp_path: Path) -> None:
+    run = await stored(tmp_path, None)
+    copied = ("CREATE TABLE copy AS SELECT * FROM journal", "DROP TABLE journal")
+    renamed = ("ALTER TABLE copy RENAME TO journal", "INSERT INTO journal VALUES (99, 'search', 'x', 1)")
+    tamper(run, *copied, *renamed)
+    with pytest.raises(StorageError, match=r"is damaged: a stored value cannot be read"):
+        RunReader(run).search()
+    assert any("a stored value cannot be read" in problem for problem in verify(run).problems)
+
+
 async def test_a_list_of_runs_reads_no_file_whole(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     run = await stored(tmp_path)
     monkeypatch.setattr("app.store.soundness.digest", lambda _directory: pytest.fail("hashed"))
