@@ -13,7 +13,20 @@ import typer
 from typer.core import TyperGroup
 
 from app.analysis_cli import add_analysis
-from app.cli_options import AsJson, CellFile, KeepDrives, Runs, Seed, Speed, Truth, Unverified, WaiveWalk
+from app.cli_options import (
+    Answers,
+    Arm,
+    AsJson,
+    CellFile,
+    DryRun,
+    KeepDrives,
+    Runs,
+    Seed,
+    Speed,
+    Truth,
+    Unverified,
+    WaiveWalk,
+)
 
 
 class _Commands(TyperGroup):
@@ -237,13 +250,11 @@ def run(
     search: Annotated[
         str, typer.Option(help="aim: auto (newest search of this cell), none, or a run")
     ] = "auto",
-    answers: Annotated[Path | None, typer.Option(help="TOML file: prompt id = answer")] = None,
-    arm: Annotated[
-        str | None, typer.Option(metavar="CELL", help="cell name, typed to let real hardware move")
-    ] = None,
+    answers: Answers = None,
+    arm: Arm = None,
     speed: Speed = 1.0,
     keep_drives: KeepDrives = False,
-    dry_run: Annotated[bool, typer.Option("--dry-run", help="plan and rehearse, touch no device")] = False,
+    dry_run: DryRun = False,
     walk: Annotated[
         bool,
         typer.Option(
@@ -263,30 +274,17 @@ def run(
 
     Example: catseye run open-loop --cell cell.toml --dry-run
     """
-    from app.commands.run import detached_command, run_command
+    from app.commands.drive import DriveOptions
+    from app.commands.run import Asked, detached_command, run_command
     from app.errors import UsageError
 
     if detach and walk:
         raise UsageError("a walk needs somebody at its keys: leave --detach out")
+    asked = Asked(procedure, cell, param or [], search)
+    options = DriveOptions(answers, arm, speed, keep_drives, waive_walk, as_json)
     if detach and not dry_run:
-        detached_command(
-            procedure, cell, param or [], search, answers, arm, speed, keep_drives, waive_walk, runs, as_json
-        )
-    run_command(
-        procedure,
-        cell,
-        param or [],
-        search,
-        answers,
-        arm,
-        speed,
-        keep_drives,
-        dry_run,
-        walk,
-        waive_walk,
-        runs,
-        as_json,
-    )
+        detached_command(asked, options, runs)
+    run_command(asked, options, runs, dry_run=dry_run, walk=walk)
 
 
 @cli.command()
@@ -360,16 +358,14 @@ def resume(
     cell: Annotated[
         Path | None, typer.Option(metavar="FILE", help="cell file with other endpoints or time-outs")
     ] = None,
-    answers: Annotated[Path | None, typer.Option(help="TOML file: prompt id = answer")] = None,
-    arm: Annotated[
-        str | None, typer.Option(metavar="CELL", help="cell name, typed to let real hardware move")
-    ] = None,
+    answers: Answers = None,
+    arm: Arm = None,
     speed: Annotated[
         float | None,
         typer.Option(min=0.001, max=1e6, help="bench seconds in one real second; emulators only [as before]"),
     ] = None,
     keep_drives: KeepDrives = False,
-    dry_run: Annotated[bool, typer.Option("--dry-run", help="plan and rehearse, touch no device")] = False,
+    dry_run: DryRun = False,
     waive_walk: WaiveWalk = None,
     runs: Runs = None,
     as_json: AsJson = False,
@@ -380,9 +376,11 @@ def resume(
 
     Example: catseye resume 1a2b3c
     """
+    from app.commands.drive import DriveOptions
     from app.commands.resume import resume_command
 
-    resume_command(run, cell, answers, arm, speed, keep_drives, dry_run, waive_walk, runs, as_json)
+    options = DriveOptions(answers, arm, speed, keep_drives, waive_walk, as_json)
+    resume_command(run, cell, options, runs, dry_run=dry_run)
 
 
 @cli.command("runs")

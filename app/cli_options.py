@@ -29,6 +29,9 @@ Seed = Annotated[int, typer.Option(min=0, help="of everything random in the emul
 Truth = Annotated[
     Path | None, typer.Option(help="result JSON with the emulated arm's true links, maps, reflectors")
 ]
+Answers = Annotated[Path | None, typer.Option(help="TOML file: prompt id = answer")]
+Arm = Annotated[str | None, typer.Option(metavar="CELL", help="cell name, typed to let real hardware move")]
+DryRun = Annotated[bool, typer.Option("--dry-run", help="plan and rehearse, touch no device")]
 KeepDrives = Annotated[
     bool, typer.Option("--keep-drives", help="leave the drives on at the end [they are switched off]")
 ]

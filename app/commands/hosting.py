@@ -7,6 +7,7 @@ from functools import partial
 from pathlib import Path
 
 from app.bench.facts import facts_of
+from app.commands.drive import DriveOptions
 from app.commands.narrator import Narrator
 from app.commands.walk_keys import HINT, WalkKeys
 from app.engine.announcer import Publish
@@ -18,25 +19,15 @@ from app.service.run_service import RunService
 from drivers.clock import SystemClock
 
 
-async def serve_and_run(
-    planned: PlannedRun,
-    root: Path,
-    answers: Path | None,
-    arm: str | None,
-    speed: float,
-    waive_walk: str | None,
-    *,
-    keep_drives: bool,
-    as_json: bool,
-) -> RunOutcome:
+async def serve_and_run(planned: PlannedRun, root: Path, options: DriveOptions) -> RunOutcome:
     """Carry a plan out and serve clients meanwhile."""
-    at_terminal = not as_json and sys.stdin.isatty() and sys.stderr.isatty()
+    at_terminal = not options.as_json and sys.stdin.isatty() and sys.stderr.isatty()
     # Single keys are read by whoever has the terminal in front of them.
     at_terminal = at_terminal and (planned.walk is None or in_foreground(sys.stdin.fileno()))
     who = getpass.getuser() if at_terminal else None
     service = RunService(planned.on_client_lost, who, root)
     go_on = f"{KEYS}, each with Enter; Ctrl-C again stops" if at_terminal else None
-    narrator = Narrator(planned.procedure.name, as_json, go_on)
+    narrator = Narrator(planned.procedure.name, options.as_json, go_on)
     narrator.interactive = at_terminal
     with ExitStack() as stack:
         publish: Publish = narrator.publish
@@ -48,14 +39,14 @@ async def serve_and_run(
             planned,
             root,
             service.hub.publisher(publish),
-            speed=speed,
-            arm=arm,
-            answers=answers,
-            keep_drives=keep_drives,
+            speed=planned.clock_speed if options.speed is None else options.speed,
+            arm=options.arm,
+            answers=options.answers,
+            keep_drives=options.keep_drives,
             answerer=service.hub.desk,
             on_open=service.serve,
             observe=partial(service.telemetry.observe, facts_of(planned.loaded.cell, planned.bench)),
-            waive_walk=waive_walk,
+            waive_walk=options.waive_walk,
         )
 
 

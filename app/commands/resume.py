@@ -4,6 +4,7 @@ import os
 from pathlib import Path
 
 from app.cell.load import load_cell
+from app.commands.drive import DriveOptions
 from app.commands.output import say
 from app.commands.run import conduct
 from app.engine.crash_points import arm as arm_crash_point
@@ -16,16 +17,7 @@ from drivers.clock import SystemClock
 
 
 def resume_command(
-    run: str,
-    cell: Path | None,
-    answers: Path | None,
-    arm: str | None,
-    speed: float | None,
-    keep_drives: bool,
-    dry_run: bool,
-    waive_walk: str | None,
-    runs: Path | None,
-    as_json: bool,
+    run: str, cell: Path | None, options: DriveOptions, runs: Path | None, *, dry_run: bool
 ) -> None:
     """Plan the rest of a run from what it has stored, then rehearse or do it."""
     arm_crash_point(os.environ)
@@ -39,15 +31,4 @@ def resume_command(
     say(
         f"{path.name} {reader.status}; {reader.count('steps')} steps are done and stay; aim from {planned.aim}"
     )
-    speed = planned.clock_speed if speed is None else speed
-    conduct(
-        planned,
-        root,
-        answers,
-        arm,
-        speed,
-        waive_walk,
-        keep_drives=keep_drives,
-        dry_run=dry_run,
-        as_json=as_json,
-    )
+    conduct(planned, root, options, dry_run=dry_run)

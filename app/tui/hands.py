@@ -7,6 +7,7 @@ from typing import Any, Final, Literal
 
 from app.tui.dead_man import DeadMan
 from app.tui.link import Link
+from app.tui.requests import Requests
 
 HoldJoint = Literal["j1", "j2", "j4"]
 Joint = Literal["j1", "j2", "j4", "beam"]
@@ -14,9 +15,6 @@ Way = Literal[-1, 1]
 
 FEED_S: Final = 0.05
 """Between two signs that a key is held, or that this program lives; the engine waits 0.2 s and 0.5 s for them."""
-
-_UNANSWERED: Final = 60
-"""Requests without an answer; the engine answers the first hold when the joint has been set going."""
 
 
 @dataclass(frozen=True)
@@ -52,13 +50,12 @@ class Hands:
         sleep: Callable[[float], Coroutine[Any, Any, None]] = asyncio.sleep,
     ) -> None:
         self._link = link
+        self._requests = Requests(link, failed)
         self._now_s = now_s
         self._failed = failed
         self._sleep = sleep
         self._key: DeadMan[tuple[HoldJoint, Way]] = DeadMan()
         self._motion: asyncio.Task[None] | None = None
-        self._sent: set[asyncio.Task[None]] = set()
-        self._refused = False
 
     @property
     def busy(self) -> bool:
@@ -69,7 +66,7 @@ class Hands:
         """Begin steps, one after the other; return False when something is under way already."""
         if self.busy:
             return False
-        self._refused = False
+        self._requests.refused = False
         self._motion = asyncio.create_task(self._take(steps))
         return True
 
@@ -78,7 +75,7 @@ class Hands:
         now_s = self._now_s()
         self._key.press((joint, way), now_s)
         if not self.busy and self._key.held(now_s) is not None:
-            self._refused = False
+            self._requests.refused = False
             self._motion = asyncio.create_task(self._keep_moving())
 
     def let_go(self) -> None:
@@ -91,18 +88,18 @@ class Hands:
         """Feed the engine while the key is held; however this ends, the arm is told to stop."""
         joint: HoldJoint = "j1"
         try:
-            while (held := self._key.held(self._now_s())) is not None and not self._refused:
+            while (held := self._key.held(self._now_s())) is not None and not self._requests.refused:
                 joint, way = held
-                if len(self._sent) >= _UNANSWERED:
+                if self._requests.unanswered:
                     self._failed("the engine does not answer any more: the arm stops by itself; look at it")
                     break
-                self._send("jog-hold", joint=joint, direction=way)
+                self._requests.send("jog-hold", joint=joint, direction=way)
                 await self._sleep(FEED_S)
         finally:
             if self._key.held(self._now_s()) is not None:
                 # It ended although the key is held: the key has to be let go first.
                 self._key.let_go()
-            self._send("jog-hold", joint=joint, direction=0)
+            self._requests.send("jog-hold", joint=joint, direction=0)
 
     async def _take(self, steps: Sequence[Step]) -> None:
         from app.service.errors import RefusedError, ServiceError
@@ -114,29 +111,13 @@ class Hands:
         except (RefusedError, ServiceError) as error:
             self._failed(str(error))
         except asyncio.CancelledError:
-            self._send("jog-hold", joint="j4", direction=0)
+            self._requests.send("jog-hold", joint="j4", direction=0)
             raise
         finally:
             alive.cancel()
 
     async def _show_life(self) -> None:
         """Ping while a step is under way: the engine stops the arm of a client that is silent."""
-        while len(self._sent) < _UNANSWERED:
+        while not self._requests.unanswered:
             await self._sleep(FEED_S)
-            self._send("ping")
-
-    def _send(self, op: str, **fields: Any) -> None:
-        """Put a request without waiting for its answer; requests go out in this order."""
-        task = asyncio.create_task(self._request(op, **fields))
-        self._sent.add(task)
-        task.add_done_callback(self._sent.discard)
-
-    async def _request(self, op: str, **fields: Any) -> None:
-        from app.service.errors import RefusedError, ServiceError
-
-        try:
-            await self._link.request(op, **fields)
-        except (RefusedError, ServiceError) as error:
-            if not self._refused:
-                self._refused = True
-                self._failed(str(error))
+            self._requests.send("ping")

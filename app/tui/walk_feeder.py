@@ -6,11 +6,10 @@ from typing import Any, Final
 
 from app.tui.dead_man import DeadMan
 from app.tui.link import Link
+from app.tui.requests import Requests
 
 FEED_S: Final = 0.05
 """Between two feedings; the engine waits 0.3 s for them."""
-
-_UNANSWERED: Final = 60
 
 
 class WalkFeeder:
@@ -30,14 +29,12 @@ class WalkFeeder:
         failed: Callable[[str], None],
         sleep: Callable[[float], Coroutine[Any, Any, None]] = asyncio.sleep,
     ) -> None:
-        self._link = link
+        self._requests = Requests(link, failed)
         self._now_s = now_s
         self._failed = failed
         self._sleep = sleep
         self._key: DeadMan[str] = DeadMan()
         self._feeding: asyncio.Task[None] | None = None
-        self._sent: set[asyncio.Task[None]] = set()
-        self._refused = False
 
     @property
     def held(self) -> bool:
@@ -49,7 +46,7 @@ class WalkFeeder:
         now_s = self._now_s()
         self._key.press("walk", now_s)
         if not self.held and self._key.held(now_s) is not None:
-            self._refused = False
+            self._requests.refused = False
             self._feeding = asyncio.create_task(self._feed())
 
     def let_go(self) -> None:
@@ -61,32 +58,17 @@ class WalkFeeder:
     async def _feed(self) -> None:
         try:
             while self._key.held(self._now_s()) is not None:
-                if len(self._sent) >= _UNANSWERED:
+                if self._requests.unanswered:
                     self._failed(
                         "the engine does not answer any more: it stops the arm by itself; look at it"
                     )
                     break
                 # What was refused once is asked for again when the key was let go.
-                if not self._refused:
-                    self._send(on=True)
+                if not self._requests.refused:
+                    self._requests.send("walk-feed", on=True)
                 await self._sleep(FEED_S)
         finally:
             # However this ends, the key has to be pressed anew.
             self._key.let_go()
-            self._send(on=False)
-
-    def _send(self, *, on: bool) -> None:
-        task = asyncio.create_task(self._request(on=on))
-        self._sent.add(task)
-        task.add_done_callback(self._sent.discard)
-
-    async def _request(self, *, on: bool) -> None:
-        from app.service.errors import RefusedError, ServiceError
-
-        try:
-            await self._link.request("walk-feed", on=on)
-        except (RefusedError, ServiceError) as error:
             # A walk that has just ended needs no feeding any more.
-            if on and not self._refused:
-                self._refused = True
-                self._failed(str(error))
+            self._requests.send("walk-feed", needed=False, on=False)

@@ -69,14 +69,7 @@ def segment_to_box_mm(start: Floats, end: Floats, low: Floats, high: Floats) -> 
 def depth_in_box_mm(start: Floats, end: Floats, low: Floats, high: Floats) -> Floats:
     """Return how deep segments lie inside boxes: the distance to the nearest face, negative outside.
 
-    Args:
-        start: of the segments, mm, shape (..., 3).
-        end: of the segments, likewise.
-        low: smallest x, y, z of the boxes, mm, broadcast against them.
-        high: largest x, y, z of the boxes, likewise.
-
-    Returns:
-        mm, shape (...).
+    Segments, boxes and result are as in `segment_to_box_mm`.
     """
     least, most = np.minimum(start, end), np.maximum(start, end)
     depth: Floats = np.minimum(least - low, high - most).min(axis=-1)

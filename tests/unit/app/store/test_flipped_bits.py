@@ -2,7 +2,7 @@
 
 import random
 import shutil
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import pytest
@@ -93,20 +93,24 @@ def some_bits(data: bytes) -> list[tuple[int, int]]:
     return [(place, chosen.randrange(8)) for place in places]
 
 
+def with_flips(database: Path) -> Iterator[tuple[int, int]]:
+    """Yield where a bit is flipped, while it is."""
+    data = database.read_bytes()
+    for position, bit in some_bits(data):
+        write(database, flipped(data, position, bit))
+        yield position, bit
+
+
 async def test_each_flip_in_a_sealed_database_is_refused(tmp_path: Path) -> None:
     run = await sealed(tmp_path)
-    data = (run / "run.sqlite").read_bytes()
-    for position, bit in some_bits(data):
-        write(run / "run.sqlite", flipped(data, position, bit))
+    for position, bit in with_flips(run / "run.sqlite"):
         for command in COMMANDS:
             assert refused(run, command), (command.__name__, position, bit)
 
 
 async def test_flips_in_an_unsealed_database_are_read_or_refused(tmp_path: Path) -> None:
     run = await unsealed(tmp_path)
-    data = (run / "run.sqlite").read_bytes()
-    for position, bit in some_bits(data):
-        write(run / "run.sqlite", flipped(data, position, bit))
+    for _ in with_flips(run / "run.sqlite"):
         for command in COMMANDS:
             refused(run, command)
 
@@ -121,9 +125,7 @@ async def test_a_flip_in_a_stored_value_of_an_unsealed_run_is_refused(tmp_path: 
 
 async def test_flips_in_a_run_taken_unverified_are_read_or_refused(tmp_path: Path) -> None:
     run = await sealed(tmp_path)
-    data = (run / "run.sqlite").read_bytes()
-    for position, bit in some_bits(data):
-        write(run / "run.sqlite", flipped(data, position, bit))
+    for _ in with_flips(run / "run.sqlite"):
         for command in UNVERIFIED:
             refused(run, command)
 

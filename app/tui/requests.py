@@ -1,0 +1,55 @@
+"""Requests to the engine that are repeated while a key is held, and that nobody waits for one by one."""
+
+import asyncio
+from collections.abc import Callable
+from typing import Any, Final
+
+from app.tui.link import Link
+
+_UNANSWERED: Final = 60
+"""Requests without an answer; the engine answers the first hold when the joint has been set going."""
+
+
+class Requests:
+    """Sends requests in order, and tells once why one was refused.
+
+    Args:
+        link: to the engine.
+        failed: called with why a request was refused.
+
+    Attributes:
+        refused: one was, since this was set to False.
+    """
+
+    def __init__(self, link: Link, failed: Callable[[str], None]) -> None:
+        self.refused = False
+        self._link = link
+        self._failed = failed
+        self._sent: set[asyncio.Task[None]] = set()
+
+    @property
+    def unanswered(self) -> bool:
+        """The engine answers no more."""
+        return len(self._sent) >= _UNANSWERED
+
+    def send(self, op: str, *, needed: bool = True, **fields: Any) -> None:
+        """Put a request without waiting for its answer.
+
+        Args:
+            op: what is asked for.
+            needed: a refusal is told.
+            fields: of the request.
+        """
+        task = asyncio.create_task(self._request(op, fields, needed=needed))
+        self._sent.add(task)
+        task.add_done_callback(self._sent.discard)
+
+    async def _request(self, op: str, fields: dict[str, Any], *, needed: bool) -> None:
+        from app.service.errors import RefusedError, ServiceError
+
+        try:
+            await self._link.request(op, **fields)
+        except (RefusedError, ServiceError) as error:
+            if needed and not self.refused:
+                self.refused = True
+                self._failed(str(error))
