@@ -125,7 +125,7 @@ _FOREIGN: tuple[tuple[type[BaseException], ExitCode], ...] = (
 
 
 def exit_code_of(error: BaseException) -> ExitCode:
-    """Return the exit code an error leads to; an error that is none of the program's own comes from a fault of it.
+    """Return the exit code an error leads to; an unknown error is a fault of the program.
 
     A group of errors has the code of its first member.
     """

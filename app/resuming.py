@@ -85,7 +85,7 @@ def _require_whole(reader: RunReader) -> None:
     """Check every stored row, also of those tables that only the run itself looks into when it goes on."""
     if texts := reader.misfits():
         raise StorageError(
-            f"{reader.path.name} is damaged and cannot go on: {texts[0]}; catseye verify tells more; start a new run"
+            f"{reader.path.name} is damaged and cannot go on: {texts[0]}; catseye verify says more; start a new run"
         )
 
 

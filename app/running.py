@@ -206,7 +206,7 @@ def joint_limits(bench: Bench) -> JointLimits:
 
 
 def way_check(bench: Bench) -> WayCheck:
-    """Return what tells the gate why bodies are in the way: the plan's own check, over targets that are passed."""
+    """Return the gate's check for bodies in the way: that of the plan, with passed targets."""
     return lambda way: legs_refusal(way[0], [way[1:]], bench)
 
 

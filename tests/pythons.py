@@ -61,7 +61,7 @@ def chosen(which: str, minors: list[int], own: int) -> list[int]:
         own: that runs this.
 
     Raises:
-        KeyError: `which` is none of each, newer, oldest.
+        KeyError: `which` is not each, newer or oldest.
     """
     newer = [minor for minor in minors if minor > own]
     return {"each": minors, "newer": newer[-1:], "oldest": minors[:1]}[which]

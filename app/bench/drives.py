@@ -20,12 +20,12 @@ _LIMIT_S: Final = 6.0
 
 
 class RestingDrives:
-    """Counts down while the arm rests; a jog begins the count anew.
+    """Counts down while the arm rests; a jog restarts the count.
 
     Args:
         lender: of the robot.
         clock: real time.
-        tell: tells every client.
+        tell: sends a message to every client.
         occupied: something is done by hand.
         owned: makes this program the arm's owner meanwhile: no drives go off below a motion of another one.
 
@@ -72,7 +72,7 @@ class RestingDrives:
             self.facts = None
 
     async def end(self) -> None:
-        """The engine ends, and nobody counts any more: switch them off now if they are on."""
+        """Switch them off now if they are on: the engine ends, and with it the countdown."""
         counting = self._task is not None and not self._task.done()
         await self.cancel()
         if counting:

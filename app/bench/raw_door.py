@@ -18,7 +18,7 @@ _STOP = b"\r" + encode("STOP")
 
 
 class RawDoor:
-    """Lets bytes pass while the door is closed; when it opens the arm is told to stop before anybody is told.
+    """Passes bytes on while the door is closed; when it opens, STOP goes out before anybody is notified.
 
     Args:
         transport: of the robot's controller; it is open.

@@ -168,7 +168,7 @@ class RawLink:
         self.end(reason)
 
     def _door_opened(self, trouble: str) -> None:
-        """End; the arm has been told to stop, and is seen to stand by its driver."""
+        """End; STOP has been sent to the arm, and its driver sees it stand."""
         self._given_back = False
         self.end(trouble)
 

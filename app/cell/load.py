@@ -17,7 +17,7 @@ from app.files.documents import document_text, parse_toml, read_document
 Place = tuple[int | str, ...]
 
 _MOST_FAULTS = 50
-"""That are told one by one."""
+"""Faults that are listed one by one."""
 
 _SHOWN_LENGTH = 200
 """Of a wrong value."""

@@ -16,7 +16,7 @@ OwnLimits = tuple[tuple[float, float], ...]
 
 @runtime_checkable
 class LimitedRobot(Protocol):
-    """A robot whose controller tells its own limits."""
+    """A robot whose controller reports its own limits."""
 
     async def joint_limits(self) -> OwnLimits:
         """Return lowest and highest of J1 … J4, deg or mm."""

@@ -53,7 +53,7 @@ class RunRequest:
         root: directory of all runs.
         cell: name of the cell.
         limits: ranges of the joints.
-        blocked: tells why bodies are in the way of a motion.
+        blocked: returns why bodies are in the way of a motion.
         override_cap_percent: highest speed override.
         meta: resolved configuration with origins, operator, parameters; stored with the run.
         arm: the cell's name as typed by the operator; None when nothing was typed.
@@ -71,7 +71,7 @@ class RunRequest:
         clock_speed: bench seconds in one real second; anything but 1 is for emulated devices only.
         speed_deg_s: fastest J1, J2, J4 at 100 % override, as questions before a motion tell them.
         keep_drives: leave the drives on at the end, unless the run is aborted.
-        on_open: lets a service reach the run while its record is open.
+        on_open: gives a service access to the run while its record is open.
         walk_rule: what a real arm has to be walked first; None where nothing has to be.
     """
 

@@ -202,7 +202,7 @@ def named_faults(path: Path) -> Iterator[None]:
     """Turn what keeps a file from being opened or read into a complaint that names it.
 
     Raises:
-        UsageError: the file is missing, cannot be read, or its name is none.
+        UsageError: the file is missing, cannot be read, or has no valid name.
     """
     try:
         yield
@@ -215,7 +215,7 @@ def named_faults(path: Path) -> Iterator[None]:
 
 
 def require_file(path: Path) -> None:
-    """Refuse a table that is no file: whoever waits for a pipe here could not be stopped.
+    """Refuse a table that is no regular file: waiting for a pipe here could not be interrupted.
 
     Raises:
         UsageError: the file is missing or something else.

@@ -78,7 +78,7 @@ def _whole_lines(path: Path, stream: BinaryIO, size: int) -> Iterator[tuple[int,
         whole, newline, rest = (rest + chunk).rpartition(b"\n")
         if newline:
             text = _checked_text(path, line, whole + newline, encoding)
-            # A pipe tells no size.
+            # A pipe has no size.
             yield line, text, min(read / size, 1.0)
             line, encoding = line + text.count("\n"), "utf-8"
         if len(rest) > 4 * LONGEST_LINE:

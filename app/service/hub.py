@@ -167,7 +167,7 @@ class Hub:
         return member is not None and member is self._holder
 
     def join(self, client: str, who: str, mailbox: Mailbox, disconnect: Callable[[str], None]) -> Member:
-        """Add a client; it is told everything from now on.
+        """Add a client; it gets every event from now on.
 
         Raises:
             RefusedError: there are as many as are served.

@@ -25,7 +25,7 @@ class Lines:
     Args:
         descriptor: to read.
         on_line: takes each line, without its end.
-        on_end: is told that none follows, or none that anybody types.
+        on_end: called when no line follows, or none that anybody types.
         keys: takes single keys from what was read and returns what belongs to lines.
     """
 

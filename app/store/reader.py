@@ -291,7 +291,7 @@ class RunReader:
 
     def _damaged(self, text: str) -> StorageError:
         return StorageError(
-            f"{self._database} is damaged: {text}; catseye verify tells more, a copy of the run may be sound"
+            f"{self._database} is damaged: {text}; catseye verify says more, a copy of the run may be sound"
         )
 
 

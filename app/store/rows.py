@@ -127,7 +127,7 @@ def row_crc32(table: str, row: Mapping[str, Value]) -> int:
         row: its values by column; what is None does not count, since an upgrade adds columns to older rows.
 
     Raises:
-        TypeError: a value is none that is ever stored.
+        TypeError: a value has a type that is never stored.
         ValueError: a number is not finite.
     """
     numbered = {"seq"} if table in _NUMBERED else set()

@@ -19,7 +19,7 @@ WIRE_LOG = "wire.log"
 APP_LOG = "app.log"
 
 _LARGEST_MANIFEST_BYTES = 4 * 1024 * 1024
-"""Of the few files of a run; whoever lists runs reads every manifest whole."""
+"""For the few files of a run; a list of runs reads every manifest whole."""
 
 UNSEALED = "unsealed"
 """A file that stands for the manifest until there is one: a run that has neither has lost its manifest."""
@@ -121,7 +121,7 @@ def read_manifest(directory: Path) -> Manifest | None:
     """Return the manifest, None when the run is not sealed.
 
     Raises:
-        StorageError: the manifest is damaged, or so large that it is none.
+        StorageError: the manifest is damaged, or too large to be one.
     """
     path = directory / MANIFEST
     try:

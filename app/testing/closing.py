@@ -4,7 +4,7 @@ import asyncio
 from typing import Final
 
 _TURNS_TO_SERVE: Final = 4
-"""Of the event loop, from the one that accepts a connection to the one that serves it: asyncio takes three."""
+"""Turns of the event loop between accepting a connection and serving it; asyncio takes three."""
 
 
 async def close_server(server: asyncio.Server) -> None:

@@ -66,7 +66,7 @@ def _start_anew(app: "CatseyeApp") -> None:
     ended: list[object] = []
     # The link looks for an engine again by itself, finds none, and starts one.
     order = app.order(
-        "shutdown", "The engine was not started anew with the cell", control=True, then=ended.append
+        "shutdown", "The engine was not restarted with the cell", control=True, then=ended.append
     )
     # What is shown of the bench is of the engine's cell: no run may begin on another one than that.
     order.add_done_callback(lambda _order: None if ended else _keep(app))

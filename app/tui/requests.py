@@ -11,14 +11,14 @@ _UNANSWERED: Final = 60
 
 
 class Requests:
-    """Sends requests in order, and tells once why one was refused.
+    """Sends requests in order, and reports the first refusal.
 
     Args:
         link: to the engine.
         failed: called with why a request was refused.
 
     Attributes:
-        refused: one was, since this was set to False.
+        refused: whether one was refused since this was last set to False.
     """
 
     def __init__(self, link: Link, failed: Callable[[str], None]) -> None:
@@ -37,7 +37,7 @@ class Requests:
 
         Args:
             op: what is asked for.
-            needed: a refusal is told.
+            needed: a refusal is reported.
             fields: of the request.
         """
         task = asyncio.create_task(self._request(op, fields, needed=needed))

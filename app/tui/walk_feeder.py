@@ -18,7 +18,7 @@ class WalkFeeder:
     Args:
         link: to the engine.
         now_s: monotonic time, s.
-        failed: is told why the engine is not fed.
+        failed: called with why the engine is not fed.
         sleep: waits, real s.
     """
 
@@ -68,7 +68,7 @@ class WalkFeeder:
                     self._requests.send("walk-feed", on=True)
                 await self._sleep(FEED_S)
         finally:
-            # However this ends, the key has to be pressed anew.
+            # However this ends, the key has to be pressed again.
             self._key.let_go()
             # A walk that has just ended needs no feeding any more.
             self._requests.send("walk-feed", needed=False, on=False)

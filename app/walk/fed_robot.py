@@ -21,7 +21,7 @@ class FedRobot:
     Args:
         robot: that moves.
         feed: keeps it going.
-        meet: is told who answers.
+        meet: called with who answers.
         clock: real time.
         limits: how long a halt may take.
 

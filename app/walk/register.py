@@ -131,7 +131,7 @@ def _is_arm(meta: Mapping[str, Any], arm: DeviceIdentity, endpoint: str) -> bool
     told = ("model", "serial", "simulated")
     if any(stored.get(name) != getattr(arm, name) for name in told):
         return False
-    # Controllers of one model that tell no serial number are told from each other by where they are.
+    # Controllers of one model that report no serial number are distinguished by their endpoints.
     return bool(arm.serial) or arm.simulated or _endpoint(meta) == endpoint
 
 

@@ -133,7 +133,7 @@ class Walk:
 
         Args:
             ctx: the bench.
-            plan: of the procedure; its motions are asked for anew, since the first ones depend on where the arm is.
+            plan: of the procedure; its motions are planned again, since the first ones depend on where the arm is.
 
         Raises:
             SafetyError: a motion cannot be slow enough.

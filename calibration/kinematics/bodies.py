@@ -204,7 +204,7 @@ def _may_meet(chain: Chain, near: Capsule, far: Capsule) -> bool:
 
 
 def _reaches_axis(chain: Chain, body: Capsule, joint: int) -> bool:
-    """Return whether a body, fixed to the frame of a joint or to the one before, touches the joint's axis.
+    """Return whether a body, fixed to the frame of a joint or of the one before it, touches the joint's axis.
 
     The axis is fixed to both frames, so any pose shows it.
     """

@@ -17,7 +17,7 @@ RESOLUTION_MM = 0.1
 
 _LOOK_MM = 2.0
 _MOST_LOOKS = 1000
-"""Of the rest of a refused leg, for the least distance, which is told."""
+"""Samples along the rest of a refused leg, for the least distance that a refusal states."""
 
 _MOST_AT_ONCE = 4096
 """Intervals that are looked at together: memory stays bounded on the longest ways."""

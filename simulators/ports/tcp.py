@@ -12,7 +12,7 @@ from simulators.ports.address import SocketAddress
 _MOST_BYTES = 1 << 20
 
 _TURNS_TO_JOIN = 4
-"""Of the event loop, from the one that accepts a connection to the one in which it is made: asyncio takes two."""
+"""Turns of the event loop between accepting a connection and its being made; asyncio takes two."""
 
 
 class TcpListener:

@@ -1,4 +1,4 @@
-"""A door that is opened at many random moments of motion: how soon the controller is told to stop.
+"""A door that is opened at many random moments of motion: how soon STOP reaches the controller.
 
 `CATSEYE_DOOR_OPENINGS` says how many, `CATSEYE_DOOR_SEED` at which moments.
 """

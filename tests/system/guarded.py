@@ -43,7 +43,7 @@ class Program:
         os.kill(self.process.pid, number)
 
     def ended(self) -> tuple[int, str]:
-        """Return exit code and what was told on stderr."""
+        """Return exit code and stderr."""
         _, stderr = self.process.communicate(timeout=HANG_S)
         return self.process.returncode, stderr
 
@@ -103,13 +103,13 @@ def _guarded(folder: Path) -> list[str]:
 
 
 def requests(bench: Emulated) -> list[tuple[float, str]]:
-    """Return bench times and texts of what the controller was told."""
+    """Return bench times and texts of the requests to the controller."""
     entries: list[dict[str, Any]] = bench.ask(op="log", device="robot")["entries"]
     return [(e["time_s"], e["text"].rpartition(";")[2]) for e in entries if e["kind"] == "request"]
 
 
 def words_after_first_stop(bench: Emulated, since_s: float) -> list[str]:
-    """Return what the controller was told from the first STOP on."""
+    """Return the requests to the controller from the first STOP on."""
     words = [text for time_s, text in requests(bench) if time_s > since_s]
     assert "STOP" in words, words
     return words[words.index("STOP") :]

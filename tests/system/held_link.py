@@ -18,7 +18,7 @@ CHILD_S = 5.0
 
 
 async def move(endpoint: str) -> None:
-    """Connect, become the owner, connect anew, move."""
+    """Connect, become the owner, connect again, move."""
     guard = ArmGuard(endpoint)
     link = GuardedTransport(open_transport(endpoint), guard, "robot", STOP)
     await link.open()

@@ -194,7 +194,7 @@ def test_a_key_that_is_let_go_stops_the_joint_at_once(engine: Engine) -> None:
     asked_s = engine.now_s()
     assert client.ask("jog-hold", joint="j2", direction=0)["ok"]
     assert engine.rest_s() - asked_s < 0.15
-    # The links stay in step: nothing was opened anew after the three of the beginning.
+    # The links stay in step: nothing was reopened after the three of the beginning.
     assert len(engine.requests("OPEN")) == 3
 
 

@@ -61,7 +61,7 @@ def test_killed_run_leaves_an_arm_that_stands(bench: Emulated) -> None:
         (name,) = {path.name for path in (bench.cell.parent / "catseye-runs").glob("2*_open-loop_*")}
         until(lambda: guards_of(run.process.pid) == [])
     assert DIED in (bench.cell.parent / "catseye-runs" / "guard.log").read_text(encoding="utf-8")
-    # The next one to move this arm is told, whichever run it is.
+    # Whichever run moves this arm next gets to know.
     with program(bench, "run", "open-loop", "--cell", bench.cell, "--search", "none") as again:
         again.until_moving()
         again.send(signal.SIGTERM)
@@ -187,7 +187,7 @@ def test_killed_program_stops_the_arm_on_a_serial_line(tmp_path: Path) -> None:
         tty.setraw(line)
         device = os.ttyname(line)
         with held_link(tmp_path, f"serial://{device}?baud=115200") as process:
-            # The port is held by one program at a time: it was opened anew, so nobody holds a duplicate.
+            # The port is held by one program at a time: it was opened again, so nobody holds a duplicate.
             assert heard(controller, b"moving") == b"moving"
             process.kill()
             assert heard(controller, STOP) == STOP

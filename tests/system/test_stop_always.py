@@ -45,7 +45,7 @@ async def ready(robot: MelfaR3) -> AsyncIterator[MelfaR3]:
 async def moving(bench: EmulatedBench, robot: MelfaR3) -> AsyncIterator[None]:
     """A motion of many seconds is under way."""
     motion = asyncio.create_task(robot.move_joints(FAR))
-    while not bench.bench.moving:  # noqa: ASYNC110  # the bench tells nobody
+    while not bench.bench.moving:  # noqa: ASYNC110  # the bench has no event for it
         await asyncio.sleep(0.001)
     try:
         yield
@@ -89,7 +89,7 @@ async def test_a_flood_on_every_connection_does_not_delay_stop(flood: bytes) -> 
         proxy = Proxy((target.host, target.port))
         async with proxy.serving(), ready(robot_at(proxy.endpoint)) as robot, moving(bench, robot):
             proxy.flood = flood
-            while proxy.flooded_bytes < 4 * TURN_BYTES:  # noqa: ASYNC110  # the proxy tells nobody
+            while proxy.flooded_bytes < 4 * TURN_BYTES:  # noqa: ASYNC110  # the proxy has no event for it
                 await asyncio.sleep(0)
             with contextlib.suppress(LinkError):
                 await robot.stop()

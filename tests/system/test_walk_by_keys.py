@@ -1,4 +1,4 @@
-"""A plan walked by a held key, at a terminal and in the terminal UI; the emulator tells whether the arm moves."""
+"""A plan walked by a held key, at a terminal and in the terminal UI; the emulator reports whether the arm moves."""
 
 import re
 import tempfile

@@ -40,7 +40,7 @@ def test_a_client_killed_during_a_walk_leaves_an_arm_that_stands(engine: Engine)
     assert (end["status"], end["exit_code"]) == ("stopped", 130)
     assert "is lost" in end["text"]
     assert not engine.moving()
-    # The drives are on, and everybody is told until when.
+    # The drives are on, and everybody gets to know until when.
     assert end["drives_on"] is True
     engine.client.until(event="idle", state="STOPPED")
     assert engine.client.until(event="drives")["on"] is True

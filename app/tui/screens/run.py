@@ -33,7 +33,7 @@ from app.tui.widgets.told import Told
 _PLOTS = ("residuals", "maps")
 
 WALK: Final = "walk"
-"""Name of the procedure that a walk is told as."""
+"""Name of the procedure under which a walk is stored."""
 
 
 class RunScreen(MainScreen):

@@ -1,4 +1,4 @@
-"""Drives that a run has left on go off after some rest, and everybody is told when."""
+"""Drives that a run has left on go off after some rest, with a countdown for everybody."""
 
 import asyncio
 from collections.abc import AsyncIterator

@@ -1,4 +1,4 @@
-"""A cell whose door nobody watches is told so before anything is driven."""
+"""A cell whose door nobody watches gets a warning before anything is driven."""
 
 from pathlib import Path
 

@@ -121,7 +121,7 @@ class EngineMachine(RuleBasedStateMachine):
 
     @rule()
     def somebody_acknowledges(self) -> None:
-        """A person lets the arm move again."""
+        """A person allows the arm to move again."""
         waited = self.control.state == State.UNSUSPENDING
         self.ask(self._call("acknowledge", "test"))
         if waited:

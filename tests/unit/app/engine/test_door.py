@@ -74,7 +74,7 @@ async def opened(
     await asyncio.wait({running, moves}, return_when=asyncio.FIRST_COMPLETED)
     await cancel(moves)
     bench.block.closed = False
-    while "UNSUSPENDING" not in bench.states() and not running.done():  # noqa: ASYNC110  # the bench tells by a list
+    while "UNSUSPENDING" not in bench.states() and not running.done():  # noqa: ASYNC110  # the bench only keeps a list
         await asyncio.sleep(0)
     bench.block.closed = close
     return await running
@@ -129,7 +129,7 @@ async def test_a_yes_before_an_open_door_is_asked_again(bench: GuardedBench) -> 
         return Answer("yes", "Ada")
 
     running = asyncio.create_task(opened(bench, answerer=ada, close=False))
-    while not bench.said("warning")[1:] and not running.done():  # noqa: ASYNC110  # the bench tells by a list
+    while not bench.said("warning")[1:] and not running.done():  # noqa: ASYNC110  # the bench only keeps a list
         await asyncio.sleep(0)
     bench.block.closed = True
     outcome = await running
@@ -171,7 +171,7 @@ async def test_a_count_is_worth_nothing_after_the_door(bench: GuardedBench) -> N
 async def test_a_door_that_opens_while_nothing_moves_is_acknowledged(bench: GuardedBench) -> None:
     async def body(ctx: Context) -> None:
         bench.robot.moving.set()
-        while "UNSUSPENDING" not in bench.states():  # noqa: ASYNC110  # the bench tells by a list
+        while "UNSUSPENDING" not in bench.states():  # noqa: ASYNC110  # the bench only keeps a list
             await asyncio.sleep(0)
         bench.robot.moving.clear()
         await ctx.event("measured", ok=True)
@@ -253,7 +253,7 @@ async def test_a_hold_outlasts_the_acknowledgement(bench: GuardedBench) -> None:
         await ctx.move(AWAY)
 
     running = asyncio.create_task(opened(bench, body, ada))
-    while "HELD" not in bench.states() and not running.done():  # noqa: ASYNC110  # the bench tells by a list
+    while "HELD" not in bench.states() and not running.done():  # noqa: ASYNC110  # the bench only keeps a list
         await asyncio.sleep(0)
     assert bench.robot.calls.count("move") == 1
     controls[0].unhold("Ada goes on")

@@ -36,7 +36,7 @@ class Counted(Block):
 
 
 class SteppedClock(ManualClock):
-    """Sleeps until the test lets the time go on."""
+    """Sleeps until the test advances the time."""
 
     async def sleep(self, duration_s: float) -> None:
         event = asyncio.Event()

@@ -1,4 +1,4 @@
-"""The garbage collector lets runs alone and keeps nothing of them."""
+"""The garbage collector leaves runs alone and keeps nothing of them."""
 
 import gc
 import weakref

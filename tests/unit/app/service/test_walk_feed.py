@@ -37,7 +37,7 @@ async def test_a_run_that_is_no_walk_is_not_fed() -> None:
 
 async def test_a_walk_whose_client_is_lost_is_stopped() -> None:
     class Walked:
-        """A run that is a walk, in a cell that lets runs go on alone."""
+        """A run that is a walk, in a cell whose runs go on alone."""
 
         walk = object()
 

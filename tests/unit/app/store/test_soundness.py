@@ -1,4 +1,4 @@
-"""Who opens a run that was changed after its end is told so."""
+"""A run that was changed after its end is not opened without a word."""
 
 import shutil
 import sqlite3

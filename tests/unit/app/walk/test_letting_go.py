@@ -30,7 +30,7 @@ async def until(bench: TourBench, state: str) -> None:
 
 
 async def let_go(bench: TourBench, stands: Joints) -> "asyncio.Task[RunOutcome]":
-    """Begin a walk and let the key go on the way; return the walk, which waits."""
+    """Begin a walk and release the key on the way; return the walk, which waits."""
     walk = asyncio.create_task(bench.walk())
     await bench.fakes.robot.moving.wait()
     bench.fakes.robot.pose = stands
