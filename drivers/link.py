@@ -170,13 +170,10 @@ class RequestLink:
 
         async def once() -> T:
             async with self._lock:
-                if permit is not None:
-                    # A stop may have left the link out of step, and is the reason that counts.
-                    permit()
-                await self._get_in_step(heal=repeat is not Repeat.BOUND)
+                await self._get_in_step(heal=repeat is not Repeat.BOUND, permit=permit)
                 if permit is not None:
                     permit()
-                return await self.exchange(data, decoder(), timeout_s)
+                return await self._exchanged(data, decoder(), timeout_s)
 
         return await self.repeated(once) if repeat is Repeat.HARMLESS else await once()
 
@@ -252,10 +249,10 @@ class RequestLink:
             LinkError: the link is lost.
             ProtocolError: garbage came.
         """
-        if why := self._urgent or self._unasked():
-            # After a greeting, or within one; a request on a link in step has looked already.
-            self._doubt = why
-            raise LinkError(f"{self.where}: the link is out of step ({why}): nothing was sent")
+        self._require_nothing_unasked()
+        return await self._exchanged(data, decoder, timeout_s)
+
+    async def _exchanged(self, data: bytes, decoder: Decoder[T], timeout_s: float) -> T:
         outstanding = f"the answer to {data!r} is outstanding"
         self._doubt = outstanding
         self._received = b""
@@ -312,17 +309,27 @@ class RequestLink:
                 "is not busy or switched off; the link is opened again before the next request"
             ) from None
 
-    async def _get_in_step(self, *, heal: bool) -> None:
+    async def _get_in_step(self, *, heal: bool, permit: Callable[[], None] | None = None) -> None:
         if not self._is_open:
             raise LinkError(f"{self.where}: not connected: connect first")
         self._doubt = self._doubt or self._unasked()
         if not self._doubt:
             return
+        if permit is not None:
+            # A stop may have left the link out of step, and is the reason that counts.
+            permit()
         if not heal:
             raise NotSentError(f"{self.where}: the link is out of step ({self._doubt}): nothing was sent")
         self.heal_count += 1
         if not await self._heals_in_place():
             await reopened(self._connect, self._may_be_opened)
+        self._require_nothing_unasked()
+
+    def _require_nothing_unasked(self) -> None:
+        """Refuse to send after a greeting, or within one, behind which something came that nobody asked for."""
+        if why := self._urgent or self._unasked():
+            self._doubt = why
+            raise LinkError(f"{self.where}: the link is out of step ({why}): nothing was sent")
 
     async def _heals_in_place(self) -> bool:
         """Get in step on the open connection: answers come in order, so behind that to `identify` none is owed."""

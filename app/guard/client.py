@@ -131,6 +131,9 @@ class ArmGuard:
         if self._process is not None:
             # An engine that has slept finds here what the guard has done meanwhile.
             self._process.read()
+        self._require_permitted()
+
+    def _require_permitted(self) -> None:
         if self.stopped:
             raise GuardError(f"{self.stopped}: nothing moves before an operator has acknowledged that")
         if self._lock is None:
@@ -159,7 +162,7 @@ class ArmGuard:
                 answers = self._process is not None and await self._answers(self._process)
                 if not answers and not self._motions:
                     await self._start()
-        self.permit()
+        self._require_permitted()
 
     async def _answers(self, process: GuardProcess) -> bool:
         process.read()
