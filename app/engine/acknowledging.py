@@ -16,7 +16,7 @@ _RESUME = "the robot stands and the run is over; when all is well go on with cat
 
 
 class Acknowledging:
-    """Asks until a person has said yes and the door is closed.
+    """Asks until a person has said yes to all that has stopped the robot, and the door is closed.
 
     Args:
         control: the stop ladder.
@@ -47,18 +47,16 @@ class Acknowledging:
         self._warn = warn
         self._asked = 0
 
-    async def __call__(self, reason: str) -> None:
+    async def __call__(self) -> None:
         """Ask whether to go on, and permit motion when it is so.
-
-        Args:
-            reason: why the robot was stopped.
 
         Raises:
             NotAcknowledgedError: nobody is there, or the answer is no.
             SafetyError: the override does not come down to the cap.
         """
         while True:
-            await self._asked_once(reason)
+            asked_after = self._control.interruptions
+            await self._asked_once(self._control.interruption)
             try:
                 self._gate.require_door()
             except InterruptionError as error:
@@ -66,16 +64,17 @@ class Acknowledging:
                 await self._until_closed()
                 continue
             await self._lower_override()
-            if self.taken("the operator has acknowledged the interruption"):
+            if self._taken(asked_after):
                 return
 
-    def taken(self, reason: str) -> bool:
-        """Permit motion if the door is closed now; return whether it is so."""
-        try:
-            self._gate.require_door()
-        except InterruptionError:
+    def _taken(self, asked_after: int) -> bool:
+        """Permit motion if nothing has happened since the question; return whether it is so.
+
+        Whoever opened the door meanwhile, and closed it behind them, is in the cell: the answer was given before.
+        """
+        if self._control.interruptions != asked_after:
             return False
-        self._control.acknowledge(reason)
+        self._control.acknowledge("the operator has acknowledged the interruption")
         if self._guard is not None and not self._control.unacknowledged:
             self._guard.acknowledge()
         return True

@@ -15,7 +15,6 @@ from app.engine.gate import MotionGate
 from app.engine.measuring import AirCache, measure, unless_dark
 from app.engine.mover import Mover
 from app.engine.operator import Answer, Operator
-from app.engine.states import State
 from app.engine.timekeeping import Progress, StepTime
 from app.engine.waiting import cancel, uncancelled
 from app.errors import ConfigError, UnwalkedError, UsageError
@@ -271,12 +270,7 @@ class RunContext:
         self._prompt_open = True
         start_s = self._clock.monotonic_s() - self._control.waited_s
         try:
-            answer = await self._ask(prompt, watch)
-            by_person = answer.by_person and prompt.moves_after(answer.text)
-            if self._control.state == State.UNSUSPENDING and by_person:
-                # Whoever lets the arm move now has seen the cell since the door was opened.
-                self._acknowledged(f"with the answer to {prompt.id!r}")
-            return answer.text
+            return (await self._ask(prompt, watch)).text
         finally:
             self._prompt_open = False
             self._asked_s += self._clock.monotonic_s() - self._control.waited_s - start_s
@@ -389,14 +383,10 @@ class RunContext:
         stands: Json = None if here is None else list(here)
         await self.event("first-motion", stands=stands, way=[list(target) for target in way])
 
-    async def _acknowledge(self, reason: str) -> None:
+    async def _acknowledge(self) -> None:
         """Ask whether the arm may move again; whoever was in the cell may have touched what the count rests on."""
-        await self._acknowledging(reason)
+        await self._acknowledging()
         self._zeroed = False
-
-    def _acknowledged(self, reason: str) -> None:
-        if self._acknowledging.taken(reason):
-            self._zeroed = False
 
     async def _timed(self, motion: Awaitable[None]) -> None:
         start_s = self._clock.monotonic_s()

@@ -55,8 +55,9 @@ class RunControl:
         ending: why the run ends early, raised by every further checkpoint; None while it goes on.
         reports: how each halt ended.
         moving: a motion is under way.
-        interruption: why the surroundings stopped the robot last; empty when they never did.
-        interruptions: how often they did.
+        interruption: why the surroundings stopped the robot last, every reason that came before somebody acknowledged
+            them; empty when they never did.
+        interruptions: how often they did, times included at which it stood already.
         unacknowledged: why nothing may move before somebody has acknowledged it; empty while nothing of that kind is.
         on_interrupted: asks whether to go on after an interruption and returns when `acknowledge` was called; without
             it somebody else has to call that.
@@ -85,7 +86,8 @@ class RunControl:
         self.interruption = ""
         self.interruptions = 0
         self.unacknowledged = ""
-        self.on_interrupted: Callable[[str], Awaitable[None]] | None = None
+        self.on_interrupted: Callable[[], Awaitable[None]] | None = None
+        self._reasons: list[str] = []
         self.waits = 0
         self._waited_s = 0.0
         self._waits_since_s: float | None = None
@@ -130,14 +132,23 @@ class RunControl:
         """End a suspension."""
         self._apply(Event.CONDITION_BACK, reason)
 
-    def interrupt(self, reason: str) -> None:
-        """Stop the robot now; the run goes on when somebody has acknowledged that, held if it was held."""
+    def interrupt(self, reason: str, *, anew: bool = False) -> None:
+        """Stop the robot now; the run goes on when somebody has acknowledged that, held if it was held.
+
+        Args:
+            reason: why; one that is there already is no other interruption.
+            anew: it is one all the same: what was over has happened again.
+        """
+        if self.state in INTERRUPTED:
+            if anew or reason not in self._reasons:
+                self._count_interruption(reason)
+            return
         if transition(self.state, Event.INTERRUPT).state == self.state:
             return
         if self.state in {State.HOLDING, State.HELD}:
             self._hold_first = self._hold_reason
-        self.interruption = self.unacknowledged = reason
-        self.interruptions += 1
+        self._reasons.clear()
+        self._count_interruption(reason)
         self._apply(Event.INTERRUPT, reason)
 
     def acknowledge(self, reason: str) -> None:
@@ -199,7 +210,7 @@ class RunControl:
                 self._apply(Event.HELD, f"at a checkpoint: {self._hold_reason}")
             self.waits += 1
             if self.state == State.UNSUSPENDING and self.on_interrupted is not None:
-                await self.on_interrupted(self.interruption)
+                await self.on_interrupted()
             else:
                 self._changed.clear()
                 await self._changed.wait()
@@ -344,6 +355,12 @@ class RunControl:
         reason, self._hold_first = self._hold_first, None
         if reason is not None:
             self.hold(reason)
+
+    def _count_interruption(self, reason: str) -> None:
+        if reason not in self._reasons:
+            self._reasons.append(reason)
+        self.interruption = self.unacknowledged = "; ".join(self._reasons)
+        self.interruptions += 1
 
     def _count_waiting(self) -> None:
         if self.state not in _IDLE:

@@ -34,12 +34,14 @@ class DoorWatch:
 
     Attributes:
         trouble: why the door forbids motion, as it was seen last; None while it is closed.
+        just_opened: it forbids motion since the latest look, and permitted it before.
     """
 
     def __init__(
         self, io: RemoteIo, clock: Clock, on_trouble: Callable[[str], None], speed: float = 1.0
     ) -> None:
         self.trouble: str | None = _UNSEEN
+        self.just_opened = False
         self._io = io
         self._clock = clock
         self._on_trouble = on_trouble
@@ -78,6 +80,7 @@ class DoorWatch:
             return
 
     def _found(self, trouble: str | None) -> None:
+        self.just_opened = self.trouble is None and trouble is not None
         self.trouble = trouble
         if trouble is not None:
             self._on_trouble(trouble)

@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Awaitable, Callable, Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 
 from app.engine.hands import Hands
 from app.engine.waiting import within
@@ -19,13 +19,11 @@ class Answer:
         text: the answer; "yes" or "no" to a confirmation.
         who: the operator's name, or which part of the program.
         done: what the emulated operator's hands did for it on the bench.
-        by_person: somebody at a front end gave it, just now.
     """
 
     text: str
     who: str
     done: Mapping[str, Json] | None = None
-    by_person: bool = field(default=False, compare=False)
 
 
 Answerer = Callable[[Prompt], Awaitable[Answer | None]]
@@ -143,7 +141,7 @@ class Operator:
         found = await answerer(prompt)
         if found is not None and (fault := fault_of(prompt, found.text)):
             raise ValueError(f"the front end answered {prompt.id} with {found.text!r}: {fault}")
-        return None if found is None else replace(found, by_person=True)
+        return found
 
     def _by_itself(self, prompt: Prompt) -> Answer | None:
         if not self._simulated or prompt.by_person:

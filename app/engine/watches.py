@@ -31,7 +31,7 @@ class Watches:
     """
 
     def __init__(self, control: RunControl, devices: Devices, clock: Clock, speed: float) -> None:
-        self.door = None if devices.io is None else DoorWatch(devices.io, clock, control.interrupt, speed)
+        self.door = None if devices.io is None else DoorWatch(devices.io, clock, self._door_forbids, speed)
         self._control = control
         self._devices = devices
         self._clock = clock
@@ -61,6 +61,9 @@ class Watches:
         """Look no more."""
         self._over = True
         await cancel(*self._tasks)
+
+    def _door_forbids(self, trouble: str) -> None:
+        self._control.interrupt(trouble, anew=self.door is not None and self.door.just_opened)
 
     def _begin(self, task: "asyncio.Task[None]") -> None:
         self._tasks.append(task)

@@ -185,15 +185,24 @@ async def test_a_door_that_opens_while_nothing_moves_is_acknowledged(bench: Guar
     assert bench.robot.calls.count("move") == 1
 
 
-async def test_an_answer_that_lets_the_arm_move_acknowledges_too(bench: GuardedBench) -> None:
-    """Whoever puts a reflector into its nest opens the door on the way, and is not asked twice."""
+async def door_seen(bench: GuardedBench, *, closed: bool) -> None:
+    """Open or close the door and let the watch see it."""
+    bench.block.closed = closed
+    for _ in range(50):
+        await asyncio.sleep(0)
 
-    async def ada(_prompt: Prompt) -> Answer:
-        bench.robot.moving.set()
-        while "UNSUSPENDING" not in bench.states() or not bench.block.closed:  # noqa: ASYNC110  # as above
-            await asyncio.sleep(0)
-        for _ in range(50):
-            await asyncio.sleep(0)
+
+async def test_an_answer_to_an_older_question_acknowledges_nothing(bench: GuardedBench) -> None:
+    """The answer was on its way when somebody opened the door, and closed it behind them."""
+    moved: list[tuple[str, int]] = []
+
+    async def ada(prompt: Prompt) -> Answer:
+        moved.append((prompt.id, bench.robot.calls.count("move")))
+        if prompt.id == "place/P1":
+            bench.robot.moving.set()
+            while "UNSUSPENDING" not in bench.states():  # noqa: ASYNC110  # the bench tells by a list
+                await asyncio.sleep(0)
+            await door_seen(bench, closed=True)
         return Answer("yes", "Ada")
 
     async def body(ctx: Context) -> None:
@@ -204,7 +213,42 @@ async def test_an_answer_that_lets_the_arm_move_acknowledges_too(bench: GuardedB
 
     outcome = await opened(bench, body, ada)
     assert outcome.status == "complete"
-    assert [said["id"] for said in bench.said("prompt")] == ["place/P1"]
+    assert moved == [("place/P1", 0), ("acknowledge/1", 0)]
+
+
+async def test_a_door_opened_anew_is_asked_about_anew(bench: GuardedBench) -> None:
+    asked: list[tuple[str, int]] = []
+
+    async def ada(prompt: Prompt) -> Answer:
+        asked.append((prompt.id, bench.robot.calls.count("move")))
+        if len(asked) == 1:
+            for closed in (True, False, True):
+                await door_seen(bench, closed=closed)
+        return Answer("yes", "Ada")
+
+    outcome = await opened(bench, answerer=ada)
+    assert outcome.status == "complete"
+    assert asked == [("acknowledge/1", 1), ("acknowledge/2", 1)]
+
+
+async def test_each_reason_is_named_before_it_is_acknowledged(bench: GuardedBench) -> None:
+    asked: list[str] = []
+
+    async def body(ctx: Context) -> None:
+        controls.append(ctx._control)  # type: ignore[attr-defined]  # noqa: SLF001  # the run's own ladder
+        await ctx.move(AWAY)
+
+    async def ada(prompt: Prompt) -> Answer:
+        asked.append(prompt.text)
+        if len(asked) == 1:
+            await door_seen(bench, closed=True)
+            controls[0].interrupt("the guard stopped the arm")
+        return Answer("yes", "Ada")
+
+    controls: list[RunControl] = []
+    outcome = await opened(bench, body, ada)
+    assert outcome.status == "complete"
+    assert ["the guard stopped the arm" in text for text in asked] == [False, True]
 
 
 async def test_a_safe_answer_of_nobody_acknowledges_nothing(bench: GuardedBench) -> None:
