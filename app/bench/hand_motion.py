@@ -10,6 +10,7 @@ from app.engine.ending import DeviceFaultError, react
 from app.engine.halt import HaltLimits
 from app.engine.states import State
 from app.engine.waiting import cancel
+from app.errors import SafetyError
 from drivers.clock import Clock
 from procedures.devices import Robot
 
@@ -39,6 +40,7 @@ class HandMotion:
         self.joint = joint
         self.hold = hold
         self.began = False
+        self._over = False
         self._control = RunControl(clock, _tell_nobody, limits)
         self._control.attach(robot)
         self._control.starting()
@@ -96,6 +98,7 @@ class HandMotion:
                 raise
             raise cause from error
         finally:
+            self._over = True
             await cancel(*guards)
 
     def _cause(self, error: Exception) -> BaseException:
@@ -108,6 +111,10 @@ class HandMotion:
     async def _guard(self, watch: Watch) -> None:
         try:
             await watch()
+        except asyncio.CancelledError:
+            if not self._over:
+                self.break_off(SafetyError(f"the motion of {self.joint} is watched no more: it was stopped"))
+            raise
         except Exception as error:  # noqa: BLE001  # whatever fails that watches, the arm must not go on unwatched
             self.break_off(error)
 

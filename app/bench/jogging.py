@@ -2,8 +2,10 @@
 
 import asyncio
 from collections.abc import Callable
+from contextlib import nullcontext
 from typing import Final
 
+from app.bench.facts import BenchFacts
 from app.bench.hand_arm import HandArm
 from app.bench.jog_gate import JogGate
 from app.bench.lending import HandBench
@@ -12,7 +14,7 @@ from app.engine.devices import Devices, require_permission
 from app.engine.door_watch import DoorWatch
 from app.engine.gate import WHOLE_PERCENT, require_ready
 from app.engine.halt import HaltLimits, halt
-from app.engine.waiting import cancel, uncancelled, within
+from app.engine.waiting import uncancelled, within
 from app.errors import InterruptedRunError, SafetyError
 from app.exitcode import ExitCode
 from app.guard.client import ArmGuard
@@ -56,7 +58,6 @@ class Jogging:
         self._left_lower = ""
         self._failure: Exception | None = None
         self._ended = asyncio.Event()
-        self._watches: list[asyncio.Task[None]] = []
         self._task = asyncio.create_task(self._serve())
         self._task.add_done_callback(self._answer_if_unheard)
 
@@ -129,22 +130,23 @@ class Jogging:
         simulated = require_permission(self._identities(devices), facts.cell, self._request.arm)
         if not simulated and (text := unconfirmed_text(facts.bench.workspace.unconfirmed)):
             self._bench.tell("warning", text=text, data={})
-        robot, clock = devices.robot, self._bench.clock
-        door = None if devices.io is None else DoorWatch(devices.io, clock, self._door_opened)
+        door = None if devices.io is None else DoorWatch(devices.io, self._bench.clock, self._door_opened)
         self._gate = gate = JogGate(devices, facts, self._request.percent, door)
+        async with nullcontext() if door is None else door.watching(self._unwatched):
+            await self._jog_watched(devices, facts, gate, simulated)
+
+    async def _jog_watched(self, devices: Devices, facts: BenchFacts, gate: JogGate, simulated: bool) -> None:
+        robot = devices.robot
         before = await robot.status()
         # An arm that belongs to somebody else is not stopped either.
         await self._own(devices.guard, simulated)
         try:
-            if door is not None:
-                await door.look()
-                self._watch_door(door)
             override_percent = await gate.switch_on()
             self._note_lowered(before.override_percent, override_percent, facts.override_cap_percent)
             if self._reason:
                 # A cancellation that comes together with an answer may be lost on its way through a library.
                 raise InterruptedRunError(self._reason)
-            self._arm = HandArm(robot, facts.bench, gate, clock, self._limits, self)
+            self._arm = HandArm(robot, facts.bench, gate, self._bench.clock, self._limits, self)
             self.begun.set_result({"override_percent": override_percent, "simulated": simulated})
             self._tell(None)
             await self._stand_by(robot, self._arm)
@@ -154,7 +156,6 @@ class Jogging:
             raise
         finally:
             await uncancelled(self._leave(robot, before.servo_on))
-            await cancel(*self._watches)
             if devices.guard is not None:
                 await uncancelled(devices.guard.let_go())
 
@@ -171,16 +172,10 @@ class Jogging:
         if self._arm is not None:
             self._arm.break_off(SafetyError(trouble))
 
-    def _watch_door(self, door: DoorWatch) -> None:
-        watch = asyncio.create_task(door.watch())
-        watch.add_done_callback(self._watch_ended)
-        self._watches.append(watch)
-
-    def _watch_ended(self, watch: "asyncio.Task[None]") -> None:
-        """Nothing goes on unwatched: a watch that fails, by a fault of the program, ends the jog."""
-        if not watch.cancelled() and (error := watch.exception()) is not None:
-            self._failure = self._failure or SafetyError(f"the door is watched no more: {error}")
-            self.end(str(self._failure))
+    def _unwatched(self, trouble: str) -> None:
+        """End: nothing goes on unwatched."""
+        self._failure = self._failure or SafetyError(trouble)
+        self.end(str(self._failure))
 
     def _identities(self, devices: Devices) -> dict[str, DeviceIdentity]:
         """Return who answers of those that a run has: what else stands in the cell file moves nothing.

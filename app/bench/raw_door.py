@@ -6,7 +6,6 @@ from contextlib import asynccontextmanager
 
 from app.engine.door_watch import DoorWatch
 from app.engine.interlock import RemoteIo
-from app.engine.waiting import cancel
 from app.errors import SafetyError
 from drivers.clock import Clock
 from drivers.errors import DeviceError
@@ -55,12 +54,6 @@ class RawDoor:
         task.add_done_callback(self._stops.discard)
         self._on_open(trouble)
 
-    def watch_ended(self, watch: "asyncio.Task[None]") -> None:
-        """Nothing passes unwatched: a watch that fails, by a fault of the program, counts as an open door."""
-        if self.watch is not None and not watch.cancelled() and (error := watch.exception()) is not None:
-            self.watch.trouble = f"the door is watched no more: {error}"
-            self.opened(self.watch.trouble)
-
     async def ended(self) -> None:
         """Wait until STOP is written."""
         if self._stops:
@@ -93,11 +86,9 @@ async def raw_door(
         yield door
         return
     door.watch = DoorWatch(io, clock, door.opened)
-    await door.watch.look()
-    task = asyncio.create_task(door.watch.watch())
-    task.add_done_callback(door.watch_ended)
     try:
-        yield door
+        # A watch that ends counts as an open door.
+        async with door.watch.watching(door.opened):
+            yield door
     finally:
-        await cancel(task)
         await door.ended()

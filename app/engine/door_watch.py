@@ -1,7 +1,8 @@
 """The door of a cell, asked again and again: as fast while the arm moves as while it stands."""
 
 import asyncio
-from collections.abc import Callable
+from collections.abc import AsyncIterator, Callable
+from contextlib import asynccontextmanager
 from typing import Final
 
 from app.engine.interlock import RemoteIo
@@ -66,6 +67,29 @@ class DoorWatch:
                     question = asyncio.create_task(self.look())
         finally:
             await cancel(question)
+
+    @asynccontextmanager
+    async def watching(self, on_ended: Callable[[str], None]) -> AsyncIterator[None]:
+        """Watch meanwhile; the door has been looked at when this begins.
+
+        Args:
+            on_ended: called when the watch ends before that, by a fault of the program or cancelled by others, with
+                what has happened: nothing may go on unwatched.
+        """
+
+        def ended(watch: "asyncio.Task[None]") -> None:
+            error = None if watch.cancelled() else watch.exception()
+            self.trouble = f"the door is watched no more: {error or 'the watch was cancelled'}"
+            on_ended(self.trouble)
+
+        await self.look()
+        watch = asyncio.create_task(self.watch())
+        watch.add_done_callback(ended)
+        try:
+            yield
+        finally:
+            watch.remove_done_callback(ended)
+            await cancel(watch)
 
     async def look(self) -> None:
         """Ask once, and once more when no valid answer comes."""

@@ -127,6 +127,42 @@ def test_a_fault_of_the_program_stops_the_arm_too(cell: Cell, monkeypatch: pytes
     assert len(jogged(cell, script).events("error")) == 1
 
 
+@pytest.mark.parametrize("moving", [True, False])
+def test_a_watch_that_is_cancelled_from_outside_ends_the_jog(
+    cell: Cell, monkeypatch: pytest.MonkeyPatch, moving: bool
+) -> None:
+    async def cancelled() -> bool:
+        raise asyncio.CancelledError
+
+    async def script(fixture: HandFixture, jog: Jogging) -> None:
+        motion = asyncio.create_task(alive(jog, step(joint="j1", by=50.0))) if moving else None
+        await asyncio.sleep(1.0)
+        monkeypatch.setattr(fixture.door, "door_closed", cancelled)
+        async with asyncio.timeout(1.0):
+            await jog.over()
+        if motion is not None:
+            with pytest.raises(RefusedError):
+                await motion
+        assert not fixture.arm.moving
+
+    fixture = jogged(cell, script)
+    assert "watched no more: the watch was cancelled" in str(fixture.events("error")[0]["text"])
+
+
+def test_a_step_whose_client_is_watched_no_more_is_stopped(cell: Cell) -> None:
+    async def script(fixture: HandFixture, jog: Jogging) -> None:
+        def heard_s() -> float:
+            if fixture.arm.moving:
+                raise asyncio.CancelledError
+            return now_s()
+
+        with pytest.raises(RefusedError, match="watched no more"):
+            await jog.step(step(joint="j1", by=50.0), heard_s)
+        assert fixture.arm.pose[0] < 5.0
+
+    jogged(cell, script)
+
+
 def test_an_engine_that_ends_leaves_the_arm_at_rest(cell: Cell) -> None:
     async def work() -> TimedArm:
         fixture = HandFixture(cell, TimedArm())

@@ -1,5 +1,6 @@
 """Bytes to a robot by hand pass a closed door only; one that opens is a STOP on that very link."""
 
+import asyncio
 from collections.abc import AsyncIterator
 from contextlib import AsyncExitStack
 
@@ -82,14 +83,21 @@ async def test_without_a_watched_door_bytes_pass(link: Link) -> None:
     assert sent(link.far) == b""
 
 
-async def test_a_watch_that_fails_counts_as_an_open_door(link: Link) -> None:
+@pytest.mark.parametrize(
+    ("fault", "told"),
+    [
+        (RuntimeError("a fault of the program"), "a fault of the program"),
+        (asyncio.CancelledError(), "the watch was cancelled"),
+    ],
+)
+async def test_a_watch_that_ends_counts_as_an_open_door(link: Link, fault: BaseException, told: str) -> None:
     door = await link.begin()
 
     async def fail() -> bool:
-        raise RuntimeError("a fault of the program")
+        raise fault
 
     link.watched.door.door_closed = fail  # type: ignore[method-assign]  # a driver with a fault
     await link.watched.pass_s(4 * TICK_S)
     assert sent(link.far) == b"\r1;1;STOP\r"
-    with pytest.raises(SafetyError, match="watched no more: a fault of the program"):
+    with pytest.raises(SafetyError, match=f"watched no more: {told}"):
         door.require_closed()
