@@ -165,7 +165,7 @@ class Jogging:
             return
         guard.on_stop = self.abort
         for text in await guard.hold("moved by hand", self._bench.folder, simulated=simulated):
-            self._bench.tell("warning", text=f"the guard stopped this arm before: {text}", data={})
+            self._bench.tell("warning", text=text, data={})
 
     def _door_opened(self, trouble: str) -> None:
         """Stop what moves; that ends the jog, and whoever goes on begins a new one."""

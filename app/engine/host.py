@@ -221,7 +221,7 @@ class _Run:
         for text in await guard.hold(
             f"run {self._store.path.name}", self._store.path.parent, simulated=simulated
         ):
-            self._warn(f"the guard stopped this arm before: {text}")
+            self._warn(text)
 
     async def _reenter(self, reentry: Reentry, context: RunContext, identities: dict[str, Json]) -> None:
         """Look and ask whether the bench is still the one of the points; an abort is cleared first."""

@@ -53,7 +53,7 @@ class ArmGuard:
         self._released: set[str] = set()
 
     async def hold(self, who: str, folder: Path, *, simulated: bool) -> list[str]:
-        """Become the arm's owner and have it guarded; return what guards have done to it since the last owner.
+        """Become the arm's owner and have it guarded; return what has become of it since it was given back last.
 
         Args:
             who: what moves the arm, such as the name of a run.
@@ -247,7 +247,11 @@ class ArmGuard:
 
     def _gone(self) -> None:
         if self._motions:
-            self._stop("the guard process ended while the arm moved, which was stopped")
+            reason = "the guard process ended while the arm moved, which was stopped"
+            if self._lock is not None:
+                # It cannot leave word itself; whoever takes the arm next may be another program.
+                self._lock.note(reason)
+            self._stop(reason)
 
     def _stop(self, reason: str) -> None:
         self.stopped = self.stopped or reason

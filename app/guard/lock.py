@@ -69,7 +69,8 @@ class OwnerLock:
     Attributes:
         arm: what is locked: the controller's address, on loopback with its port, or the device of a serial line.
         descriptors: of the lock's files.
-        history: what guards have left there about stops of this arm, for the operator.
+        history: what has become of this arm since it was given back last, for the operator: how it was stopped, or
+            that neither its owner nor the guard has said so.
     """
 
     def __init__(self, arms: tuple[str, ...], owner: Owner) -> None:
@@ -103,6 +104,13 @@ class OwnerLock:
                 await asyncio.sleep(_WAIT_S)
         return cls(arms, owner)
 
+    def note(self, text: str) -> None:
+        """Leave word of a stop for whoever takes the arm next, as its guard does."""
+        line = f"{_STOPPED}={datetime.now(UTC):%Y-%m-%dT%H:%M:%SZ} {text}\n".encode()
+        for descriptor in self.descriptors:
+            with contextlib.suppress(OSError):
+                os.pwrite(descriptor, line, os.fstat(descriptor).st_size)
+
     def release(self, *, keep: bool = False) -> None:
         """Give the right back; may be called any number of times.
 
@@ -122,11 +130,7 @@ class OwnerLock:
         descriptor = _locked(arm, path)
         self._paths.append(path)
         self.descriptors.append(descriptor)
-        lines = _lines(descriptor)
-        who = _owner(lines)
-        self.history += [
-            f"{text} (then: {who.text})" if who else text for key, text in lines if key == _STOPPED
-        ]
+        self.history += _history(_lines(descriptor))
         # Who owns it is for texts only: the arm is owned also where the folder is full.
         with contextlib.suppress(OSError):
             os.ftruncate(descriptor, 0)
@@ -263,6 +267,19 @@ def _lines(descriptor: int) -> list[tuple[str, str]]:
     text = os.pread(descriptor, _MOST_BYTES, 0).decode("ascii", "replace")
     pairs = (line.partition("=") for line in text.splitlines())
     return [(key, _UNSEEMLY.sub("?", value)[:_LONGEST_VALUE]) for key, _, value in pairs]
+
+
+def _history(lines: list[tuple[str, str]]) -> list[str]:
+    who = _owner(lines)
+    then = f" (then: {who.text})" if who else ""
+    stops = [f"this arm was stopped before: {text}{then}" for key, text in lines if key == _STOPPED]
+    if stops or who is None:
+        return stops
+    # A guard that outlives its program leaves word.
+    return [
+        f"this arm was not given back: {who.text} ended without that, and its guard with it, so perhaps nobody has "
+        "stopped it: look at it before it moves"
+    ]
 
 
 def _owner(lines: list[tuple[str, str]]) -> Owner | None:

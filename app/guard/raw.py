@@ -59,7 +59,7 @@ async def raw_connection(
         sink: is called with all bytes that pass.
         folder: of all runs, for the guard's log.
         simulated: the robot is an emulator.
-        tell: is called with what guards have done to this arm since its last owner.
+        tell: is called with what has become of this arm since it was given back last.
         on_stop: is called when the guard has stopped the arm.
 
     Raises:
@@ -75,7 +75,7 @@ async def raw_connection(
     try:
         await transport.open()
         for text in await guard.hold("raw bytes by hand", folder, simulated=simulated):
-            tell(f"the guard stopped this arm before: {text}")
+            tell(text)
         async with guard.motion():
             yield transport
     finally:

@@ -93,7 +93,7 @@ class EngineBench:
         simulated = identity is not None and identity.simulated
         try:
             for text in await guard.hold("its drives go off", self._root, simulated=simulated):
-                self._hub.say("warning", text=f"the guard stopped this arm before: {text}", data={})
+                self._hub.say("warning", text=text, data={})
             yield
         finally:
             await guard.let_go()

@@ -66,7 +66,7 @@ def test_killed_run_leaves_an_arm_that_stands(bench: Emulated) -> None:
         again.until_moving()
         again.send(signal.SIGTERM)
         _, stderr = again.ended()
-    assert "the guard stopped this arm before" in stderr
+    assert "this arm was stopped before" in stderr
     assert DIED in stderr
     assert name in stderr
 
@@ -118,6 +118,12 @@ def test_death_of_the_guard_stops_the_arm(bench: Emulated) -> None:
         assert code == 5, stderr
         assert "the guard process ended while the arm moved" in stderr
         assert moved(words_after_first_stop(bench, now_s)) == []
+    with program(bench, "run", "open-loop", "--cell", bench.cell, "--search", "none") as again:
+        again.until_moving()
+        again.send(signal.SIGTERM)
+        _, stderr = again.ended()
+    assert "this arm was stopped before" in stderr
+    assert "the guard process ended while the arm moved" in stderr
 
 
 def test_signals_to_the_group_leave_the_guard_alive(bench: Emulated) -> None:

@@ -110,6 +110,17 @@ async def test_guard_that_lets_nothing_go_in_motion_counts_as_dead(
             arm.permit()
 
 
+async def test_guard_that_died_in_motion_is_told_to_the_next_owner(arm: ArmGuard, tmp_path: Path) -> None:
+    stopped = asyncio.Event()
+    arm.on_stop = lambda _reason: stopped.set()
+    async with arm.motion():
+        dead_guard()
+        await stopped.wait()
+    await arm.let_go()
+    (told,) = await arm.hold("the next one", tmp_path, simulated=True)
+    assert "the guard process ended while the arm moved" in told
+
+
 async def test_guard_that_takes_no_message_counts_as_dead(
     arm: ArmGuard, line: tuple[socket.socket, socket.socket]
 ) -> None:

@@ -119,6 +119,16 @@ def test_what_a_guard_left_is_told_to_the_next_owner() -> None:
     third.release()
 
 
+def test_an_arm_that_nobody_gave_back_is_told_to_the_next_owner() -> None:
+    """Program and guard were killed together: neither has left word."""
+    taken().release(keep=True)
+    second = taken(BEN)
+    (told,) = second.history
+    assert "was not given back" in told
+    assert "anna" in told
+    second.release()
+
+
 def test_every_user_may_open_the_file() -> None:
     first = taken()
     assert stat.S_IMODE(lock.lock_path(ARM).stat().st_mode) == 0o666
