@@ -2,7 +2,7 @@
 
 import asyncio
 from collections.abc import Callable
-from contextlib import AbstractAsyncContextManager
+from contextlib import AbstractAsyncContextManager, AsyncExitStack
 from functools import partial
 from typing import Final
 
@@ -12,7 +12,7 @@ from app.bench.raw_door import RawDoor, raw_door
 from app.cell.bench import may_move_an_arm
 from app.engine.halt import HaltLimits, halt
 from app.errors import InterruptedRunError, SafetyError, UsageError, exit_code_of
-from app.guard.raw import plain_connection, raw_connection
+from app.guard.raw import plain_connection, raw_connection, raw_guard
 from app.instruments import stop_request
 from app.service.errors import RefusedError, refusal_of
 from app.service.messages import Message, Raw
@@ -103,33 +103,40 @@ class RawLink:
             self._task.cancel()
 
     async def _serve(self) -> None:
-        error: Exception | None = None
+        # Nobody else owns the arm before its STOP is done, which its driver sends.
+        async with AsyncExitStack() as owned:
+            error = await self._passed(owned)
+            if error is not None and not self.begun.done():
+                self.begun.set_exception(refusal_of(error))
+                return
+            self._bench.tell("raw", device=self.device, on=False, by=self._who, reason=self._reason)
+            if self._moves and not self._given_back:
+                await self._stop_what_moves()
+
+    async def _passed(self, owned: AsyncExitStack) -> Exception | None:
+        """Let bytes pass until the end; return what ended it."""
         try:
-            await self._pass_bytes()
+            await self._pass_bytes(owned)
         except asyncio.CancelledError:
-            error = InterruptedRunError(self._reason or "the engine ends")
             # It was this link's own end; what follows is not to be cut short.
             self._task.uncancel()
+            return InterruptedRunError(self._reason or "the engine ends")
         except Exception as failed:  # noqa: BLE001  # whatever ends it is told; the engine lives on
-            error = failed
             self._reason = self._reason or str(failed)
-        if error is not None and not self.begun.done():
-            self.begun.set_exception(refusal_of(error))
-            return
-        self._bench.tell("raw", device=self.device, on=False, by=self._who, reason=self._reason)
-        if self._moves and not self._given_back:
-            await self._stop_what_moves()
+            return failed
+        return None
 
     def _answer_if_unheard(self, _task: "asyncio.Task[None]") -> None:
         """Answer whoever asked: a task that is cancelled before its first step says nothing itself."""
         if not self.begun.done():
             self.begun.set_exception(refusal_of(InterruptedRunError(self._reason or "the engine ends")))
 
-    async def _pass_bytes(self) -> None:
+    async def _pass_bytes(self, owned: AsyncExitStack) -> None:
         facts = await self._bench.facts()
         device = _device(facts, self.device)
         self._require_permission(facts, device)
-        async with self._bench.lender.parked(self.device), self._opened(device) as transport:
+        opened = await self._opening(device, owned)
+        async with self._bench.lender.parked(self.device), opened as transport:
             try:
                 async with raw_door(
                     self._bench.door() if self._moves else None,
@@ -147,18 +154,21 @@ class RawLink:
             finally:
                 self._transport = None
 
-    def _opened(self, device: DeviceFacts) -> AbstractAsyncContextManager[Transport]:
+    async def _opening(
+        self, device: DeviceFacts, owned: AsyncExitStack
+    ) -> AbstractAsyncContextManager[Transport]:
         record = partial(self._bench.record, self.device)
         if not self._moves:
             return plain_connection(device.endpoint, record)
+        guard = await owned.enter_async_context(raw_guard(device.endpoint, self._guard_stopped))
         return raw_connection(
+            guard,
             device.endpoint,
             stop_request(device.driver, device.name, device.settings),
             record,
             self._bench.folder,
             simulated=self._simulated,
             tell=lambda text: self._bench.tell("warning", text=text, data={}),
-            on_stop=self._guard_stopped,
         )
 
     def _guard_stopped(self, reason: str) -> None:

@@ -20,7 +20,7 @@ from app.cell.model import Cell
 from app.commands.output import emit, say
 from app.engine.interlock import RemoteIo
 from app.errors import SafetyError, UsageError
-from app.guard.raw import plain_connection, raw_connection
+from app.guard.raw import plain_connection, raw_connection, raw_guard
 from app.instruments import device_builder, stop_request
 from app.runs_folder import runs_folder
 from drivers.clock import SystemClock
@@ -154,9 +154,12 @@ async def _guarded(endpoint: str, stop: bytes | None, traffic: "_Traffic") -> As
 
     # Whether it is an emulator is not known: nobody has asked.
     try:
-        async with raw_connection(
-            endpoint, stop, traffic.show, runs_folder(None), simulated=False, tell=say, on_stop=on_stop
-        ) as link:
+        async with (
+            raw_guard(endpoint, on_stop) as guard,
+            raw_connection(
+                guard, endpoint, stop, traffic.show, runs_folder(None), simulated=False, tell=say
+            ) as link,
+        ):
             yield link
     except asyncio.CancelledError:
         if not stopped:

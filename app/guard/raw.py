@@ -41,7 +41,24 @@ async def plain_connection(endpoint: str, sink: Sink) -> AsyncIterator[Transport
 
 
 @asynccontextmanager
+async def raw_guard(endpoint: str, on_stop: Callable[[str], None]) -> AsyncIterator[ArmGuard]:
+    """Have a guard for raw bytes to a robot; the arm is given back at the end, after whatever stops it until then.
+
+    Args:
+        endpoint: of the robot's controller.
+        on_stop: is called when the guard has stopped the arm.
+    """
+    guard = ArmGuard(endpoint)
+    guard.on_stop = on_stop
+    try:
+        yield guard
+    finally:
+        await guard.let_go()
+
+
+@asynccontextmanager
 async def raw_connection(
+    guard: ArmGuard,
     endpoint: str,
     stop: bytes | None,
     sink: Sink,
@@ -49,26 +66,23 @@ async def raw_connection(
     *,
     simulated: bool,
     tell: Callable[[str], None],
-    on_stop: Callable[[str], None],
 ) -> AsyncIterator[Transport]:
-    """Open a connection to a robot for raw bytes; a motion counts as under way until it is closed.
+    """Open a connection to a robot for raw bytes, and own it; a motion counts as under way until it is closed.
 
     Args:
+        guard: of the arm, which it keeps when this ends.
         endpoint: of the robot's controller.
         stop: bytes that stop the robot; None: nobody knows any.
         sink: is called with all bytes that pass.
         folder: of all runs, for the guard's log.
         simulated: the robot is an emulator.
         tell: is called with what has become of this arm since it was given back last.
-        on_stop: is called when the guard has stopped the arm.
 
     Raises:
         ArmInUseError: another program moves the arm.
         SafetyError: nothing is known to stop this robot, and it is real.
         LinkError: unreachable.
     """
-    guard = ArmGuard(endpoint)
-    guard.on_stop = on_stop
     transport = open_transport(endpoint, sink=sink)
     if stop is not None:
         transport = _Permitted(transport, guard, "raw", stop)
@@ -80,4 +94,3 @@ async def raw_connection(
             yield transport
     finally:
         await transport.close()
-        await guard.let_go()

@@ -394,6 +394,26 @@ def test_a_stop_reaches_a_robot_whose_link_is_just_being_given_back(
     assert played(script, monkeypatch).arm.said("stop") == wanted
 
 
+def test_an_arm_is_given_back_after_its_stop(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Whoever takes it next must not meet that STOP."""
+    stops_before: list[list[str]] = []
+
+    async def script(engine: Engine) -> None:
+        let_go = engine.guard.let_go
+
+        async def noted() -> None:
+            stops_before.append(engine.arm.said("stop"))
+            await let_go()
+
+        monkeypatch.setattr(engine.guard, "let_go", noted)
+        await engine.raw("robot")
+        engine.hub.leave(engine.ada, "it closed the connection")
+        await asyncio.sleep(1.0)
+
+    assert played(script, monkeypatch).arm.said("stop") == ["stop"]
+    assert stops_before == [["stop"]]
+
+
 def test_a_robot_that_cannot_be_stopped_after_that_is_warned_about(monkeypatch: pytest.MonkeyPatch) -> None:
     async def script(engine: Engine) -> None:
         await engine.raw("robot")
