@@ -20,11 +20,15 @@ class ByHand:
         bench: between runs.
         require_idle: raises RefusedError during a run, and after an abort that nobody has cleared.
         on_abort: takes why nothing may move before an operator has cleared it.
+
+    Attributes:
+        begun: how many jogs and links have begun so far.
     """
 
     def __init__(
         self, hub: Hub, bench: HandBench, require_idle: Callable[[], None], on_abort: Callable[[str], None]
     ) -> None:
+        self.begun = 0
         self._hub = hub
         self._bench = bench
         self._require_idle = require_idle
@@ -48,7 +52,7 @@ class ByHand:
         """Begin or end a jog; the result is there when the arm may be moved, or stands."""
         if not request.on:
             return self._later(self._end_jog(f"{member.text} ended it"))
-        self._require_free(member)
+        self._begin(member)
         self._jog = jog = Jogging(self._bench, request, member.text)
         jog.add_done_callback(self._jog_over)
         return jog.begun
@@ -68,7 +72,7 @@ class ByHand:
         """Take a device's link from its driver, or give it back."""
         if not request.on:
             return self._later(self._give_back(request.device))
-        self._require_free(member, request.device)
+        self._begin(member, request.device)
         self._raw[request.device] = link = RawLink(self._bench, request, member.text)
         link.add_done_callback(self._raw_over)
         return link.begun
@@ -103,8 +107,8 @@ class ByHand:
         for link in links:
             await link.over()
 
-    def _require_free(self, member: Member, device: str | None = None) -> None:
-        """Check that something may begin.
+    def _begin(self, member: Member, device: str | None = None) -> None:
+        """Check that something may begin, and count it.
 
         Raises:
             RefusedError: something else is under way.
@@ -115,6 +119,7 @@ class ByHand:
         if alone and (occupied := self.occupied) is not None:
             raise RefusedError(occupied)
         self._holder = member
+        self.begun += 1
 
     def _jogging(self) -> Jogging:
         if self._jog is None:

@@ -4,7 +4,7 @@ import asyncio
 from collections.abc import Callable
 from contextlib import AbstractAsyncContextManager
 from datetime import timedelta
-from typing import Final
+from typing import Final, Protocol
 
 from app.bench.lending import Lender, Tell
 from app.engine.drives import leave_drives
@@ -19,6 +19,20 @@ _LIMIT_S: Final = 6.0
 """For the answer of the controller, real s."""
 
 
+class Hands(Protocol):
+    """What is done by hand."""
+
+    @property
+    def begun(self) -> int:
+        """How often something was begun so far."""
+        ...
+
+    @property
+    def occupied(self) -> str | None:
+        """What is under way; None when nothing is."""
+        ...
+
+
 class RestingDrives:
     """Counts down while the arm rests; a jog restarts the count.
 
@@ -26,7 +40,7 @@ class RestingDrives:
         lender: of the robot.
         clock: real time.
         tell: sends a message to every client.
-        occupied: something is done by hand.
+        hands: what is done by hand meanwhile, and is no rest.
         owned: makes this program the arm's owner meanwhile: no drives go off below a motion of another one.
 
     Attributes:
@@ -38,14 +52,14 @@ class RestingDrives:
         lender: Lender,
         clock: Clock,
         tell: Tell,
-        occupied: Callable[[], bool],
+        hands: Hands,
         owned: Callable[[], AbstractAsyncContextManager[None]],
     ) -> None:
         self.facts: dict[str, Json] | None = None
         self._lender = lender
         self._clock = clock
         self._tell = tell
-        self._occupied = occupied
+        self._hands = hands
         self._owned = owned
         self._after_s: float | None = None
         self._task: asyncio.Task[None] | None = None
@@ -79,13 +93,14 @@ class RestingDrives:
             await self._switch_off("the engine ends")
 
     async def _count(self, after_s: float) -> None:
-        end_s = self._told_end_s(after_s)
+        begun, end_s = self._hands.begun, self._told_end_s(after_s)
         while (left_s := end_s - self._clock.monotonic_s()) > 0.0:
             await self._clock.sleep(min(left_s, _TICK_S))
-            if self._occupied():
-                while self._occupied():
+            # Also what was over within this tick.
+            if self._hands.begun != begun:
+                while self._hands.occupied is not None:
                     await self._clock.sleep(_TICK_S)
-                end_s = self._told_end_s(after_s)
+                begun, end_s = self._hands.begun, self._told_end_s(after_s)
         await self._switch_off(f"the arm has rested for {after_s:g} s")
 
     def _told_end_s(self, after_s: float) -> float:

@@ -61,7 +61,7 @@ class EngineProcess:
             self._bench.idle,
             self._clock,
             self._tell_drives,
-            lambda: self.by_hand.occupied is not None,
+            self.by_hand,
             self._bench.owned,
         )
         self._server = Server(self.hub, self._clock, self, telemetry=self._bench.telemetry)

@@ -137,6 +137,16 @@ def played(script: Script, monkeypatch: pytest.MonkeyPatch) -> Engine:
     return run(work())
 
 
+def test_each_jog_counts_however_short_it_was(monkeypatch: pytest.MonkeyPatch) -> None:
+    async def script(engine: Engine) -> None:
+        for _ in range(2):
+            await engine.jog()
+            await engine.jog(on=False)
+        assert (engine.by_hand.begun, engine.by_hand.occupied) == (2, None)
+
+    played(script, monkeypatch)
+
+
 def test_nothing_begins_during_a_run(monkeypatch: pytest.MonkeyPatch) -> None:
     async def script(engine: Engine) -> None:
         engine.busy = RefusedError("a run is under way")

@@ -25,11 +25,12 @@ class Bench:
         self.clock = SteppedClock()
         self.robot = FakeRobot(self.clock)
         self.robot.state = replace(self.robot.state, servo_on=True)
-        self.occupied = False
+        self.begun = 0
+        self.occupied: str | None = None
         self.away = False
         self.elsewhere = False
         self.told: list[dict[str, Json]] = []
-        self.drives = RestingDrives(self, self.clock, self._tell, lambda: self.occupied, self.owned)
+        self.drives = RestingDrives(self, self.clock, self._tell, self, self.owned)
 
     def _tell(self, event: str, **fields: Json) -> None:
         self.told.append({"event": event, **fields})
@@ -95,12 +96,22 @@ async def test_everybody_is_told_when_the_drives_go_off(bench: Bench) -> None:
 async def test_a_jog_begins_the_count_anew(bench: Bench) -> None:
     bench.drives.begin(300.0)
     await bench.pass_s(290.0)
-    bench.occupied = True
+    bench.begun, bench.occupied = 1, "Ada moves the arm"
     await bench.pass_s(60.0)
-    bench.occupied = False
+    bench.occupied = None
     await bench.pass_s(290.0)
     assert bench.robot.calls == []
     await bench.pass_s(15.0)
+    assert bench.robot.calls == ["servo off"]
+
+
+async def test_a_jog_within_a_tick_begins_the_count_anew(bench: Bench) -> None:
+    bench.drives.begin(300.0)
+    await bench.pass_s(290.0)
+    bench.begun += 1
+    await bench.pass_s(299.0)
+    assert bench.robot.calls == []
+    await bench.pass_s(2.0)
     assert bench.robot.calls == ["servo off"]
 
 
