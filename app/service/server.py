@@ -4,7 +4,7 @@ import asyncio
 import logging
 import socket
 from collections.abc import AsyncIterator
-from contextlib import AsyncExitStack, asynccontextmanager
+from contextlib import AsyncExitStack, asynccontextmanager, suppress
 from pathlib import Path
 from typing import Final
 
@@ -54,6 +54,7 @@ class Server:
         self._patience = patience or Patience()
         self._errors = SparseLog(_log, clock)
         self._sessions: dict[asyncio.Task[None], Session] = {}
+        self._over = False
 
     @asynccontextmanager
     async def at(self, place: Path) -> AsyncIterator[None]:
@@ -88,7 +89,10 @@ class Server:
             yield
 
     def accept(self, reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
-        """Serve a client from now on."""
+        """Serve a client from now on; one that comes after the end is let go."""
+        if self._over:
+            writer.transport.abort()
+            return
         strangers = [session for session in self._sessions.values() if session.is_stranger]
         if len(strangers) >= MOST_STRANGERS:
             # Whoever comes now may want to stop the arm, which takes no hello.
@@ -102,15 +106,15 @@ class Server:
         """Let the last messages reach the clients, then let the clients go."""
         # A client that was accepted last has its session only after this turn of the loop.
         await asyncio.sleep(0)
+        self._over = True
         await asyncio.gather(*(session.flush() for session in self._sessions.values()))
         await cancel(*self._sessions)
 
     async def _accept_from(self, listener: socket.socket) -> None:
         """Accept one client after another; between two of them those who are there are heard."""
-        loop = asyncio.get_running_loop()
         while True:
             try:
-                connection, _ = await loop.sock_accept(listener)
+                connection = await _next_connection(listener)
                 self.accept(*await asyncio.open_unix_connection(sock=connection, limit=MAX_LINE_BYTES))
             except OSError as error:
                 self._errors.error("a client could not be accepted", error)
@@ -120,3 +124,17 @@ class Server:
         self._sessions.pop(task, None)
         if not task.cancelled() and (error := task.exception()) is not None:
             self._errors.error("a client's session failed", error)
+
+
+async def _next_connection(listener: socket.socket) -> socket.socket:
+    """Wait for a connection, then take it: one that `sock_accept` has taken is lost when it is cancelled then."""
+    loop = asyncio.get_running_loop()
+    while True:
+        ready = asyncio.Event()
+        loop.add_reader(listener, ready.set)
+        try:
+            await ready.wait()
+        finally:
+            loop.remove_reader(listener)
+        with suppress(BlockingIOError):
+            return listener.accept()[0]
