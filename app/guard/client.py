@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import Final
 
 from app.errors import SafetyError
+from app.guard.guard import FROZEN, FROZEN_S
 from app.guard.lock import Owner, OwnerLock
 from app.guard.process import GuardProcess
 from drivers.guarding import GuardError
@@ -129,8 +130,10 @@ class ArmGuard:
     def permit(self) -> None:
         """Check, without waiting, that a motion may be written now; see LinkGuard."""
         if self._process is not None:
-            # An engine that has slept finds here what the guard has done meanwhile.
+            # An engine that has slept finds here what the guard has done meanwhile, unless that sleeps yet.
             self._process.read()
+            if self._motions and not self._process.gone and self._process.age_s > FROZEN_S:
+                self._stop(FROZEN)
         self._require_permitted()
 
     def _require_permitted(self) -> None:
@@ -167,7 +170,7 @@ class ArmGuard:
     async def _answers(self, process: GuardProcess) -> bool:
         process.read()
         deadline_s = time.monotonic() + _ANSWER_S
-        while not process.gone and time.monotonic() - process.alive_s > _FRESH_S:
+        while not process.gone and process.age_s > _FRESH_S:
             self._send_beat()
             if not await process.heard(deadline_s - time.monotonic()):
                 self._give_up(process)

@@ -9,7 +9,8 @@ engine → guard `own ARM COUNT`, with the descriptors of so many locks of the o
     `protect NAME HEX`, with the descriptor of an open connection and the bytes that stop the arm on it ·
     `release NAME` · `beat 0|1`: the loop is alive, and whether a motion is under way · `understood`: nothing moves
     before an acknowledgement · `end`
-guard → engine `alive SECONDS`, its own monotonic time, after each beat · `released NAME` · `stopped UTC WHY`
+guard → engine `alive SECONDS SECONDS`, its own monotonic time and `boot_s`, after each beat · `released NAME` ·
+    `stopped UTC WHY`
 
 What it cannot read ends it, which the engine takes as it takes its death.
 """
@@ -25,6 +26,9 @@ import time
 SILENCE_S = 0.5
 """A loop that gives no beat for so long while a motion is under way is stopped."""
 
+FROZEN_S = 1.0
+"""Where this process itself stood still for so long while a motion was under way nobody watched anything."""
+
 TICK_S = 0.02
 _LONGEST_TICK_S = 0.1
 _IDLE_S = 1.0
@@ -39,7 +43,16 @@ _DRAINED_BYTES = 65_536
 _IGNORED = ("SIGINT", "SIGTERM", "SIGHUP", "SIGQUIT", "SIGTSTP", "SIGTTIN", "SIGTTOU", "SIGPIPE", "SIGUSR1")
 
 DIED = "the program that moved it ended without giving it back"
+FROZEN = f"program and guard, or this machine, stood still for more than {FROZEN_S:g} s"
 SILENT = f"the program that moved it did not answer for {SILENCE_S:g} s"
+
+
+_CLOCK = getattr(time, "CLOCK_BOOTTIME", time.CLOCK_MONOTONIC)
+
+
+def boot_s() -> float:
+    """Return a time that goes on while the machine is suspended, where the system has such a one."""
+    return time.clock_gettime(_CLOCK)
 
 
 class Ended(Exception):  # noqa: N818  # the engine's own word, no error
@@ -49,8 +62,8 @@ class Ended(Exception):  # noqa: N818  # the engine's own word, no error
 class Silence:
     """How long the loop has been silent, counted only while this process itself was running.
 
-    A machine that stands still, or gives this process no time, makes nobody late: when it goes on, the beat that
-    waits is read first, and a tick that took longer counts as a short one.
+    A machine that gives this process no time for a moment makes nobody late: when it goes on, the beat that waits
+    is read first, and a tick that took longer counts as a short one.
     """
 
     def __init__(self) -> None:
@@ -128,6 +141,7 @@ class Guard:
             self._poll.register(self._life, select.POLLIN)
         self._silence = Silence()
         self._counted_s = time.monotonic()
+        self._awake_s = boot_s()
         self._connections: dict[str, Connection] = {}
         self._arm = "?"
         self._log: int | None = None
@@ -140,9 +154,8 @@ class Guard:
         """Watch until the engine gives the arm back or dies."""
         with contextlib.suppress(Ended):
             while self._lives():
-                if self._is_silent() and self._stopped_s is None:
-                    self._stopped_s = time.monotonic()
-                    self._stop(SILENT)
+                if self._is_silent():
+                    self._stop_once(SILENT)
                 self._stop_again()
                 if self._stopped_s is None or self._stopped_for_s() > _CONFIRM_S:
                     self._write_log()
@@ -157,9 +170,17 @@ class Guard:
         """
         waits = self._silence.moving or self._stopped_s is not None
         self._poll.poll(1e3 * (TICK_S if waits else _IDLE_S))
+        # Said before any answer to a beat: whoever thaws sooner than this process sends no motion after it.
+        if self._has_stood_still() and self._silence.moving:
+            self._stop_once(FROZEN)
         # Asked first: its last words count.
         has_ended = self._life is not None and _is_ready(self._life, select.POLLIN)
         return self._read() and not has_ended
+
+    def _has_stood_still(self) -> bool:
+        now_s = boot_s()
+        elapsed_s, self._awake_s = now_s - self._awake_s, now_s
+        return elapsed_s > FROZEN_S
 
     def _is_silent(self) -> bool:
         """Return whether nothing has come for too long: what waits to be read counts before the time that passed."""
@@ -191,7 +212,7 @@ class Guard:
             case ["beat", moving]:
                 self._silence.beat(moving=moving == "1")
                 self._counted_s = time.monotonic()
-                self._say(f"alive {self._counted_s!r}")
+                self._say(f"alive {self._counted_s!r} {boot_s()!r}")
             case ["own", arm, count] if int(count) == len(descriptors):
                 self._arm, self._locks = arm, descriptors
             case ["log"]:
@@ -213,6 +234,11 @@ class Guard:
     def _release(self, name: str) -> None:
         if name in self._connections:
             self._connections.pop(name).close()
+
+    def _stop_once(self, why: str) -> None:
+        if self._stopped_s is None:
+            self._stopped_s = time.monotonic()
+            self._stop(why)
 
     def _stop(self, why: str) -> None:
         """Tell the engine first, which may wake up just now and then sends no motion; then write STOP and note it."""

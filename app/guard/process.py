@@ -10,6 +10,8 @@ import time
 from collections.abc import Callable, Sequence
 from pathlib import Path
 
+from app.guard.guard import boot_s
+
 _PROGRAM = Path(__file__).with_name("guard.py")
 _MESSAGE_BYTES = 65_536
 _END_S = 2.0
@@ -28,7 +30,7 @@ class GuardProcess:
     """
 
     def __init__(self, on_said: Callable[[Sequence[str]], None], on_gone: Callable[[], None]) -> None:
-        self.alive_s = -1e9
+        self.alive_s = self._alive_boot_s = -1e9
         self._on_said = on_said
         self._on_gone = on_gone
         self._loop = asyncio.get_running_loop()
@@ -48,6 +50,11 @@ class GuardProcess:
     def pid(self) -> int:
         """Number of the process."""
         return self._process.pid
+
+    @property
+    def age_s(self) -> float:
+        """Time since its latest sign of life; also what the machine was suspended for."""
+        return boot_s() - self._alive_boot_s
 
     @property
     def gone(self) -> bool:
@@ -119,7 +126,7 @@ class GuardProcess:
 
     def _take(self, words: list[str]) -> None:
         if words[0] == "alive":
-            self.alive_s = float(words[1])
+            self.alive_s, self._alive_boot_s = map(float, words[1:])
         self._on_said(words)
         self._heard.set()
 

@@ -5,6 +5,7 @@ import select
 import signal
 import socket
 import subprocess
+import time
 import tty
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
@@ -13,7 +14,7 @@ from pathlib import Path
 import pytest
 
 from app.guard.client import LOG_NAME
-from app.guard.guard import DIED, SILENT
+from app.guard.guard import DIED, FROZEN, FROZEN_S, SILENT
 from tests.patience import HANG_S
 from tests.system import forked
 from tests.system.command import Emulated, catseye, emulated, environment, forget_stops
@@ -32,6 +33,9 @@ from tests.system.held_link import STOP
 
 SLOW = {"override_cap_percent = 20 ": "override_cap_percent = 2 "}
 """A motion of some seconds: an arm that nobody stops goes on for longer than a test waits."""
+
+SLOW_ENOUGH = {"override_cap_percent = 20 ": "override_cap_percent = 10 "}
+"""A motion that is under way for a moment, and comes to its end while a test waits for that."""
 
 
 @pytest.fixture
@@ -95,6 +99,28 @@ def test_silent_program_is_stopped_and_sends_no_motion(
         assert moved(words_after_first_stop(bench, now_s)) == []
     end = newest_end(bench)
     assert end["status"] == "stopped"
+
+
+def test_after_a_freeze_nothing_moves_before_an_acknowledgement(tmp_path: Path) -> None:
+    """Program and guard stand still together, as under the freezer of a control group or a machine's suspend."""
+    with emulated(tmp_path, "--speed", "1", edit=SLOW_ENOUGH) as bench, measuring(bench) as run:
+        run.until_moving()
+        now_s = begun_s(bench)
+        frozen = [*guards_of(run.process.pid), run.process.pid]
+        for pid in frozen:
+            os.kill(pid, signal.SIGSTOP)
+        # Long enough for the arm to come to the end of its motion, so that the next one is due at the thaw.
+        until(lambda: not run.moving)
+        time.sleep(1.5 * FROZEN_S)
+        for pid in reversed(frozen):
+            os.kill(pid, signal.SIGCONT)
+        code, stderr = run.ended()
+        assert code == 5, stderr
+        assert FROZEN in stderr
+        words = [text for time_s, text in requests(bench) if time_s > now_s]
+        assert "STOP" in words
+        assert moved(words) == []
+        assert newest_end(bench)["status"] == "stopped"
 
 
 def test_run_goes_on_after_the_guard_has_stopped_it(bench: Emulated) -> None:

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from app.guard import client, lock
+from app.guard import client, guard, lock, process
 from app.guard.client import LOG_NAME, ArmGuard
 from app.guard.lock import lock_path
 from drivers.guarding import GuardError
@@ -119,6 +119,22 @@ async def test_guard_that_died_in_motion_is_told_to_the_next_owner(arm: ArmGuard
     await arm.let_go()
     (told,) = await arm.hold("the next one", tmp_path, simulated=True)
     assert "the guard process ended while the arm moved" in told
+
+
+async def test_machine_that_was_suspended_moves_nothing_unasked(
+    arm: ArmGuard, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    stops: list[str] = []
+    arm.on_stop = stops.append
+    async with arm.motion():
+        arm.permit()
+        # The program wakes sooner than its guard.
+        monkeypatch.setattr(process, "boot_s", lambda: guard.boot_s() + 60.0)
+        with pytest.raises(GuardError, match="stood still"):
+            arm.permit()
+        await asyncio.sleep(0)
+    assert len(stops) == 1
+    assert "stood still" in stops[0]
 
 
 async def test_guard_that_takes_no_message_counts_as_dead(
