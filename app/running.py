@@ -131,26 +131,11 @@ async def carry_out(
         waive_walk: why a real arm may be driven where it was not walked.
     """
     cell, clock = planned.loaded.cell, SystemClock(speed)
-    request = RunRequest(
-        procedure=planned.procedure,
-        plan=planned.plan,
-        root=root,
-        cell=cell.name,
-        limits=joint_limits(planned.bench),
-        blocked=way_check(planned.bench),
-        override_cap_percent=cell.robot.override_cap_percent,
-        air=air_rule(cell),
-        air_limits=air_limits(cell),
-        meta=run_meta(planned, speed) if planned.resume is None else _meta_of_resumption(planned, speed),
+    request = replace(
+        _request_of(planned, root, speed),
         arm=arm,
         answers=read_answers(answers),
-        clock_speed=speed,
-        speed_deg_s=planned.bench.arm.speed_deg_s,
-        aim_simulated=planned.aim_simulated,
-        unconfirmed=planned.bench.workspace.unconfirmed,
-        resume=planned.resume,
         answerer=answerer,
-        hands=_hands(cell),
         keep_drives=keep_drives,
         on_open=on_open,
         walk_rule=_walk_rule(planned, root, waive_walk),
@@ -168,6 +153,29 @@ def _walk_rule(planned: PlannedRun, root: Path, reason: str | None) -> WalkRule:
     walked = partial(walked_legs, root, planned.loaded.cell)
     blended = planned.bench.arm.following == "blended"
     return WalkRule(partial(motions_from, planned), walked, blended, reason)
+
+
+def _request_of(planned: PlannedRun, root: Path, speed: float) -> RunRequest:
+    """Return what the plan and its cell ask for."""
+    cell, bench = planned.loaded.cell, planned.bench
+    return RunRequest(
+        procedure=planned.procedure,
+        plan=planned.plan,
+        root=root,
+        cell=cell.name,
+        limits=joint_limits(bench),
+        blocked=way_check(bench),
+        override_cap_percent=cell.robot.override_cap_percent,
+        air=air_rule(cell),
+        air_limits=air_limits(cell),
+        meta=run_meta(planned, speed) if planned.resume is None else _meta_of_resumption(planned, speed),
+        clock_speed=speed,
+        speed_deg_s=bench.arm.speed_deg_s,
+        aim_simulated=planned.aim_simulated,
+        unconfirmed=bench.workspace.unconfirmed,
+        resume=planned.resume,
+        hands=_hands(cell),
+    )
 
 
 async def rehearse(planned: PlannedRun, here: Joints | None = None) -> DryRunContext:

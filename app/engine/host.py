@@ -3,7 +3,7 @@
 import asyncio
 import logging
 import os
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from contextlib import nullcontext
 
 from app.engine.announcer import Announcer, Publish
@@ -21,6 +21,7 @@ from app.engine.devices import (
     identities_as_json,
     require_permission,
 )
+from app.engine.door_watch import DoorWatch
 from app.engine.drives import DrivesLeft, leave_drives
 from app.engine.ending import COMPLETE, Ending, ending_of, react
 from app.engine.first_motion import require_rest
@@ -172,39 +173,15 @@ class _Run:
             self._warn(text)
         if devices.io is not None:
             self._light = StackLight(devices.io, self._warn)
-        request = self._request
-        self._watches = watches = Watches(self._control, devices, self._clock, request.clock_speed)
+        self._watches = watches = Watches(self._control, devices, self._clock, self._request.clock_speed)
         await self._control.command(watches.watch_door())
         conditions = self._conditions(devices)
-        gate = MotionGate(
-            devices.robot,
-            request.limits,
-            request.blocked,
-            request.override_cap_percent,
-            conditions,
-            watches.door,
-        )
-        gate.on_override = self._override_lowered
-        gate.permit = self._control.raise_ending
-        operator = Operator(
-            self._clock, request.answers, request.answerer, simulated=simulated, hands=request.hands
-        )
-        context = RunContext(
-            devices,
-            self._store,
-            self._control,
-            self._clock,
-            gate,
-            operator,
-            self._announcer,
-            self._request.air,
-            POLL_S * self._request.clock_speed,
-            self._request.speed_deg_s,
-        )
+        gate = self._gate(devices, conditions, watches.door)
+        context = self._context_of(devices, gate, simulated)
         if reentry is not None:
             await self._reenter(reentry, context, identities_as_json(identities))
-        if not simulated and request.walk_rule is not None:
-            gate.walk_rule = request.walk_rule
+        if not simulated and self._request.walk_rule is not None:
+            gate.walk_rule = self._request.walk_rule
             here = await self._control.command(devices.robot.joints())
             await gate.walk_rule.begin(identities["robot"], here, context, self._store)
         await self._control.command(self._ready(devices, gate, context))
@@ -214,6 +191,33 @@ class _Run:
         self._control.started()
         watches.watch_controller(gate, conditions)
         return self._context
+
+    def _gate(self, devices: Devices, conditions: Sequence[Condition], door: DoorWatch | None) -> MotionGate:
+        request = self._request
+        gate = MotionGate(
+            devices.robot, request.limits, request.blocked, request.override_cap_percent, conditions, door
+        )
+        gate.on_override = self._override_lowered
+        gate.permit = self._control.raise_ending
+        return gate
+
+    def _context_of(self, devices: Devices, gate: MotionGate, simulated: bool) -> RunContext:
+        request = self._request
+        operator = Operator(
+            self._clock, request.answers, request.answerer, simulated=simulated, hands=request.hands
+        )
+        return RunContext(
+            devices,
+            self._store,
+            self._control,
+            self._clock,
+            gate,
+            operator,
+            self._announcer,
+            request.air,
+            POLL_S * request.clock_speed,
+            request.speed_deg_s,
+        )
 
     async def _own(self, guard: ArmGuard, simulated: bool) -> None:
         """Become the arm's only owner and have it guarded, before anything that moves it or stops it is sent."""

@@ -16,7 +16,7 @@ from app.running import way_check
 from drivers.errors import RefusedError
 from procedures.devices import Joints
 from tests.unit.app.engine.fakes import HOME, LIMITS, FakeBench, FakeRobot, ManualClock
-from tests.unit.app.engine.test_host import measuring, run
+from tests.unit.app.engine.runs import measuring, run
 from tests.unit.procedures.benches import arm_xy, bench
 
 PAPER = bench()

@@ -1,0 +1,222 @@
+"""How runs end that do not come to their own end: what becomes of robot, record and exit code."""
+
+import asyncio
+import signal
+from pathlib import Path
+
+import pytest
+
+from app.engine.request import RunOutcome
+from app.errors import MeasurementRejectedError, StorageError
+from app.exitcode import ExitCode
+from app.store.reader import RunReader
+from app.store.run_store import RunStore
+from app.store.verify import verify
+from drivers.clock import Clock
+from drivers.errors import AlarmError, LinkError
+from drivers.readings import Identity
+from procedures.context import Context, Prompt, Row
+from tests.unit.app.engine.fakes import AWAY, FakeBench, FakeRobot, Script
+from tests.unit.app.engine.runs import measuring, run
+
+
+@pytest.fixture
+def bench(tmp_path: Path) -> FakeBench:
+    return FakeBench(tmp_path / "runs")
+
+
+async def test_a_device_error_stops_the_robot_and_fails_the_run(bench: FakeBench) -> None:
+    bench.robot.move_error = LinkError("robot: link lost")
+    procedure = measuring(0)
+    outcome = await run(bench, procedure)
+    assert (outcome.status, outcome.exit_code) == ("failed", ExitCode.DEVICE)
+    assert bench.robot.calls[-3:] == ["stop", "servo off", "close"]
+    assert bench.states()[-2:] == ["STOPPING", "STOPPED"]
+    assert procedure.torn_down == 1
+    assert RunReader(outcome.path).points() == []
+    assert "link lost" in str(bench.said("error")[0]["text"])
+
+
+async def test_an_alarm_aborts_and_skips_the_teardown(bench: FakeBench) -> None:
+    bench.robot.move_error = AlarmError("alarm 2500: look at the drive", 2500)
+    procedure = measuring(0)
+    outcome = await run(bench, procedure)
+    assert (outcome.status, outcome.exit_code) == ("aborted", ExitCode.SAFETY)
+    assert procedure.torn_down == 0
+    assert bench.states()[-1] == "ABORTED"
+
+
+async def test_drives_that_go_off_abort(bench: FakeBench) -> None:
+    async def body(ctx: Context) -> None:
+        await bench.robot.servo(on=False)
+        await ctx.move(AWAY)
+
+    outcome = await run(bench, Script(body))
+    assert (outcome.status, outcome.exit_code) == ("aborted", ExitCode.SAFETY)
+
+
+async def test_a_target_outside_the_limits_fails_without_motion(bench: FakeBench) -> None:
+    async def body(ctx: Context) -> None:
+        await ctx.move((200.0, 0.0, 0.0, 0.0))
+
+    outcome = await run(bench, Script(body))
+    assert (outcome.status, outcome.exit_code) == ("failed", ExitCode.SAFETY)
+    assert "move" not in bench.robot.calls
+
+
+async def test_a_rejected_measurement_has_its_exit_code(bench: FakeBench) -> None:
+    async def body(_ctx: Context) -> None:
+        raise MeasurementRejectedError("too noisy: look at the signal")
+
+    outcome = await run(bench, Script(body))
+    assert (outcome.status, outcome.exit_code) == ("failed", ExitCode.REJECTED)
+
+
+async def test_an_unanswered_prompt_on_real_hardware(bench: FakeBench) -> None:
+    async def body(ctx: Context) -> None:
+        await ctx.ask(Prompt("clear", "confirm", "Confirm that the cell is clear.", motion=True))
+
+    bench.make_real()
+    outcome = await run(bench, Script(body), arm="lab-1", answers={"clear": "yes"})
+    assert (outcome.status, outcome.exit_code) == ("failed", ExitCode.TIMEOUT)
+
+
+async def test_a_fault_of_the_program_still_leaves_everything_in_order(bench: FakeBench) -> None:
+    async def body(_ctx: Context) -> None:
+        raise ZeroDivisionError("division by zero")
+
+    outcome = await run(bench, Script(body))
+    assert (outcome.status, outcome.exit_code) == ("failed", ExitCode.FAULT)
+    assert "Traceback" in (outcome.path / "app.log").read_text()
+    assert verify(outcome.path).ok
+
+
+async def test_a_teardown_that_fails_fails_a_complete_run(bench: FakeBench) -> None:
+    async def nothing(_ctx: Context) -> None:
+        """Do nothing."""
+
+    async def teardown(_ctx: Context) -> None:
+        raise LinkError("lost")
+
+    procedure = Script(nothing, teardown)
+    outcome = await run(bench, procedure)
+    assert (outcome.status, outcome.exit_code) == ("failed", ExitCode.DEVICE)
+    assert procedure.torn_down == 1
+
+
+async def test_a_teardown_is_bounded(bench: FakeBench) -> None:
+    async def body(_ctx: Context) -> None:
+        raise LinkError("lost")
+
+    async def teardown(_ctx: Context) -> None:
+        # The deadline is set when both have begun to wait.
+        asyncio.get_running_loop().call_later(0, lambda: bench.clock.advance(60.0))
+        await asyncio.Event().wait()
+
+    outcome = await run(bench, Script(body, teardown))
+    assert outcome.exit_code == ExitCode.DEVICE
+    assert "not over after 60 s" in str(bench.said("error")[-1]["text"])
+
+
+async def stopped_while_moving(bench: FakeBench, *numbers: int) -> tuple[RunOutcome, Script]:
+    """Run until the robot moves, then send signals."""
+    bench.robot.blocks = True
+    procedure = measuring(0)
+    running = asyncio.create_task(run(bench, procedure))
+    await bench.robot.moving.wait()
+    for number in numbers:
+        bench.signal(number)
+    return await running, procedure
+
+
+async def test_two_ctrl_c_during_a_move_stop_first_and_keep_the_run_resumable(bench: FakeBench) -> None:
+    outcome, procedure = await stopped_while_moving(bench, signal.SIGINT, signal.SIGINT)
+    assert (outcome.status, outcome.exit_code) == ("stopped", ExitCode.INTERRUPTED)
+    moved = bench.robot.calls[bench.robot.calls.index("move") :]
+    assert moved == ["move", "stop", "move cancelled", "servo off", "close"]
+    assert procedure.torn_down == 1
+    assert bench.states() == ["STARTING", "EXECUTE", "HOLDING", "STOPPING", "STOPPED"]
+    stored = [event.data["state"] for event in RunReader(outcome.path).events() if event.kind == "state"]
+    assert stored == bench.states()
+
+
+@pytest.mark.parametrize(
+    ("numbers", "code"),
+    [
+        ((signal.SIGINT,) * 3, ExitCode.INTERRUPTED),
+        ((signal.SIGTERM,), ExitCode.TERMINATED),
+        ((signal.SIGHUP,), ExitCode.TERMINATED),
+    ],
+)
+async def test_an_abort_skips_the_teardown(
+    bench: FakeBench, numbers: tuple[int, ...], code: ExitCode
+) -> None:
+    outcome, procedure = await stopped_while_moving(bench, *numbers)
+    assert (outcome.status, outcome.exit_code) == ("aborted", code)
+    assert procedure.torn_down == 0
+    assert verify(outcome.path).ok
+
+
+async def test_a_robot_that_does_not_stop_loses_its_drives_and_aborts_the_run(bench: FakeBench) -> None:
+    bench.robot.ignores_stop = True
+    outcome, _ = await stopped_while_moving(bench, signal.SIGINT, signal.SIGINT)
+    assert (outcome.status, outcome.exit_code) == ("aborted", ExitCode.SAFETY)
+    assert "drives were switched off" in outcome.text
+    assert "servo off" in bench.robot.calls
+
+
+async def test_a_cancelled_run_stops_the_robot_and_closes_the_record(bench: FakeBench) -> None:
+    bench.robot.blocks = True
+    running = asyncio.create_task(run(bench, measuring(0)))
+    await bench.robot.moving.wait()
+    running.cancel()
+    with pytest.raises(asyncio.CancelledError):
+        await running
+    assert bench.robot.calls[-4:] == ["stop", "move cancelled", "servo off", "close"]
+    ended = bench.said("run-ended")[0]
+    assert (ended["status"], ended["exit_code"]) == ("aborted", 143)
+    assert RunReader(Path(str(ended["path"]))).status == "aborted"
+
+
+async def test_a_stop_while_devices_connect_ends_the_run(bench: FakeBench) -> None:
+    class SlowRobot(FakeRobot):
+        async def connect(self) -> Identity:
+            bench.signal(signal.SIGINT)
+            await asyncio.Event().wait()
+            raise AssertionError
+
+    bench.robot = SlowRobot(bench.clock)
+    outcome = await run(bench, measuring(0))
+    assert (outcome.status, outcome.exit_code) == ("stopped", ExitCode.INTERRUPTED)
+    assert bench.robot.calls == ["close"]
+
+
+async def test_a_storage_failure_stops_the_robot(bench: FakeBench, monkeypatch: pytest.MonkeyPatch) -> None:
+    async def broken(*_args: object, **_more: object) -> None:
+        raise StorageError("disk full: make room")
+
+    monkeypatch.setattr(RunStore, "append_step", broken)
+    outcome = await run(bench, measuring(0, 1))
+    assert (outcome.status, outcome.exit_code) == ("failed", ExitCode.STORAGE)
+    assert bench.robot.calls.count("move") == 1
+    assert "stop" in bench.robot.calls
+
+
+async def test_a_storage_failure_during_a_move_stops_it(
+    bench: FakeBench, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    stores: list[RunStore] = []
+    create = RunStore.create
+
+    async def remember(root: Path, name: str, meta: Row, clock: Clock, **more: int) -> RunStore:
+        stores.append(await create(root, name, meta, clock, **more))
+        return stores[0]
+
+    monkeypatch.setattr(RunStore, "create", remember)
+    bench.robot.blocks = True
+    running = asyncio.create_task(run(bench, measuring(0)))
+    await bench.robot.moving.wait()
+    stores[0].on_failure(StorageError("no space: make room"))
+    outcome = await running
+    assert (outcome.status, outcome.exit_code) == ("failed", ExitCode.STORAGE)
+    assert bench.robot.calls[-4:] == ["stop", "move cancelled", "servo off", "close"]
