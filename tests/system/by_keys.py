@@ -1,11 +1,15 @@
 """The whole measurement as a technician does it: by keys alone, reading the screen."""
 
 import json
+import re
 import time
 from pathlib import Path
 from typing import Any, Protocol
 
 from tests.patience import HANG_S
+
+_TITLE = re.compile(r"─ Procedures ─+╮╭─ (.+?) ─")
+"""Of the procedure that is chosen, beside the list."""
 
 
 class Console(Protocol):
@@ -65,16 +69,26 @@ def run_procedure(screen: Console, title: str, limit_s: float) -> None:
 
 
 def choose(screen: Console, title: str) -> None:
-    """Go down the list of procedures to one of them."""
-    screen.press("home")
+    """Go down the list of procedures, and on from its top, to one of them.
+
+    No key is pressed before what the last one did stands on the screen, however long that takes.
+    """
+    shown = _next_title(screen, "")
     for _ in range(20):
-        end_s = time.monotonic() + 2.0
-        while time.monotonic() < end_s:
-            if f"─ {title}" in screen.text:
-                return
-            time.sleep(0.05)
+        if shown.startswith(title):
+            return
         screen.press("down")
+        shown = _next_title(screen, shown)
     raise AssertionError(f"{title} is not in the list:\n{screen.text}")
+
+
+def _next_title(screen: Console, before: str) -> str:
+    """Wait until another procedure is shown than before; return its title."""
+    end_s = time.monotonic() + HANG_S
+    while (found := _TITLE.search(screen.text)) is None or found[1] == before:
+        assert time.monotonic() < end_s, f"no other procedure than {before!r} is shown:\n{screen.text}"
+        time.sleep(0.05)
+    return found[1]
 
 
 def result_of(folder: Path) -> dict[str, Any]:
