@@ -67,7 +67,7 @@ class RestingDrives:
     def begin(self, after_s: float) -> None:
         """The drives are on and the arm rests: switch them off after some time, real s."""
         self._after_s = after_s
-        self._task = asyncio.create_task(self._count(after_s))
+        self._task = asyncio.create_task(self._count(after_s, self._hands.begun))
 
     def begin_again(self) -> None:
         """The run that was to take the drives over has left them as they were."""
@@ -92,8 +92,8 @@ class RestingDrives:
         if counting:
             await self._switch_off("the engine ends")
 
-    async def _count(self, after_s: float) -> None:
-        begun, end_s = self._hands.begun, self._told_end_s(after_s)
+    async def _count(self, after_s: float, begun: int) -> None:
+        end_s = self._told_end_s(after_s)
         while (left_s := end_s - self._clock.monotonic_s()) > 0.0:
             await self._clock.sleep(min(left_s, _TICK_S))
             # Also what was over within this tick.

@@ -1,6 +1,5 @@
 """The door of a cell while bytes are sent to its arm by hand."""
 
-import asyncio
 from collections.abc import AsyncIterator, Callable
 from contextlib import asynccontextmanager
 
@@ -31,7 +30,6 @@ class RawDoor:
         self._transport = transport
         self._on_open = on_open
         self._open = False
-        self._stops: set[asyncio.Task[None]] = set()
         self.watch: DoorWatch | None = None
 
     def require_closed(self) -> None:
@@ -49,21 +47,22 @@ class RawDoor:
         if self._open:
             return
         self._open = True
-        task = asyncio.create_task(self._stop())
-        self._stops.add(task)
-        task.add_done_callback(self._stops.discard)
+        failure = self._written_stop()
         self._on_open(trouble)
+        if failure:
+            self._on_open(failure)
 
-    async def ended(self) -> None:
-        """Wait until STOP is written."""
-        if self._stops:
-            await asyncio.wait(set(self._stops))
+    def stop(self) -> None:
+        """Write STOP now, past what waits and past a guard that lets nothing else pass."""
+        if failure := self._written_stop():
+            self._on_open(failure)
 
-    async def _stop(self) -> None:
+    def _written_stop(self) -> str:
         try:
-            await self._transport.write(_STOP)
+            self._transport.send_urgent(_STOP)
         except DeviceError as error:
-            self._on_open(f"STOP cannot be sent: PRESS THE EMERGENCY STOP if the arm moves ({error})")
+            return f"STOP cannot be sent: PRESS THE EMERGENCY STOP if the arm moves ({error})"
+        return ""
 
 
 @asynccontextmanager
@@ -86,9 +85,6 @@ async def raw_door(
         yield door
         return
     door.watch = DoorWatch(io, clock, door.opened)
-    try:
-        # A watch that ends counts as an open door.
-        async with door.watch.watching(door.opened):
-            yield door
-    finally:
-        await door.ended()
+    # A watch that ends counts as an open door.
+    async with door.watch.watching(door.opened):
+        yield door

@@ -148,9 +148,14 @@ class RawLink:
                     self._transport = transport
                     self.begun.set_result({"endpoint": device.endpoint})
                     self._bench.tell("raw", device=self.device, on=True, by=self._who)
-                    while True:
-                        # What comes is shown as it passes.
-                        await transport.read()
+                    try:
+                        while True:
+                            # What comes is shown as it passes.
+                            await transport.read()
+                    finally:
+                        if self._moves and not self._given_back:
+                            # Its driver, which sees it stand, has yet to connect.
+                            self._door.stop()
             finally:
                 self._transport = None
 

@@ -1,6 +1,7 @@
 """The stop ladder: who may ask for what, and how a running command learns of it."""
 
 import asyncio
+import logging
 import signal
 from collections.abc import Awaitable, Callable, Coroutine, Mapping
 from typing import Any, Final, TypeVar
@@ -21,6 +22,8 @@ from procedures.devices import Robot
 
 T = TypeVar("T")
 
+_log = logging.getLogger(__name__)
+
 INTERRUPT_LADDER: Final[Mapping[State, Event]] = {
     State.EXECUTE: Event.HOLD,
     State.STARTING: Event.STOP,
@@ -40,6 +43,9 @@ SIGNALS: Final = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP, signal.SIGUSR1)
 _WAITING = frozenset({State.HOLDING, State.HELD, State.SUSPENDED}) | INTERRUPTED
 _IDLE = frozenset({State.HELD, State.SUSPENDED}) | INTERRUPTED
 _BEFORE_MOTION = frozenset({State.IDLE, State.STARTING})
+
+_MOST_REASONS = 5
+"""So many are listed in the question whether the arm may move again."""
 
 
 class RunControl:
@@ -88,6 +94,7 @@ class RunControl:
         self.unacknowledged = ""
         self.on_interrupted: Callable[[], Awaitable[None]] | None = None
         self._reasons: list[str] = []
+        self._interrupt_first: str | None = None
         self.waits = 0
         self._waited_s = 0.0
         self._waits_since_s: float | None = None
@@ -142,6 +149,10 @@ class RunControl:
         if self.state in INTERRUPTED:
             if anew or reason not in self._reasons:
                 self._count_interruption(reason)
+                self._on_change(self.state, reason)
+            return
+        if self.state in _BEFORE_MOTION and anew:
+            self._interrupt_first = reason
             return
         if transition(self.state, Event.INTERRUPT).state == self.state:
             return
@@ -187,6 +198,8 @@ class RunControl:
     def started(self) -> None:
         """The devices are ready."""
         self._apply(Event.STARTED, "devices are ready")
+        if self._interrupt_first is not None:
+            self.interrupt(self._interrupt_first)
         self._hold_if_asked()
 
     def done(self) -> None:
@@ -308,16 +321,17 @@ class RunControl:
         # A limit in place of a task: a task's turns of the loop come on top of every motion.
         self._motion = limit = asyncio.timeout(None)
         try:
-            async with limit:
-                return (await action(),)
+            try:
+                async with limit:
+                    return (await action(),)
+            finally:
+                self._motion = None
         except (TimeoutError, RefusedError, NotArrivedError) as error:
             # What the guard has done interrupts the run in the next turn of the loop.
             await asyncio.sleep(0)
             if self.interruptions == before or not (limit.expired() or _cut_short(error)):
                 raise
             return ()
-        finally:
-            self._motion = None
 
     async def halted(self) -> None:
         """Wait until every halt under way has ended."""
@@ -359,7 +373,9 @@ class RunControl:
     def _count_interruption(self, reason: str) -> None:
         if reason not in self._reasons:
             self._reasons.append(reason)
-        self.interruption = self.unacknowledged = "; ".join(self._reasons)
+        more = len(self._reasons) - _MOST_REASONS
+        text = "; ".join(self._reasons[:_MOST_REASONS])
+        self.interruption = self.unacknowledged = f"{text}; and {more} more" if more > 0 else text
         self.interruptions += 1
 
     def _count_waiting(self) -> None:
@@ -391,7 +407,7 @@ class RunControl:
     async def _rest(self) -> None:
         """Bring the robot to rest; a standstill that nobody sees is more than an interruption."""
         if self._robot is not None:
-            report = await halt(self._robot, self._clock, self._limits, self._drop_motion)
+            report = await self._halted(self._robot, self._drop_motion)
             if not report.standstill:
                 self.reports.append(report)
                 self.abort(SafetyError(f"{self.interruption}; {report.text}"))
@@ -402,7 +418,7 @@ class RunControl:
         self._halting += 1
         try:
             if self._robot is not None:
-                self.reports.append(await halt(self._robot, self._clock, self._limits, self._drop_command))
+                self.reports.append(await self._halted(self._robot, self._drop_command))
             else:
                 self._drop_command()
         finally:
@@ -413,12 +429,20 @@ class RunControl:
             reason = unconfirmed[-1] if unconfirmed else "the robot stands"
             self._apply(Event.ABORTED if self.state == State.ABORTING else Event.STOPPED, reason)
 
+    async def _halted(self, robot: Robot, drop: Callable[[], None]) -> HaltReport:
+        try:
+            return await halt(robot, self._clock, self._limits, drop)
+        except Exception as error:  # noqa: BLE001  # a fault of the program: only the operator can stop the arm now
+            _log.exception("bringing the robot to rest failed")
+            text = f"the robot may still move: PRESS THE EMERGENCY STOP (fault of the program: {error!r})"
+            return HaltReport(standstill=False, servo_off=False, text=text)
+
     def _drop_command(self) -> None:
         for command in self._commands:
             command.cancel()
 
     def _drop_motion(self) -> None:
-        if self._motion is not None:
+        if self._motion is not None and not self._motion.expired():
             self._motion.reschedule(asyncio.get_running_loop().time())
 
     def raise_ending(self) -> None:

@@ -21,6 +21,7 @@ _TRIES = 2
 """A single lost answer stops no arm: the question is asked again before the silence is over."""
 
 _OPEN = "the door is open: no motion; close it when nobody is inside"
+_SILENT = "the door interlock does not answer, which counts as open: no motion; see to [io]"
 _UNSEEN = "the door has not been looked at yet: no motion"
 
 
@@ -58,10 +59,7 @@ class DoorWatch:
                 await self._clock.sleep(self._tick_s)
                 self._silent_ticks += 1
                 if self._silent_ticks >= _SILENT_TICKS:
-                    self._found(
-                        "the door interlock does not answer, which counts as open: no motion; see to [io]: "
-                        f"{self._failure}"
-                    )
+                    self._found(_SILENT, self._failure)
                 if question.done():
                     question.result()
                     question = asyncio.create_task(self.look())
@@ -103,8 +101,9 @@ class DoorWatch:
             self._found(None if closed else _OPEN)
             return
 
-    def _found(self, trouble: str | None) -> None:
+    def _found(self, trouble: str | None, detail: str = "") -> None:
         self.just_opened = self.trouble is None and trouble is not None
-        self.trouble = trouble
+        # What is told on carries no detail: that differs with each failure, and the trouble is the same.
+        self.trouble = f"{trouble}: {detail}" if detail else trouble
         if trouble is not None:
             self._on_trouble(trouble)

@@ -5,6 +5,7 @@ import logging
 import os
 from collections.abc import Mapping, Sequence
 from contextlib import nullcontext
+from functools import partial
 
 from app.engine.announcer import Announcer, Publish
 from app.engine.before_motion import require_within_controller, unconfirmed_text
@@ -221,7 +222,7 @@ class _Run:
 
     async def _own(self, guard: ArmGuard, simulated: bool) -> None:
         """Become the arm's only owner and have it guarded, before anything that moves it or stops it is sent."""
-        guard.on_stop = self._control.interrupt
+        guard.on_stop = partial(self._control.interrupt, anew=True)
         for text in await guard.hold(
             f"run {self._store.path.name}", self._store.path.parent, simulated=simulated
         ):

@@ -40,8 +40,8 @@ def comment_lines(texts: Iterable[str]) -> str:
 
 
 def _comment(text: str) -> str:
-    # Nothing quotes it, so that a spreadsheet splits it at commas too.
-    return ",".join(marked(part) for part in text.split(","))
+    # Nothing quotes it: a spreadsheet splits it at commas too, and takes what follows a lone quote for quoted.
+    return ",".join(marked(part) for part in text.replace('"', "'").split(","))
 
 
 def _cell(text: str) -> str:

@@ -77,7 +77,9 @@ class ArmGuard:
             self._log = _opened_log(folder)
             await self._start()
         except BaseException:
+            lock, self._lock = self._lock, None
             await self.let_go()
+            lock.undo()
             raise
         self._tick()
         return self._lock.history
@@ -133,7 +135,9 @@ class ArmGuard:
             # An engine that has slept finds here what the guard has done meanwhile, unless that sleeps yet.
             self._process.read()
             if self._motions and not self._process.gone and self._process.age_s > FROZEN_S:
-                self._stop(FROZEN)
+                # Another one is started for the next motion; this one would say the same once more when it thaws.
+                self._process.kill()
+                self._stop_and_note(FROZEN)
         self._require_permitted()
 
     def _require_permitted(self) -> None:
@@ -250,11 +254,13 @@ class ArmGuard:
 
     def _gone(self) -> None:
         if self._motions:
-            reason = "the guard process ended while the arm moved, which was stopped"
-            if self._lock is not None:
-                # It cannot leave word itself; whoever takes the arm next may be another program.
-                self._lock.note(reason)
-            self._stop(reason)
+            self._stop_and_note("the guard process ended while the arm moved, which was stopped")
+
+    def _stop_and_note(self, reason: str) -> None:
+        """Stop on behalf of a guard that leaves no word itself; whoever takes the arm next may be another program."""
+        if self._lock is not None:
+            self._lock.note(reason)
+        self._stop(reason)
 
     def _stop(self, reason: str) -> None:
         self.stopped = self.stopped or reason

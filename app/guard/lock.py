@@ -82,12 +82,13 @@ class OwnerLock:
         self.arm = arms[0]
         self.descriptors: list[int] = []
         self._paths: list[Path] = []
+        self._found: list[bytes] = []
         self.history: list[str] = []
         try:
             for arm in arms:
                 self._take(arm, owner)
         except BaseException:
-            self._close()
+            self.undo()
             raise
 
     @classmethod
@@ -111,6 +112,14 @@ class OwnerLock:
             with contextlib.suppress(OSError):
                 os.pwrite(descriptor, line, os.fstat(descriptor).st_size)
 
+    def undo(self) -> None:
+        """Give the right back as if it had never been taken: what was left for its owner is left for the next one."""
+        for descriptor, found in zip(self.descriptors, self._found, strict=True):
+            with contextlib.suppress(OSError):
+                os.ftruncate(descriptor, 0)
+                os.pwrite(descriptor, found, 0)
+        self.release(keep=True)
+
     def release(self, *, keep: bool = False) -> None:
         """Give the right back; may be called any number of times.
 
@@ -130,7 +139,8 @@ class OwnerLock:
         descriptor = _locked(arm, path)
         self._paths.append(path)
         self.descriptors.append(descriptor)
-        self.history += _history(_lines(descriptor))
+        self._found.append(os.pread(descriptor, _MOST_BYTES, 0))
+        self.history += _history(_lines(self._found[-1]))
         # Who owns it is for texts only: the arm is owned also where the folder is full.
         with contextlib.suppress(OSError):
             os.ftruncate(descriptor, 0)
@@ -138,6 +148,7 @@ class OwnerLock:
 
     def _close(self) -> None:
         self._paths.clear()
+        self._found.clear()
         while self.descriptors:
             os.close(self.descriptors.pop())
 
@@ -199,7 +210,7 @@ def _locked(arm: str, path: Path) -> int:
                 return descriptor
         except BlockingIOError:
             with os.fdopen(descriptor):
-                raise _in_use(arm, _owner(_lines(descriptor))) from None
+                raise _in_use(arm, _owner(_lines(os.pread(descriptor, _MOST_BYTES, 0)))) from None
         except OSError as error:
             os.close(descriptor)
             raise ArmInUseError(
@@ -262,9 +273,9 @@ def _made(path: Path, flags: int) -> int:
     return descriptor
 
 
-def _lines(descriptor: int) -> list[tuple[str, str]]:
+def _lines(written: bytes) -> list[tuple[str, str]]:
     """Return what the file says, made harmless: anybody may have written it."""
-    text = os.pread(descriptor, _MOST_BYTES, 0).decode("ascii", "replace")
+    text = written.decode("ascii", "replace")
     pairs = (line.partition("=") for line in text.splitlines())
     return [(key, _UNSEEMLY.sub("?", value)[:_LONGEST_VALUE]) for key, _, value in pairs]
 

@@ -105,13 +105,19 @@ def _contact(way: Sequence[Joints], bench: Bench, passed: Sequence[bool] = ()) -
     known = _known_scene(bench.workspace, bench.reflectors, bench.arm.j3_mm)
     corners = np.array(passed) if passed and bench.arm.following == "blended" else None
     # Where corners are cut, a leg depends on its neighbours.
-    legs = set(pairwise(way)) if corners is None else set()
+    legs = set(pairwise(map(_hashable, way))) if corners is None else set()
     if legs and legs <= known.clear:
         return None
     contact = first_contact(known.gaps, np.array(way), bench.workspace.clearance_mm, corners)
     if contact is None and len(known.clear) + len(legs) <= _MOST_REMEMBERED:
         known.clear.update(legs)
     return contact
+
+
+def _hashable(place: Joints) -> Joints:
+    """Return joints as a tuple: a driver of somebody else may report them as a list."""
+    one, two, three, four = place
+    return one, two, three, four
 
 
 def _require_places(way: Sequence[Joints]) -> None:

@@ -18,6 +18,7 @@ from pathlib import Path
 import pytest
 
 from app.cell.template import TEMPLATE
+from tests.free_ports import at_ports, free_ports
 from tests.patience import HANG_S
 from tests.system import forked
 
@@ -109,21 +110,6 @@ def test_a_missing_cell_file_is_told_with_the_command_that_writes_one(tmp_path: 
             catseye(tmp_path, *command), 2, "no.toml: there is no such file", "catseye init no.toml"
         )
     assert files(tmp_path) == set()
-
-
-def free_ports(count: int) -> list[int]:
-    with contextlib.ExitStack() as stack:
-        sockets = [stack.enter_context(socket.socket()) for _ in range(count)]
-        for one in sockets:
-            one.bind(("127.0.0.1", 0))
-        return [int(one.getsockname()[1]) for one in sockets]
-
-
-def at_ports(ports: list[int]) -> list[tuple[str, str]]:
-    return [
-        (f"127.0.0.1:{old}", f"127.0.0.1:{new}")
-        for old, new in zip((10001, 10002, 10502, 10099), ports, strict=True)
-    ]
 
 
 def test_unreachable_devices_are_named_by_doctor(tmp_path: Path) -> None:

@@ -17,6 +17,7 @@ from app.cluster.errors import WorkerLostError
 from app.cluster.sharing import sharing
 from app.errors import ConfigError
 from calibration.errors import UnidentifiableError
+from tests.free_ports import free_port
 from tests.patience import HANG_S
 from tests.unit.app.cluster.work import drawn, fails_at_three, killed_at_three
 
@@ -84,12 +85,6 @@ def test_whatever_ends_the_work_leaves_no_worker_behind(tmp_path: Path, ending: 
         wait_until(lambda: not any(is_running(worker) for worker in workers), "ending the workers")
     if ending == signal.SIGINT:
         assert errors.count("KeyboardInterrupt") == 1, "the workers themselves say nothing"
-
-
-def free_port() -> int:
-    with socket.socket() as probe:
-        probe.bind(("127.0.0.1", 0))
-        return int(probe.getsockname()[1])
 
 
 @contextmanager

@@ -18,6 +18,7 @@ from drivers.errors import LinkError
 from drivers.memory import pipe
 from drivers.record import RecordingTransport
 from drivers.tcp import TcpTransport
+from tests.free_ports import free_port
 from tests.unit.drivers.peers import loopback
 
 
@@ -29,13 +30,6 @@ def server(answer: bytes = b"") -> AbstractAsyncContextManager[int]:
             writer.write(answer)
 
     return loopback(serve)
-
-
-def free_port() -> int:
-    with socket.socket() as probe:
-        probe.bind(("127.0.0.1", 0))
-        port: int = probe.getsockname()[1]
-        return port
 
 
 async def test_tcp_carries_bytes_both_ways_and_closes_twice() -> None:

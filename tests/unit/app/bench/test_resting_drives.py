@@ -115,6 +115,15 @@ async def test_a_jog_within_a_tick_begins_the_count_anew(bench: Bench) -> None:
     assert bench.robot.calls == ["servo off"]
 
 
+async def test_a_jog_before_the_first_turn_of_the_count(bench: Bench) -> None:
+    bench.drives.begin(300.0)
+    bench.begun += 1
+    await bench.pass_s(300.5)
+    assert bench.robot.calls == []
+    await bench.pass_s(2.0)
+    assert bench.robot.calls == ["servo off"]
+
+
 async def test_a_run_takes_the_drives_over(bench: Bench) -> None:
     bench.drives.begin(300.0)
     await bench.pass_s(200.0)

@@ -3,16 +3,17 @@
 import asyncio
 import signal
 from collections.abc import Coroutine
-from dataclasses import replace
+from dataclasses import dataclass, field, replace
 
 import pytest
 
+from app.engine import control
 from app.engine.control import RunControl
-from app.engine.halt import HaltLimits
+from app.engine.halt import HaltLimits, HaltReport
 from app.engine.states import State
 from app.errors import InterruptedRunError, SafetyError, TerminatedRunError
-from drivers.errors import LinkError
-from drivers.readings import RobotStatus
+from drivers.errors import LinkError, RefusedError
+from drivers.readings import Joints, RobotStatus
 from tests.unit.app.engine.fakes import AWAY, FakeRobot, ManualClock
 
 
@@ -114,6 +115,71 @@ async def test_a_motion_begins_in_the_turn_in_which_its_gate_opens(bench: Bench)
         return list(turns)
 
     assert await bench.control.motion(gate, action) == []
+
+
+@dataclass
+class EndsAtStop(FakeRobot):
+    """Its motion is refused some turns of the loop after a stop."""
+
+    turns_later: int = 0
+    stopped: asyncio.Event = field(default_factory=asyncio.Event)
+
+    async def move_joints(self, target: Joints) -> None:
+        self.calls.append(f"move to {target}")
+        await self.stopped.wait()
+        await turns(self.turns_later)
+        raise RefusedError("stopped", 1)
+
+    async def stop(self) -> None:
+        await super().stop()
+        self.stopped.set()
+
+
+@pytest.mark.parametrize("turns_later", range(8))
+async def test_a_motion_refused_at_any_turn_of_a_halt(bench: Bench, turns_later: int) -> None:
+    robot = EndsAtStop(bench.clock)
+    robot.state, robot.turns_later = bench.robot.state, turns_later
+    bench.control.attach(robot)
+    motion = asyncio.create_task(bench.control.motion(bench.gate, lambda: robot.move_joints(AWAY)))
+    await turns()
+    bench.control.interrupt("the door is open")
+    await until(bench, State.UNSUSPENDING)
+    bench.control.stop("over")
+    with pytest.raises(InterruptedRunError):
+        await motion
+    await bench.control.halted()
+
+
+async def test_a_halt_that_fails_calls_for_the_emergency_stop(
+    bench: Bench, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    async def failing(*_: object) -> HaltReport:
+        raise KeyError("theta1")
+
+    monkeypatch.setattr(control, "halt", failing)
+    bench.control.interrupt("the door is open")
+    await until(bench, State.ABORTED)
+    assert "PRESS THE EMERGENCY STOP" in str(bench.control.ending)
+    assert "PRESS THE EMERGENCY STOP" in bench.told[-1][1]
+
+
+@pytest.mark.parametrize(("anew", "state"), [(True, State.SUSPENDING), (False, State.EXECUTE)])
+async def test_a_door_opened_while_starting_has_to_be_acknowledged(anew: bool, state: State) -> None:
+    starting = RunControl(ManualClock(), lambda _state, _reason: None, HaltLimits())
+    starting.starting()
+    starting.interrupt("the door is open", anew=anew)
+    starting.started()
+    assert starting.state == state
+    assert starting.unacknowledged == ("the door is open" if anew else "")
+    await starting.halted()
+
+
+async def test_many_reasons_are_counted_rather_than_listed(bench: Bench) -> None:
+    for number in range(100):
+        bench.control.interrupt(f"trouble {number}")
+    assert bench.control.interruptions == 100
+    assert bench.control.interruption.endswith("trouble 4; and 95 more")
+    await bench.control.halted()
 
 
 async def test_after_a_hold_the_gate_looks_again(bench: Bench) -> None:

@@ -9,6 +9,7 @@ from app.engine.door_watch import TICK_S, DoorWatch
 from app.engine.gate import MotionGate
 from app.engine.waiting import cancel
 from app.errors import InterruptionError
+from drivers.errors import LinkError
 from tests.unit.app.engine.fakes import HOME, LIMITS, FakeRobot, ManualClock, free_way
 from tests.unit.app.engine.test_interlock import Block
 
@@ -124,3 +125,19 @@ async def test_the_gate_refuses_an_open_a_silent_and_an_unseen_door() -> None:
     await watched.watch.look()
     with pytest.raises(InterruptionError, match="door is open: no motion; close it"):
         await gate.require(HOME)
+
+
+async def test_each_failure_of_a_silent_door_is_the_same_trouble() -> None:
+    watched = Watched()
+    failures = iter(range(1000))
+
+    async def noise() -> bool:
+        raise LinkError(f"garbage {next(failures)}")
+
+    watched.door.door_closed = noise  # type: ignore[method-assign]  # a link that is disturbed
+    watch = asyncio.create_task(watched.watch.watch())
+    await watched.pass_s(20 * TICK_S)
+    assert len(watched.told) > 1
+    assert len(set(watched.told)) == 1
+    assert "garbage" in str(watched.watch.trouble)
+    await cancel(watch)

@@ -121,8 +121,12 @@ async def test_guard_that_died_in_motion_is_told_to_the_next_owner(arm: ArmGuard
     assert "the guard process ended while the arm moved" in told
 
 
+def no_process(*_: object) -> None:
+    raise OSError("no more processes")
+
+
 async def test_machine_that_was_suspended_moves_nothing_unasked(
-    arm: ArmGuard, monkeypatch: pytest.MonkeyPatch
+    arm: ArmGuard, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:
     stops: list[str] = []
     arm.on_stop = stops.append
@@ -135,6 +139,27 @@ async def test_machine_that_was_suspended_moves_nothing_unasked(
         await asyncio.sleep(0)
     assert len(stops) == 1
     assert "stood still" in stops[0]
+    await arm.let_go()
+    (told,) = await arm.hold("the next one", tmp_path, simulated=True)
+    assert "stopped before" in told
+    assert "stood still" in told
+
+
+async def test_a_guard_that_does_not_start_loses_no_word_of_a_stop(
+    arm: ArmGuard, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    async with arm.motion():
+        dead_guard()
+        await asyncio.sleep(0)
+        with pytest.raises(GuardError):
+            arm.permit()
+    await arm.let_go()
+    with monkeypatch.context() as patch:
+        patch.setattr(client, "GuardProcess", no_process)
+        with pytest.raises(GuardError, match="does not start"):
+            await arm.hold("a busy machine", tmp_path, simulated=True)
+    (told,) = await arm.hold("the next one", tmp_path, simulated=True)
+    assert "the guard process ended while the arm moved" in told
 
 
 async def test_guard_that_takes_no_message_counts_as_dead(

@@ -129,6 +129,27 @@ def test_an_arm_that_nobody_gave_back_is_told_to_the_next_owner() -> None:
     second.release()
 
 
+def test_an_owner_that_gives_up_leaves_what_it_found() -> None:
+    first = taken()
+    first.note("the program died")
+    first.release(keep=True)
+    taken(BEN).undo()
+    third = taken()
+    assert "the program died" in third.history[0]
+    assert "anna" in third.history[0]
+    third.release()
+
+
+def test_a_second_address_in_use_leaves_the_first_as_it_was() -> None:
+    holder = taken(arm="192.168.0.21")
+    with pytest.raises(ArmInUseError):
+        OwnerLock((ARM, "192.168.0.21"), BEN)
+    alone = taken()
+    assert alone.history == []
+    alone.release()
+    holder.release()
+
+
 def test_every_user_may_open_the_file() -> None:
     first = taken()
     assert stat.S_IMODE(lock.lock_path(ARM).stat().st_mode) == 0o666
