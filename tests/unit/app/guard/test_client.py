@@ -132,10 +132,11 @@ async def test_machine_that_was_suspended_moves_nothing_unasked(
     arm.on_stop = stops.append
     async with arm.motion():
         arm.permit()
-        # The program wakes sooner than its guard.
-        monkeypatch.setattr(process, "boot_s", lambda: guard.boot_s() + 60.0)
-        with pytest.raises(GuardError, match="stood still"):
-            arm.permit()
+        with monkeypatch.context() as patch:
+            # The program wakes sooner than its guard.
+            patch.setattr(process, "boot_s", lambda: guard.boot_s() + 60.0)
+            with pytest.raises(GuardError, match="stood still"):
+                arm.permit()
         await asyncio.sleep(0)
     assert len(stops) == 1
     assert "stood still" in stops[0]
