@@ -143,7 +143,7 @@ def _writer_changed(line: RunLine) -> bool:
         return False
     try:
         return is_being_written(line.path) != (line.status == "running")
-    except OSError:
+    except StorageError:
         return True
 
 

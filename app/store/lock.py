@@ -19,11 +19,11 @@ class RunLock:
         directory: the run's directory.
 
     Raises:
-        StorageError: another process writes this run.
+        StorageError: another process writes this run, or its directory cannot be opened.
     """
 
     def __init__(self, directory: Path) -> None:
-        self._descriptor: int | None = os.open(directory, os.O_RDONLY)
+        self._descriptor: int | None = _opened(directory)
         try:
             self._take(self._descriptor)
         except BlockingIOError as error:
@@ -52,8 +52,12 @@ class RunLock:
 
 
 def is_being_written(directory: Path) -> bool:
-    """Return whether a living process writes the run."""
-    descriptor = os.open(directory, os.O_RDONLY)
+    """Return whether a living process writes the run.
+
+    Raises:
+        StorageError: its directory cannot be opened.
+    """
+    descriptor = _opened(directory)
     try:
         fcntl.flock(descriptor, fcntl.LOCK_SH | fcntl.LOCK_NB)
     except BlockingIOError:
@@ -61,3 +65,12 @@ def is_being_written(directory: Path) -> bool:
     finally:
         os.close(descriptor)
     return False
+
+
+def _opened(directory: Path) -> int:
+    try:
+        return os.open(directory, os.O_RDONLY)
+    except OSError as error:
+        raise StorageError(
+            f"{directory} cannot be opened: {error}; ask its owner for the permission"
+        ) from error

@@ -1,8 +1,10 @@
 """Finishing what a process that died at the very end has left undone."""
 
+import sqlite3
 from contextlib import closing
 from pathlib import Path
 
+from app.errors import StorageError
 from app.store import seal
 from app.store.lock import RunLock
 from app.store.reader import RunReader
@@ -21,7 +23,7 @@ def seal_late(path: Path, now_utc: str) -> bool:
         Whether there was anything to do.
 
     Raises:
-        StorageError: the run cannot be read, or another process writes it.
+        StorageError: the run cannot be read or written, or another process writes it.
     """
     if RunReader(path).status != "complete" or seal.read_manifest(path) is not None:
         return False
@@ -31,6 +33,10 @@ def seal_late(path: Path, now_utc: str) -> bool:
         with closing(open_writer(path / seal.DATABASE)) as connection:
             leave_one_file(connection)
         seal.seal(path, now_utc)
+    except (OSError, sqlite3.Error) as error:
+        raise StorageError(
+            f"cannot seal {path}: {error}; make that possible, then resume it again"
+        ) from error
     finally:
         lock.release()
     return True

@@ -3,6 +3,7 @@
 import hashlib
 import json
 import os
+import pwd
 import stat
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -107,14 +108,25 @@ def is_marked_unsealed(directory: Path) -> bool:
 
 
 def unseal(directory: Path) -> None:
-    """Remove the manifest and give the write permission back, to go on with a run."""
-    mark_unsealed(directory)
-    (directory / MANIFEST).unlink(missing_ok=True)
-    (directory / _DRAFT).unlink(missing_ok=True)
-    for path in _own_files(directory):
-        with _held(path) as descriptor:
-            os.fchmod(descriptor, os.fstat(descriptor).st_mode | stat.S_IWUSR)
-    _sync(directory)
+    """Give the write permission back and remove the manifest, to go on with a run.
+
+    Raises:
+        StorageError: it cannot be written; the manifest is still there.
+    """
+    try:
+        # First what fails for somebody else's files: the manifest goes only when the run can go on.
+        for path in _own_files(directory):
+            with _held(path) as descriptor:
+                os.fchmod(descriptor, os.fstat(descriptor).st_mode | stat.S_IWUSR)
+        mark_unsealed(directory)
+        (directory / MANIFEST).unlink(missing_ok=True)
+        (directory / _DRAFT).unlink(missing_ok=True)
+        _sync(directory)
+    except OSError as error:
+        raise StorageError(
+            f"{directory} of {_owner(directory)} cannot be made writable: {error}; "
+            "let its owner resume it, and check that the disk can be written"
+        ) from error
 
 
 def read_manifest(directory: Path) -> Manifest | None:
@@ -136,6 +148,14 @@ def read_manifest(directory: Path) -> Manifest | None:
         raise StorageError(f"{path} is damaged: {error.errors()[0]['msg']}") from error
     except OSError as error:
         raise StorageError(f"{path} cannot be read: {error}") from error
+
+
+def _owner(directory: Path) -> str:
+    uid = directory.stat().st_uid
+    try:
+        return pwd.getpwuid(uid).pw_name
+    except KeyError:
+        return f"user {uid}"
 
 
 def _told(name: str) -> str:

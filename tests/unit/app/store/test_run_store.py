@@ -1,5 +1,6 @@
 """The promise of the store, line by line."""
 
+import errno
 import fcntl
 import json
 import os
@@ -258,6 +259,26 @@ async def test_a_run_that_is_just_being_sealed_is_left_alone(store: RunStore) ->
     finally:
         lock.release()
     assert seal.read_manifest(store.path) is not None
+
+
+async def test_a_stopped_run_of_somebody_else_is_not_reopened(
+    store: RunStore, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    await store.finish("stopped", 130)
+
+    def refuse(*_: object) -> None:
+        raise PermissionError(errno.EPERM, "Operation not permitted")
+
+    monkeypatch.setattr(os, "fchmod", refuse)
+    with pytest.raises(StorageError, match=str(store.path)):
+        await RunStore.reopen(store.path, TickingClock(), reserve_bytes=0)
+    assert verify(store.path).problems == verify(store.path).notes == ()
+
+
+async def test_a_folder_that_cannot_be_locked_is_named(tmp_path: Path) -> None:
+    for lock in (RunLock, is_being_written):
+        with pytest.raises(StorageError, match=str(tmp_path / "nowhere")):
+            lock(tmp_path / "nowhere")
 
 
 async def test_a_complete_run_is_not_reopened(store: RunStore) -> None:

@@ -1,6 +1,8 @@
 """Sealing keeps to the run's own files."""
 
+import errno
 import os
+import pwd
 import stat
 from pathlib import Path
 
@@ -42,6 +44,28 @@ def sealed_files(run: Path) -> set[str]:
 def sealed_files_after(run: Path) -> set[str]:
     seal.seal(run, NOW_UTC)
     return sealed_files(run)
+
+
+def refuse(*_: object) -> None:
+    """Stand for the kernel's answer to somebody whose file it is not."""
+    raise PermissionError(errno.EPERM, "Operation not permitted")
+
+
+def test_a_run_of_somebody_else_keeps_its_manifest(run: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    seal.seal(run, NOW_UTC)
+    before = {path.name: path.read_bytes() for path in run.iterdir()}
+    monkeypatch.setattr(os, "fchmod", refuse)
+    with pytest.raises(StorageError, match="not permitted") as refusal:
+        seal.unseal(run)
+    assert {path.name: path.read_bytes() for path in run.iterdir()} == before
+    assert f"{run} of {run.owner()}" in str(refusal.value)
+
+
+def test_an_owner_without_a_name_is_told_by_number(run: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(pwd, "getpwuid", {}.__getitem__)
+    monkeypatch.setattr(os, "fchmod", refuse)
+    with pytest.raises(StorageError, match=f"of user {run.stat().st_uid}"):
+        seal.unseal(run)
 
 
 def test_a_linked_file_keeps_its_permissions(run: Path, outside: Path) -> None:

@@ -1,5 +1,7 @@
 """A run that was changed after its end is not opened without a word."""
 
+import errno
+import os
 import shutil
 import sqlite3
 from contextlib import closing
@@ -198,3 +200,18 @@ async def test_a_run_that_somebody_goes_on_with_is_not_called_changed(
 
     monkeypatch.setattr(soundness, "digest", reopened_meanwhile)
     assert RunReader(run).status == "stopped"
+
+
+async def test_a_run_that_cannot_be_sealed_late_is_named(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    store = await RunStore.create(tmp_path, "search", {}, TickingClock(), reserve_bytes=0)
+    await store.event("run-ended", {"status": "complete", "exit_code": 0})
+    await store.abandon()
+
+    def refuse(*_: object) -> None:
+        raise OSError(errno.ENOSPC, "No space left on device")
+
+    monkeypatch.setattr(os, "fsync", refuse)
+    with pytest.raises(StorageError, match=f"{store.path}.*No space left"):
+        seal_late(store.path, "2026-01-02T00:00:00+00:00")
