@@ -11,7 +11,7 @@ from app.store.catalog import RunSummary, list_runs, resolve_run
 from app.store.reader import Accept, RunReader, accept
 from app.store.resumable import why_not_resumable
 from app.store.unverified import taken_as_it_is
-from app.store.verify import verify
+from app.store.verify import Verification, verify
 from app.story.summary import summary
 from app.story.timeline import timeline
 
@@ -65,13 +65,29 @@ def show_command(run: str, runs: Path | None, as_json: bool, unverified: bool = 
 def verify_command(run: str, runs: Path | None, as_json: bool) -> None:
     """Check a run; exit code 6 when something is wrong."""
     path = resolve_run(runs_folder(runs), run)
-    problems = verify(path).problems
+    found = verify(path)
     if as_json:
-        emit_json({"run": path.name, "sound": not problems, "problems": problems})
-    elif not problems:
-        say(f"{path.name}: manifest, database and sequence numbers agree")
-    if problems:
-        raise StorageError(f"{path.name}: " + "; ".join(problems))
+        emit_json(
+            {
+                "run": path.name,
+                "sound": found.ok,
+                "sealed": found.sealed,
+                "problems": found.problems,
+                "notes": found.notes,
+            }
+        )
+    else:
+        _tell_verified(path.name, found)
+    if found.problems:
+        raise StorageError(f"{path.name}: " + "; ".join(found.problems))
+
+
+def _tell_verified(name: str, found: Verification) -> None:
+    if found.ok:
+        compared = "manifest, database" if found.sealed else "database"
+        say(f"{name}: {compared} and sequence numbers agree")
+    for note in found.notes:
+        say(f"{name}: {note}")
 
 
 def _resumable(run: RunSummary) -> bool:

@@ -1,6 +1,7 @@
 """Checking that a run is what was written."""
 
 from collections import Counter
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -10,6 +11,12 @@ from app.store.seal import DATABASE, read_manifest
 from app.store.soundness import differences, integrity, lost_manifest
 from procedures.context import Json
 
+_UNSEALED: Mapping[Status, str] = {
+    "running": "not sealed: it is under way",
+    "died": "not sealed: its process died before it was closed",
+}
+_UNSEALED_END = "not sealed: the process ended between the closing record and the manifest"
+
 
 @dataclass(frozen=True)
 class Verification:
@@ -17,11 +24,13 @@ class Verification:
 
     Attributes:
         status: how the run ended.
+        sealed: it has a manifest that can be read.
         problems: what contradicts the promise of the store; empty for a sound run.
         notes: what is worth knowing and no fault of the record.
     """
 
     status: Status
+    sealed: bool
     problems: tuple[str, ...]
     notes: tuple[str, ...]
 
@@ -39,28 +48,25 @@ def verify(path: Path) -> Verification:
     """
     reader = RunReader(path, Accept.UNCHECKED)
     status = reader.status
-    problems, notes = _check_manifest(path, status)
+    sealed, problems, notes = _check_manifest(path, status)
     problems += [f"{DATABASE}: {text}" for text in integrity(path / DATABASE)]
     for check in (_check_events, _check_rows, RunReader.misfits):
         try:
             problems += check(reader)
         except StorageError as error:
             problems.append(str(error))
-    return Verification(status, tuple(problems), tuple(notes + ([] if problems else _losses(reader))))
+    return Verification(status, sealed, tuple(problems), tuple(notes + ([] if problems else _losses(reader))))
 
 
-def _check_manifest(path: Path, status: Status) -> tuple[list[str], list[str]]:
+def _check_manifest(path: Path, status: Status) -> tuple[bool, list[str], list[str]]:
     try:
         manifest = read_manifest(path)
     except StorageError as error:
-        return [str(error)], []
-    if manifest is None:
-        if texts := lost_manifest(path):
-            return list(texts), []
-        if status in {"running", "died"}:
-            return [], [f"not sealed: the run is {status}"]
-        return [], ["not sealed: the process ended between the closing record and the manifest"]
-    return list(differences(path, manifest)), []
+        return False, [str(error)], []
+    if manifest is not None:
+        return True, list(differences(path, manifest)), []
+    problems = list(lost_manifest(path))
+    return False, problems, [] if problems else [_UNSEALED.get(status, _UNSEALED_END)]
 
 
 def _check_events(reader: RunReader) -> list[str]:

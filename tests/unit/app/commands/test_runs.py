@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from app.commands.runs import runs_command, show_command
+from app.commands.runs import runs_command, show_command, verify_command
 from app.store.mend import seal_late
 from app.store.run_store import RunStore
 from app.store.seal import read_manifest
@@ -95,3 +95,32 @@ async def test_a_complete_run_whose_process_died_unsealed_is_sealed_late(tmp_pat
     assert read_manifest(made.path) is not None
     assert verify(made.path).ok
     assert not seal_late(made.path, "2026-01-02T03:04:06+00:00")
+
+
+async def test_verify_says_manifest_only_where_there_is_one(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    sealed, dead = await store(tmp_path, "complete", ENOUGH), await store(tmp_path, None, ENOUGH)
+    verify_command(str(sealed), None, as_json=False)
+    assert capsys.readouterr().err == f"{sealed.name}: manifest, database and sequence numbers agree\n"
+    verify_command(str(dead), None, as_json=False)
+    first, second = capsys.readouterr().err.splitlines()
+    assert first == f"{dead.name}: database and sequence numbers agree"
+    assert second == f"{dead.name}: not sealed: its process died before it was closed"
+
+
+async def test_verify_tells_its_notes_as_json(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    for status, sealed in ((None, False), ("complete", True)):
+        path = await store(tmp_path, status, ENOUGH)
+        verify_command(str(path), None, as_json=True)
+        facts = json.loads(capsys.readouterr().out)
+        assert (facts["sound"], facts["problems"], facts["sealed"]) == (True, [], sealed)
+        assert bool(facts["notes"]) is not sealed
+
+
+async def test_verify_tells_what_was_dropped(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    made = await RunStore.create(tmp_path, "open-loop", ENOUGH, ManualClock(), reserve_bytes=0)
+    await made.drop_step("a/0001", 1, {"error": "the beam was lost"})
+    await made.finish("complete", 0)
+    verify_command(str(made.path), None, as_json=False)
+    assert "step a/0001 was dropped: the beam was lost" in capsys.readouterr().err
