@@ -91,9 +91,13 @@ def _tell_verified(name: str, found: Verification) -> None:
 
 
 def _resumable(run: RunSummary) -> bool:
-    return run.status not in {"complete", "running", "damaged"} and not why_not_resumable(
-        RunReader(run.path, Accept.UNCHECKED)
-    )
+    if run.status in {"complete", "running", "damaged"}:
+        return False
+    try:
+        return not why_not_resumable(RunReader(run.path, Accept.UNCHECKED))
+    except StorageError:
+        # The others are listed all the same; whoever opens it learns why.
+        return False
 
 
 def _facts(reader: RunReader) -> dict[str, object]:

@@ -8,6 +8,7 @@ from typing import Literal
 
 from app.errors import StorageError, UsageError
 from app.store.reader import Accept, RunReader, Status
+from app.store.schema import is_file
 from app.store.seal import DATABASE
 
 _NAME = re.compile(r"(?P<started>\d{8}T\d{6}Z)_(?P<procedure>.+)_(?P<id>[0-9a-f]{6})")
@@ -38,7 +39,11 @@ class RunSummary:
 
 
 def list_runs(root: Path) -> list[RunSummary]:
-    """Return the runs below a directory, oldest first."""
+    """Return the runs below a directory, oldest first.
+
+    Raises:
+        StorageError: the directory cannot be listed.
+    """
     return [_summary(path, match) for path, match in _named(root)]
 
 
@@ -52,9 +57,10 @@ def resolve_run(root: Path, text: str) -> Path:
 
     Raises:
         UsageError: none or several fit; the text lists them or the nearest.
+        StorageError: the runs cannot be looked at.
     """
     direct = Path(text)
-    if (direct / DATABASE).is_file():
+    if is_file(direct / DATABASE):
         return direct
     names = [path.name for path, _ in _named(root)]
     ids = [match["id"] for _, match in _named(root)]
@@ -73,8 +79,13 @@ def run_name(name: str) -> re.Match[str] | None:
 
 
 def _named(root: Path) -> list[tuple[Path, re.Match[str]]]:
-    paths = sorted(root.iterdir()) if root.is_dir() else []
-    return [(path, match) for path in paths if path.is_dir() and (match := run_name(path.name))]
+    try:
+        paths = sorted(root.iterdir()) if root.is_dir() else []
+        return [(path, match) for path in paths if path.is_dir() and (match := run_name(path.name))]
+    except OSError as error:
+        raise StorageError(
+            f"{root} cannot be listed: {error}; choose another directory with --runs"
+        ) from error
 
 
 def _summary(path: Path, match: re.Match[str]) -> RunSummary:

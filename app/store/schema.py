@@ -137,9 +137,9 @@ def open_reader(path: Path) -> sqlite3.Connection:
     """Open the file without the right to change it.
 
     Raises:
-        StorageError: the file is missing, damaged or newer.
+        StorageError: the file is missing, damaged or newer, or may not be read.
     """
-    if not path.is_file():
+    if not is_file(path):
         raise StorageError(f"{path.parent} is not a run: it has no {path.name}")
     connection = sqlite3.connect(f"file:{quote(str(path))}?mode=ro", uri=True, isolation_level=None)
     try:
@@ -151,6 +151,18 @@ def open_reader(path: Path) -> sqlite3.Connection:
         raise StorageError(f"{path} cannot be read: {error}") from error
     connection.row_factory = sqlite3.Row
     return connection
+
+
+def is_file(path: Path) -> bool:
+    """Return whether there is a file.
+
+    Raises:
+        StorageError: the system does not let anybody look.
+    """
+    try:
+        return path.is_file()
+    except OSError as error:
+        raise StorageError(f"{path} cannot be read: {error}") from error
 
 
 def _require(connection: sqlite3.Connection, setting: str, question: str, expected: object) -> None:

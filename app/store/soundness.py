@@ -110,9 +110,16 @@ def _remembered(path: Path, look: Callable[[Path], tuple[str, ...]]) -> tuple[st
 
 
 def _stamp(directory: Path) -> _Stamp:
-    """Return what changes when a file does; the time of change cannot be set back."""
-    with os.scandir(directory) as entries:
-        facts = [(entry.name, entry.stat(follow_symlinks=False)) for entry in entries]
+    """Return what changes when a file does; the time of change cannot be set back.
+
+    Raises:
+        StorageError: the directory cannot be listed.
+    """
+    try:
+        with os.scandir(directory) as entries:
+            facts = [(entry.name, entry.stat(follow_symlinks=False)) for entry in entries]
+    except OSError as error:
+        raise StorageError(f"{directory} cannot be listed: {error}") from error
     # What a reader of SQLite leaves beside the file says nothing.
     facts = [
         (n, f) for n, f in facts if not n.endswith("-shm") and not (n.endswith("-wal") and f.st_size == 0)

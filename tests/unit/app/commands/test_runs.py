@@ -1,6 +1,8 @@
 """The list of runs and the story as they are printed."""
 
 import json
+import sqlite3
+from contextlib import closing
 from pathlib import Path
 
 import pytest
@@ -8,7 +10,7 @@ import pytest
 from app.commands.runs import runs_command, show_command, verify_command
 from app.store.mend import seal_late
 from app.store.run_store import RunStore
-from app.store.seal import read_manifest
+from app.store.seal import DATABASE, read_manifest
 from app.store.verify import verify
 from procedures.context import Json
 from tests.unit.app.engine.fakes import ManualClock
@@ -53,6 +55,18 @@ async def test_runs_that_can_go_on_are_told_with_the_command(
     runs_command(tmp_path, as_json=True)
     rows = [json.loads(line) for line in capsys.readouterr().out.splitlines()]
     assert {row["run"] for row in rows if row["resumable"]} == {dead.name, aborted.name}
+
+
+async def test_a_run_of_damaged_events_leaves_the_others_in_the_list(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    damaged, sound = await store(tmp_path, None, ENOUGH), await store(tmp_path, None, ENOUGH)
+    with closing(sqlite3.connect(damaged / DATABASE, isolation_level=None)) as connection:
+        connection.execute("PRAGMA ignore_check_constraints=1")
+        connection.execute("INSERT INTO events (time_utc, kind, data) VALUES ('', 'note', 'no JSON')")
+    runs_command(tmp_path, as_json=True)
+    rows = [json.loads(line) for line in capsys.readouterr().out.splitlines()]
+    assert {row["run"]: row["resumable"] for row in rows} == {damaged.name: False, sound.name: True}
 
 
 async def test_the_story_is_wrapped_and_dated(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

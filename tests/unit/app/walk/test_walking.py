@@ -10,7 +10,7 @@ from app.cell.template import TEMPLATE
 from app.exitcode import ExitCode
 from app.store.reader import RunReader
 from app.store.verify import verify
-from app.walk.register import geometry_digest, own_legs, walked_legs
+from app.walk.register import WALK, geometry_digest, own_legs, walked_legs
 from app.walk.rule import PROMPT, WAIVER
 from drivers.errors import LinkError
 from drivers.readings import Identity
@@ -249,6 +249,15 @@ async def test_an_unsealed_walk_does_not_count(bench: TourBench) -> None:
     (outcome.path / "manifest.json").unlink()
     cell = bench.planned().loaded.cell
     assert walked_legs(bench.root, cell, Identity("fake", "1.0", "7", True)) == []
+
+
+async def test_a_walk_that_cannot_be_read_hides_no_other(bench: TourBench) -> None:
+    await bench.walk()
+    unreadable = bench.root / f"20200101T000000Z_{WALK}_abcdef"
+    unreadable.mkdir()
+    (unreadable / "run.sqlite").symlink_to("n" * 300)
+    cell = bench.planned().loaded.cell
+    assert len(walked_legs(bench.root, cell, Identity("fake", "1.0", "7", True))) == 2
 
 
 async def test_half_a_walk_counts_for_what_was_driven(bench: TourBench) -> None:
