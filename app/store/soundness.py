@@ -30,6 +30,21 @@ def differences(directory: Path, manifest: Manifest) -> tuple[str, ...]:
     return (*problems, *(f"{harmless(name)} was changed after the end" for name in changed))
 
 
+def against_manifest(directory: Path) -> tuple[Manifest | None, tuple[str, ...]]:
+    """Return a run's manifest, None without a readable one, and what speaks against the run as it was sealed."""
+    try:
+        manifest = read_manifest(directory)
+        found = lost_manifest(directory) if manifest is None else differences(directory, manifest)
+        # Somebody goes on with the run just now, or has just sealed it.
+        if found and read_manifest(directory) != manifest:
+            return against_manifest(directory)
+    except StorageError as error:
+        return None, (str(error),)
+    except OSError as error:
+        return None, (f"{directory.name} cannot be read: {error}",)
+    return manifest, found
+
+
 def changes(directory: Path) -> tuple[str, ...]:
     """Return what speaks against a run that was sealed; empty for a sound one, and for one that never was."""
     return _remembered(directory, _changes)
@@ -86,15 +101,7 @@ def _cut_short(database: Path, whole_bytes: int) -> tuple[str, ...]:
 
 
 def _changes(directory: Path) -> tuple[str, ...]:
-    try:
-        manifest = read_manifest(directory)
-        found = lost_manifest(directory) if manifest is None else differences(directory, manifest)
-        # A run that somebody goes on with just now is no longer sealed.
-        return _changes(directory) if found and read_manifest(directory) != manifest else found
-    except StorageError as error:
-        return (str(error),)
-    except OSError as error:
-        return (f"{directory.name} cannot be read: {error}",)
+    return against_manifest(directory)[1]
 
 
 def _remembered(path: Path, look: Callable[[Path], tuple[str, ...]]) -> tuple[str, ...]:

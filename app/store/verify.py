@@ -1,21 +1,15 @@
 """Checking that a run is what was written."""
 
 from collections import Counter
-from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
 from app.errors import StorageError
+from app.store.lock import is_being_written
 from app.store.reader import Accept, RunReader, Status
-from app.store.seal import DATABASE, read_manifest
-from app.store.soundness import differences, integrity, lost_manifest
+from app.store.seal import DATABASE
+from app.store.soundness import against_manifest, integrity
 from procedures.context import Json
-
-_UNSEALED: Mapping[Status, str] = {
-    "running": "not sealed: it is under way",
-    "died": "not sealed: its process died before it was closed",
-}
-_UNSEALED_END = "not sealed: the process ended between the closing record and the manifest"
 
 
 @dataclass(frozen=True)
@@ -48,25 +42,25 @@ def verify(path: Path) -> Verification:
     """
     reader = RunReader(path, Accept.UNCHECKED)
     status = reader.status
-    sealed, problems, notes = _check_manifest(path, status)
-    problems += [f"{DATABASE}: {text}" for text in integrity(path / DATABASE)]
+    manifest, found = against_manifest(path)
+    notes = [] if manifest or found else [_why_unsealed(path, status)]
+    problems = [*found, *(f"{DATABASE}: {text}" for text in integrity(path / DATABASE))]
     for check in (_check_events, _check_rows, RunReader.misfits):
         try:
             problems += check(reader)
         except StorageError as error:
             problems.append(str(error))
-    return Verification(status, sealed, tuple(problems), tuple(notes + ([] if problems else _losses(reader))))
+    return Verification(
+        status, manifest is not None, tuple(problems), tuple(notes + ([] if problems else _losses(reader)))
+    )
 
 
-def _check_manifest(path: Path, status: Status) -> tuple[bool, list[str], list[str]]:
-    try:
-        manifest = read_manifest(path)
-    except StorageError as error:
-        return False, [str(error)], []
-    if manifest is not None:
-        return True, list(differences(path, manifest)), []
-    problems = list(lost_manifest(path))
-    return False, problems, [] if problems else [_UNSEALED.get(status, _UNSEALED_END)]
+def _why_unsealed(path: Path, status: Status) -> str:
+    if is_being_written(path):
+        return "not sealed: it is under way"
+    if status == "died":
+        return "not sealed: its process died before it was closed"
+    return "not sealed: the process ended between the closing record and the manifest"
 
 
 def _check_events(reader: RunReader) -> list[str]:

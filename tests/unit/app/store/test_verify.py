@@ -1,13 +1,16 @@
 """Damage of every kind is found."""
 
+import errno
 import sqlite3
 from contextlib import closing
 from pathlib import Path
 
 import pytest
 
+from app.store import soundness
+from app.store.lock import RunLock
 from app.store.run_store import RunStore
-from app.store.seal import MANIFEST, unseal
+from app.store.seal import MANIFEST, PROMISED, seal, unseal
 from app.store.verify import verify
 from tests.unit.app.store.fakes import SEARCH_ROW, TickingClock
 
@@ -81,3 +84,42 @@ async def test_missing_rows(run: Path, statement: str, text: str) -> None:
     problems = verify(run).problems
     assert "run.sqlite was changed after the end" in problems
     assert text in problems
+
+
+async def closed_unsealed(root: Path) -> Path:
+    store = await RunStore.create(root, "search", {}, TickingClock(), reserve_bytes=0)
+    await store.event("run-ended", {"status": "complete", "exit_code": 0, PROMISED: True})
+    await store.abandon()
+    return store.path
+
+
+async def test_a_run_sealed_during_the_look_has_lost_nothing(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    path = await closed_unsealed(tmp_path)
+
+    def sealed_meanwhile(directory: Path) -> bool:
+        seal(directory, "2026-01-02T00:00:00+00:00")
+        return False
+
+    monkeypatch.setattr(soundness, "is_marked_unsealed", sealed_meanwhile)
+    found = verify(path)
+    assert (found.sealed, found.problems, found.notes) == (True, (), ())
+
+
+async def test_a_run_that_is_just_being_sealed_is_told_so(tmp_path: Path) -> None:
+    path = await closed_unsealed(tmp_path)
+    lock = RunLock(path)
+    try:
+        assert verify(path).notes == ("not sealed: it is under way",)
+    finally:
+        lock.release()
+    assert "between the closing record" in verify(path).notes[0]
+
+
+async def test_a_file_that_cannot_be_read_is_a_problem(run: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def refuse(_directory: Path) -> None:
+        raise PermissionError(errno.EACCES, "Permission denied", "wire.log")
+
+    monkeypatch.setattr(soundness, "digest", refuse)
+    assert "Permission denied: 'wire.log'" in verify(run).problems[0]
