@@ -23,7 +23,10 @@ _LARGEST_MANIFEST_BYTES = 4 * 1024 * 1024
 """For the few files of a run; a list of runs reads every manifest whole."""
 
 UNSEALED = "unsealed"
-"""A file that stands for the manifest until there is one: a run that has neither has lost its manifest."""
+"""A file that stands for the manifest until there is one: a run that has neither has lost its manifest.
+
+What it holds says nothing: it is empty in a new run, and an earlier manifest in one that went on.
+"""
 
 PROMISED = "sealed"
 """Key of a closing record after which a manifest follows; older programs did not say so."""
@@ -89,10 +92,11 @@ def seal(directory: Path, created_utc: str) -> None:
         file.flush()
         os.fsync(file.fileno())
         _read_only(file.fileno())
+    # The mark becomes the manifest: whenever the process dies, one of them is there and never both.
+    marker = draft.rename(directory / UNSEALED)
     crash_point("before-manifest")
-    draft.rename(directory / MANIFEST)
+    marker.rename(directory / MANIFEST)
     _sync(directory)
-    (directory / UNSEALED).unlink(missing_ok=True)
 
 
 def mark_unsealed(directory: Path) -> None:
@@ -108,7 +112,7 @@ def is_marked_unsealed(directory: Path) -> bool:
 
 
 def unseal(directory: Path) -> None:
-    """Give the write permission back and remove the manifest, to go on with a run.
+    """Give the write permission back and make the manifest the mark of a run without one, to go on with it.
 
     Raises:
         StorageError: it cannot be written; the manifest is still there.
@@ -118,10 +122,12 @@ def unseal(directory: Path) -> None:
         for path in _own_files(directory):
             with _held(path) as descriptor:
                 os.fchmod(descriptor, os.fstat(descriptor).st_mode | stat.S_IWUSR)
-        mark_unsealed(directory)
-        (directory / MANIFEST).unlink(missing_ok=True)
         (directory / _DRAFT).unlink(missing_ok=True)
-        _sync(directory)
+        if os.path.lexists(directory / MANIFEST):
+            (directory / MANIFEST).rename(directory / UNSEALED)
+            _sync(directory)
+        else:
+            mark_unsealed(directory)
     except OSError as error:
         raise StorageError(
             f"{directory} of {_owner(directory)} cannot be made writable: {error}; "

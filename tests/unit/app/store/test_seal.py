@@ -1,9 +1,12 @@
 """Sealing keeps to the run's own files."""
 
+import contextlib
 import errno
+import itertools
 import os
 import pwd
 import stat
+from collections.abc import Callable
 from pathlib import Path
 
 import pytest
@@ -66,6 +69,51 @@ def test_an_owner_without_a_name_is_told_by_number(run: Path, monkeypatch: pytes
     monkeypatch.setattr(os, "fchmod", refuse)
     with pytest.raises(StorageError, match=f"of user {run.stat().st_uid}"):
         seal.unseal(run)
+
+
+class Died(BaseException):
+    """The process is killed here."""
+
+
+def dies_at(place: int) -> Callable[[Callable[..., object]], Callable[..., object]]:
+    """Return a wrapper of functions that share a count; the call at a place, from 1, and all after it die."""
+    calls = itertools.count(1)
+
+    def counted(real: Callable[..., object]) -> Callable[..., object]:
+        def call(*args: object, **options: object) -> object:
+            if next(calls) >= place:
+                raise Died
+            return real(*args, **options)
+
+        return call
+
+    return counted
+
+
+@pytest.mark.parametrize("place", range(1, 15))
+@pytest.mark.parametrize("way", ["seal", "unseal"])
+def test_wherever_it_dies_manifest_or_marker_stands_never_both(
+    run: Path, monkeypatch: pytest.MonkeyPatch, way: str, place: int
+) -> None:
+    seal.mark_unsealed(run)
+    if way == "unseal":
+        seal.seal(run, NOW_UTC)
+    with monkeypatch.context() as killed:
+        counted = dies_at(place)
+        for owner, name in (
+            (Path, "rename"),
+            (Path, "unlink"),
+            (Path, "touch"),
+            (os, "fsync"),
+            (os, "fchmod"),
+        ):
+            killed.setattr(owner, name, counted(getattr(owner, name)))
+        with contextlib.suppress(Died):
+            seal.seal(run, NOW_UTC) if way == "seal" else seal.unseal(run)
+    assert (seal.read_manifest(run) is None) == seal.is_marked_unsealed(run)
+    seal.seal(run, NOW_UTC)
+    assert sealed_files(run) == {"run.sqlite"}
+    assert {path.name for path in run.iterdir()} == {"run.sqlite", MANIFEST}
 
 
 def test_a_linked_file_keeps_its_permissions(run: Path, outside: Path) -> None:
