@@ -146,6 +146,10 @@ async def answered(motion: Awaitable[None], asker: Side) -> None:
         async with asyncio.timeout(None) as patience:
             look.begin_later(patience)
             await motion
+    except asyncio.CancelledError:
+        # STOP comes next, and waits for no look.
+        look.give_up()
+        raise
     except TimeoutError:
         if not patience.expired():
             raise
@@ -173,6 +177,11 @@ class _Look:
 
     def _begin(self, patience: asyncio.Timeout) -> None:
         self._task = asyncio.create_task(self._until_standing(patience))
+
+    def give_up(self) -> None:
+        """Break off the look under way; its link is out of step then."""
+        if self._task is not None:
+            self._task.cancel()
 
     async def end(self) -> None:
         """Look no more; a look under way is let to its end, so that its link stays in step."""

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import pytest
 
 from drivers.errors import LinkError
-from drivers.melfa.motion import VARIABLES
+from drivers.melfa.motion import LOOK_S, VARIABLES
 from drivers.melfa.robot import MelfaR3
 from drivers.melfa.settings import MelfaSettings
 from drivers.melfa.side import HEAL_PERIOD_S, PATIENCE_S
@@ -22,8 +22,12 @@ class Moving:
     """A robot whose motion waits for its answer, on three connections."""
 
     robot: MelfaR3
+    motion: asyncio.Task[None]
+    main: Peer
     stop: Peer
     status: Peer
+    hushed: asyncio.Event
+    """Once set, the status connection keeps silent."""
 
     def said(self, peer: Peer, command: str) -> int:
         """Return how often a command came over a connection."""
@@ -43,10 +47,13 @@ async def moving() -> AsyncIterator[Moving]:
     controller = Controller()
     controller.replies["EXEC2"] = list
     controller.flags = "E0060"
+    hushed = asyncio.Event()
     async with (
         Peer(controller.answer_in_order, endpoint="memory://robot") as main,
         Peer(controller.answer, endpoint="memory://stop") as stop,
-        Peer(controller.answer, endpoint="memory://status") as status,
+        Peer(
+            lambda data: [] if hushed.is_set() else controller.answer(data), endpoint="memory://status"
+        ) as status,
     ):
         robot = MelfaR3(
             main.near,
@@ -61,7 +68,7 @@ async def moving() -> AsyncIterator[Moving]:
         await until(lambda: any(b"EXEC2" in data for data in main.requests))
         controller.replies["STOP"] = controller.halt
         try:
-            yield Moving(robot, stop, status)
+            yield Moving(robot, motion, main, stop, status, hushed)
         finally:
             motion.cancel()
             await asyncio.gather(motion, return_exceptions=True)
@@ -125,3 +132,19 @@ def test_healing_a_status_connection_delays_no_stop(monkeypatch: pytest.MonkeyPa
             assert loop.time() - began_s < 0.5
 
     run(stopped())
+
+
+def test_a_stalled_look_delays_no_stop_of_a_cancelled_motion() -> None:
+    async def cancelled() -> None:
+        async with moving() as m:
+            looks = m.said(m.status, "STATE")
+            m.hushed.set()
+            await asyncio.sleep(2 * LOOK_S)
+            assert m.said(m.status, "STATE") == looks + 1
+            loop = asyncio.get_running_loop()
+            began_s = loop.time()
+            m.motion.cancel()
+            await until(lambda: all(m.said(peer, "STOP") > 0 for peer in (m.main, m.stop, m.status)))
+            assert loop.time() == began_s
+
+    run(cancelled())
