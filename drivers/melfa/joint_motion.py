@@ -18,6 +18,7 @@ from drivers.melfa.connections import Connections
 from drivers.melfa.motion import (
     LOOK_WHY,
     answered,
+    asking_under_way,
     assignment,
     off_target,
     standstill,
@@ -139,7 +140,8 @@ class JointMotion:
             await answered(motion, self._connections.side)
         finally:
             self.waits = False
-        reached = await self._main.joints()
+        with asking_under_way():
+            reached = await self._main.joints()
         if not off_target(reached, target, self._settings):
             return reached
         # The answer may have been a late double of the one before: an arm that is yet to arrive is waited for.

@@ -2,7 +2,7 @@
 
 import asyncio
 import contextlib
-from collections.abc import Awaitable, Callable
+from collections.abc import Awaitable, Callable, Iterator
 
 from drivers.clock import Clock
 from drivers.errors import (
@@ -73,6 +73,24 @@ def unstarted_polls(byte_s: float) -> int:
     return max(_FEWEST_POLLS, round(_START_TIME_S / (_NETWORK_POLL_S + _POLL_BYTES * byte_s)))
 
 
+@contextlib.contextmanager
+def asking_under_way() -> Iterator[None]:
+    """Turn the refusal of a question while the arm may move into garbage, which is accounted for.
+
+    A line that garbles bytes makes controllers refuse what they always answer.
+
+    Raises:
+        ProtocolError: a question was refused.
+        AlarmError: an alarm is the reason.
+    """
+    try:
+        yield
+    except AlarmError:
+        raise
+    except RefusedError as exc:
+        raise ProtocolError(f"a question was refused while the arm may move: {exc}") from exc
+
+
 async def standstill(
     session: Session,
     clock: Clock,
@@ -111,8 +129,8 @@ async def standstill(
             while True:
                 if before_look is not None:
                     await before_look()
-                running = (await session.state()).running
-                joints = await session.joints()
+                with asking_under_way():
+                    running, joints = (await session.state()).running, await session.joints()
                 if target and not running and not off_target(joints, target, settings):
                     return joints
                 equal = equal + 1 if joints == last and not running else 1
@@ -120,10 +138,6 @@ async def standstill(
                     return joints
                 last = joints
                 await clock.sleep(settings.poll_s)
-    except AlarmError:
-        raise
-    except RefusedError as exc:
-        raise ProtocolError(f"{session.where}: a question was refused while the arm may move: {exc}") from exc
     except TimeoutError:
         raise LinkTimeoutError(
             f"{session.where}: the robot does not stand still after {timeout_s:g} s, last joints {last}: "

@@ -28,7 +28,7 @@ from drivers.link import RequestLink, uninterrupted
 from drivers.melfa.datalink import codec
 from drivers.melfa.datalink.codec import Record, RecordDecoder
 from drivers.melfa.led import LedArm, parted, require_way
-from drivers.melfa.motion import LOOK_WHY, STILL_LOOKS, off_target
+from drivers.melfa.motion import LOOK_WHY, STILL_LOOKS, asking_under_way, off_target
 from drivers.melfa.robot import MelfaR3
 from drivers.melfa.settings import MelfaSettings
 from drivers.readings import Identity, Joints
@@ -254,8 +254,10 @@ class MelfaDatalink(LedArm):
         """Drive; return the answer. Arm and program are watched meanwhile: one that is lost never comes.
 
         Raises:
+            AlarmError: an alarm is active.
+            RefusedError: the program refuses, nothing moves.
             LinkError: program or arm stands, or the controller does not tell.
-            ProtocolError: garbage came.
+            ProtocolError: garbage came, or the controller refused a question.
         """
         drive = asyncio.ensure_future(
             self._ask(codec.DRIVE, timeout_s=self._settings.move_timeout_s, permit=permit)
@@ -267,7 +269,8 @@ class MelfaDatalink(LedArm):
                 await asyncio.wait({drive}, timeout=_LOOK_S)
                 if drive.done():
                     break
-                status, joints = await self._controller.status(), await self._controller.joints()
+                with asking_under_way():
+                    status, joints = await self._controller.status(), await self._controller.joints()
                 # Once may be the moment in which the program goes from one statement to the next.
                 standing = 0 if status.running else standing + 1
                 still, last = still + 1 if joints == last else 0, joints

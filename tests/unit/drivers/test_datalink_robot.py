@@ -209,6 +209,25 @@ async def test_a_program_that_somebody_else_stopped_is_not_waited_for(
                 await way
 
 
+@pytest.mark.parametrize("question", ["STATE", "JPOSF"])
+async def test_a_question_refused_on_the_way_leaves_no_arm_driving(
+    question: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A line that garbles bytes has the controller refuse a question with L3810."""
+    monkeypatch.setattr("drivers.melfa.datalink.robot._LOOK_S", 0.005)
+    async with linked(move_timeout_s=30.0) as bench:
+        bench.program.silent = {2}
+        bench.program.moves = False
+        way = asyncio.create_task(bench.robot.follow(WAY))
+        await until(lambda: any(command == 2 for _, command in bench.program.requests))
+        refusals: Iterator[list[str]] = iter([["QeR381000000"]])
+        bench.controller.replies[question] = lambda: next(refusals, bench.controller.usual(question))
+        async with asyncio.timeout(HANG_S):
+            with pytest.raises(NotArrivedError, match="refused while the arm may move"):
+                await way
+        assert any(b"STOP" in request for request in bench.aside.requests)
+
+
 async def test_an_answer_with_another_number_is_no_answer() -> None:
     async with linked() as bench:
         bench.program.replies[3] = lambda number: f"{number + 1},3,1,2,3,4"

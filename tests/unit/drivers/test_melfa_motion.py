@@ -370,6 +370,19 @@ async def test_a_question_refused_during_a_polled_motion_is_accounted_for_and_th
         assert await b.robot.joints() == TARGET
 
 
+async def test_a_question_refused_behind_the_answer_leaves_no_arm_driving() -> None:
+    """That answer may have been the late double of another one: the arm is on its way."""
+    controller = Controller()
+    controller.arrives = False
+    controller.replies["EXEC2"] = lambda: ["QoK"]
+    async with bench(controller) as b:
+        refusals: Iterator[Iterable[str]] = iter([["QeR381000000"]])
+        controller.replies["JPOSF"] = lambda: next(refusals, controller.usual("JPOSF"))
+        with pytest.raises(NotArrivedError, match="refused while the arm may move"):
+            await b.robot.move_joints(TARGET)
+        assert "STOP" in b.said_aside
+
+
 async def test_a_doubled_answer_to_the_assignment_keeps_the_motion_back() -> None:
     controller = Controller()
     controller.suffix = "\r"
