@@ -37,6 +37,7 @@ class Side:
         self._other = other
         self._healing: asyncio.Task[None] | None = None
         self._note = ""
+        self._closed = False
 
     @property
     def where(self) -> str:
@@ -49,7 +50,8 @@ class Side:
         return self._note
 
     async def close(self) -> None:
-        """Give up healing; may be called any number of times."""
+        """Give up healing for good; may be called any number of times."""
+        self._closed = True
         healing, self._healing = self._healing, None
         self._note = ""
         if healing is not None:
@@ -80,6 +82,9 @@ class Side:
         return await question(self._other)
 
     def _put_aside(self, why: str) -> None:
+        if self._closed:
+            # A question that was in flight failed with its connection.
+            return
         self._note = (
             f"the connection for {QUESTIONS} is lost, the stop connection serves them meanwhile ({why})"
         )

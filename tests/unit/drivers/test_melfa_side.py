@@ -148,3 +148,21 @@ def test_a_stalled_look_delays_no_stop_of_a_cancelled_motion() -> None:
             assert loop.time() == began_s
 
     run(cancelled())
+
+
+def test_a_question_in_flight_at_closing_begins_no_healing() -> None:
+    async def closed() -> None:
+        async with moving() as m:
+            before = asyncio.all_tasks()
+            m.hushed.set()
+            asking = asyncio.create_task(m.robot.joints())
+            await until(lambda: m.said(m.status, "JPOSF") > 0)
+            await m.robot.close()
+            with pytest.raises(LinkError):
+                await asking
+            m.motion.cancel()
+            await asyncio.gather(m.motion, return_exceptions=True)
+            assert asyncio.all_tasks() <= before
+            assert m.robot.notes == ()
+
+    run(closed())
