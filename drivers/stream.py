@@ -219,6 +219,10 @@ class StreamLink(Generic[T]):
         await self._hang_up()
         self._failure = LinkError(f"{self.where}: the greeting is not finished")
         await self._transport.open()
+        if not self._is_open:
+            # `close` came while the transport was being opened and found nothing to close.
+            await self._transport.close()
+            raise LinkError(f"{self.where}: the link was closed while it was being opened: connect again")
         self._last_bytes = b""
         self._failure = None
         self._reader = asyncio.create_task(self._take_in(self._decoder()))

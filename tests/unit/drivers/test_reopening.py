@@ -16,6 +16,10 @@ from tests.unit.drivers.test_link import Line
 from tests.unit.drivers.virtual_time import run
 
 
+async def nothing() -> None:
+    """Greet nobody."""
+
+
 def refuse_for(transport: MemoryTransport, duration_s: float, patch: pytest.MonkeyPatch) -> None:
     """Have a transport refuse to be opened for a while."""
     loop = asyncio.get_running_loop()
@@ -92,25 +96,60 @@ def test_closing_ends_the_attempts_to_open_a_link_again(monkeypatch: pytest.Monk
     with_link(closed)
 
 
-def test_a_stream_refused_for_a_moment_is_opened_again(monkeypatch: pytest.MonkeyPatch) -> None:
-    async def greet() -> None:
-        return
+def streaming(transport: MemoryTransport, greet: Callable[[], Awaitable[None]] = nothing) -> StreamLink[int]:
+    """Return a link to an instrument that sends by itself."""
+    return StreamLink(
+        transport,
+        StepClock(),
+        name="display",
+        decoder=Bytes,
+        take=lambda _frame, _time_s: None,
+        greet=greet,
+    )
 
+
+def test_a_stream_refused_for_a_moment_is_opened_again(monkeypatch: pytest.MonkeyPatch) -> None:
     async def streamed() -> None:
         async with Peer(scripted()) as peer:
-            link: StreamLink[int] = StreamLink(
-                peer.near,
-                StepClock(),
-                name="display",
-                decoder=Bytes,
-                take=lambda _frame, _time_s: None,
-                greet=greet,
-            )
+            link = streaming(peer.near)
             await link.open()
             refuse_for(peer.near, 1.5, monkeypatch)
             await peer.near.close()
             await link.ensure()
             assert peer.near.is_open
             await link.close()
+
+    run(streamed())
+
+
+def test_a_stream_closed_while_it_is_opened_again_stays_closed(monkeypatch: pytest.MonkeyPatch) -> None:
+    async def streamed() -> None:
+        async with Peer(scripted()) as peer:
+            greeted = 0
+
+            async def greet() -> None:
+                nonlocal greeted
+                greeted += 1
+
+            link = streaming(peer.near, greet)
+            await link.open()
+            await peer.near.close()
+            go_on, opened = asyncio.Event(), peer.near.open
+
+            async def open_slowly() -> None:
+                await go_on.wait()
+                await opened()
+
+            monkeypatch.setattr(peer.near, "open", open_slowly)
+            before = asyncio.all_tasks()
+            healing = asyncio.create_task(link.ensure())
+            await asyncio.sleep(1.0)
+            await link.close()
+            go_on.set()
+            with pytest.raises(LinkError, match="closed while it was being opened"):
+                await healing
+            assert not peer.near.is_open
+            assert greeted == 1
+            assert asyncio.all_tasks() <= before
 
     run(streamed())
