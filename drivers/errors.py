@@ -28,7 +28,7 @@ class UnreachableError(LinkError):
 
 
 class NotSentError(LinkError):
-    """A request that is bound to its connection was kept back, since the link is out of step: nothing was sent."""
+    """A request was kept back, since the link is out of step: nothing was sent."""
 
 
 class LinkTimeoutError(LinkError):

@@ -329,7 +329,7 @@ class RequestLink:
         """Refuse to send after a greeting, or within one, behind which something came that nobody asked for."""
         if why := self._urgent or self._unasked():
             self._doubt = why
-            raise LinkError(f"{self.where}: the link is out of step ({why}): nothing was sent")
+            raise NotSentError(f"{self.where}: the link is out of step ({why}): nothing was sent")
 
     async def _heals_in_place(self) -> bool:
         """Get in step on the open connection: answers come in order, so behind that to `identify` none is owed."""

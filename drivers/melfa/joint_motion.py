@@ -13,7 +13,7 @@ from drivers.errors import (
     ProtocolError,
     RefusedError,
 )
-from drivers.healing import ATTEMPTS, Repeat
+from drivers.healing import Repeat
 from drivers.melfa.connections import Connections
 from drivers.melfa.motion import (
     LOOK_WHY,
@@ -21,6 +21,7 @@ from drivers.melfa.motion import (
     asking_under_way,
     assignment,
     off_target,
+    sent_once,
     standstill,
 )
 from drivers.melfa.settings import MelfaSettings
@@ -80,16 +81,11 @@ class JointMotion:
         Raises:
             DeviceError: as `MelfaR3.move_joints` tells.
         """
-        for attempt in range(1, ATTEMPTS + 1):
-            await self._main.link.repeated(partial(self._prepare, target))
-            try:
-                await self._go(target, permit)
-            except NotSentError:
-                # The answer to the assignment came twice: the motion was kept back, and nothing moves.
-                if attempt == ATTEMPTS:
-                    raise
-            else:
-                return
+        # An answer to the assignment that came twice keeps the motion back, and nothing moves.
+        await sent_once(
+            partial(self._main.link.repeated, partial(self._prepare, target)),
+            partial(self._go, target, permit),
+        )
 
     async def _prepare(self, target: Joints) -> None:
         """Give the controller the target: on the very connection from which the motion takes it."""

@@ -11,9 +11,11 @@ from drivers.errors import (
     LinkError,
     LinkTimeoutError,
     NotArrivedError,
+    NotSentError,
     ProtocolError,
     RefusedError,
 )
+from drivers.healing import ATTEMPTS
 from drivers.melfa.session import Session
 from drivers.melfa.settings import MelfaSettings
 from drivers.melfa.side import Side
@@ -89,6 +91,27 @@ def asking_under_way() -> Iterator[None]:
         raise
     except RefusedError as exc:
         raise ProtocolError(f"a question was refused while the arm may move: {exc}") from exc
+
+
+async def sent_once(prepare: Callable[[], Awaitable[None]], send: Callable[[], Awaitable[None]]) -> None:
+    """Prepare something and send it; do both again as long as the link keeps it back.
+
+    Args:
+        prepare: is harmless.
+        send: raises NotSentError only where nothing was sent.
+
+    Raises:
+        NotSentError: it is kept back again and again; nothing was sent.
+    """
+    for attempt in range(1, ATTEMPTS + 1):
+        await prepare()
+        try:
+            await send()
+        except NotSentError:
+            if attempt == ATTEMPTS:
+                raise
+        else:
+            return
 
 
 async def standstill(

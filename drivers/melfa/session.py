@@ -11,6 +11,7 @@ from drivers.errors import (
     DeviceError,
     LinkError,
     NotReadyError,
+    NotSentError,
     ProtocolError,
     RefusedError,
     WrongDeviceError,
@@ -186,7 +187,11 @@ class Session:
             answer = await self.ask(command, layout)
             return self.parsed(command, parse, answer), answer
 
-        return await self.link.repeated(once)
+        try:
+            return await self.link.repeated(once)
+        except NotSentError as exc:
+            # Only of a command does this tell its sender anything; a question may follow one that was sent.
+            raise LinkError(str(exc)) from exc
 
     async def greet_ask(self, command: str, layout: Layout) -> Answer:
         """Ask while the link is being opened.

@@ -1,11 +1,12 @@
 """The start of a stored program: once, and never on top of one that runs (sheet 1.9)."""
 
 from collections.abc import Callable
+from functools import partial
 
 from drivers.clock import Clock
-from drivers.errors import LinkError, NotReadyError, ProtocolError
+from drivers.errors import LinkError, NotReadyError, NotSentError, ProtocolError
 from drivers.healing import Repeat
-from drivers.melfa.motion import unstarted_polls
+from drivers.melfa.motion import sent_once, unstarted_polls
 from drivers.melfa.session import Session
 from drivers.melfa.settings import MelfaSettings
 
@@ -35,9 +36,20 @@ async def start_once(
     """
     if await _runs(session, name):
         return
-    await session.command("RSTPRG", repeat=Repeat.HARMLESS)
+    await sent_once(
+        partial(session.command, "RSTPRG", repeat=Repeat.HARMLESS),
+        partial(_run, session, clock, settings, name, permit),
+    )
+
+
+async def _run(
+    session: Session, clock: Clock, settings: MelfaSettings, name: str, permit: Callable[[], None]
+) -> None:
+    """Start the program; look whether it runs when the answer is lost."""
     try:
         await session.command(f"RUN{name};1", permit=permit)
+    except NotSentError:
+        raise
     except (LinkError, ProtocolError) as lost:
         for _ in range(_LOOKS):
             # A stop that overtook the start is the reason that counts.

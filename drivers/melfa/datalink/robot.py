@@ -23,12 +23,12 @@ from drivers.errors import (
     RefusedError,
     WrongDeviceError,
 )
-from drivers.healing import ATTEMPTS, Repeat
+from drivers.healing import Repeat
 from drivers.link import RequestLink, uninterrupted
 from drivers.melfa.datalink import codec
 from drivers.melfa.datalink.codec import Record, RecordDecoder
 from drivers.melfa.led import LedArm, parted, require_way
-from drivers.melfa.motion import LOOK_WHY, STILL_LOOKS, asking_under_way, off_target
+from drivers.melfa.motion import LOOK_WHY, STILL_LOOKS, asking_under_way, off_target, sent_once
 from drivers.melfa.robot import MelfaR3
 from drivers.melfa.settings import MelfaSettings
 from drivers.readings import Identity, Joints
@@ -191,17 +191,12 @@ class MelfaDatalink(LedArm):
         await self._controller.stop()
 
     async def _lead(self, part: Sequence[Joints], permit: Callable[[], None]) -> None:
-        for attempt in range(1, ATTEMPTS + 1):
-            await self._ready(permit)
-            await self._link.repeated(partial(self._send, part))
-            try:
-                await self._drive(part[-1], permit)
-            except NotSentError:
-                # The answer to a point came twice: the way was kept back, and nothing moves.
-                if attempt == ATTEMPTS:
-                    raise
-            else:
-                return
+        # An answer to a point that came twice keeps the way back, and nothing moves.
+        await sent_once(partial(self._prepare, part, permit), partial(self._drive, part[-1], permit))
+
+    async def _prepare(self, part: Sequence[Joints], permit: Callable[[], None]) -> None:
+        await self._ready(permit)
+        await self._link.repeated(partial(self._send, part))
 
     async def _ready(self, permit: Callable[[], None]) -> None:
         """Have the program run, in a state in which it may move the arm."""

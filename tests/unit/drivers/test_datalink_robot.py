@@ -345,6 +345,21 @@ async def test_a_lost_answer_to_a_start_is_no_event_when_the_program_runs() -> N
         assert bench.program.driven == [pytest.approx(target) for target in WAY]
 
 
+async def test_a_start_that_was_kept_back_is_sent_after_all() -> None:
+    """The reset is answered twice, and so is the right when the connection is opened again for it."""
+    async with linked() as bench:
+        await bench.robot.stop()
+        bench.controller.suffix = "\r"
+        resets: Iterator[list[str]] = iter([["QoK\rQoK"]])
+        bench.controller.replies["RSTPRG"] = lambda: next(resets, ["QoK"])
+        rights: Iterator[list[str]] = iter([["QoK"], ["QoK", "QoK"]])
+        bench.controller.replies["CNTLON"] = lambda: next(rights, ["QoK"])
+        await bench.robot.follow(WAY)
+        assert bench.main.requests.count(b"1;1;CNTLON\r") == 3
+        assert started(bench) == 1
+        assert bench.program.driven == [pytest.approx(target) for target in WAY]
+
+
 async def test_a_program_that_does_not_run_is_not_started_twice() -> None:
     async with linked() as bench:
         await bench.robot.stop()

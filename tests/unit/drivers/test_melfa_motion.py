@@ -13,6 +13,7 @@ from drivers.errors import (
     NotReadyError,
     RefusedError,
 )
+from drivers.healing import ATTEMPTS
 from drivers.melfa.robot import MelfaR3
 from drivers.melfa.settings import MelfaSettings
 from tests.unit.drivers.melfa_bench import JPOS, QUICK, START, STATE, TARGET, Controller, bench
@@ -394,3 +395,21 @@ async def test_a_doubled_answer_to_the_assignment_keeps_the_motion_back() -> Non
         assert sum(said.startswith("EXECJCATSEY1") for said in b.said) == 2
         assert b.said.count("EXEC2=MOV JCATSEY1") == 1
         assert "STOP" not in b.said + b.said_aside
+
+
+async def test_a_question_kept_back_sends_no_motion_again() -> None:
+    """Its link needs more than all attempts to get in step: that says nothing of the motion before it."""
+    controller = Controller()
+    controller.suffix = "\r"
+
+    def moves_and_answers_twice() -> Iterable[str]:
+        controller.arrive()
+        return ["QoK\rQoK"]
+
+    controller.replies["EXEC2"] = moves_and_answers_twice
+    rights = iter([["QoK"], *[["QoK", "QoK"]] * ATTEMPTS])
+    controller.replies["CNTLON"] = lambda: next(rights, ["QoK"])
+    async with bench(controller) as b:
+        await b.robot.move_joints(TARGET)
+        assert b.said.count("EXEC2=MOV JCATSEY1") == 1
+        assert b.said.count("CNTLON") == 1 + ATTEMPTS
