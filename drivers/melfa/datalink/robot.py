@@ -23,7 +23,7 @@ from drivers.errors import (
     RefusedError,
     WrongDeviceError,
 )
-from drivers.healing import Repeat
+from drivers.healing import Repeat, reopened
 from drivers.link import RequestLink, uninterrupted
 from drivers.melfa.datalink import codec
 from drivers.melfa.datalink.codec import Record, RecordDecoder
@@ -38,6 +38,9 @@ from drivers.transport import Transport
 _VERSION = 1
 _LOOK_S = 0.2
 _LOOKS = 2
+_OPENS_S = 0.1
+"""For the statements of the program before its Open, real s; what comes earlier puts it in alarm."""
+
 _START_IT = "start the program CATSDL on the controller (key at AUTO, slot 1), see docs/controller.md"
 
 
@@ -139,6 +142,8 @@ class MelfaDatalink(LedArm):
 
     async def close(self) -> None:
         """Disconnect; may be called any number of times."""
+        # A start under way opens nothing behind it.
+        self._halted = True
         await self._link.close()
         await self._controller.close()
 
@@ -207,14 +212,33 @@ class MelfaDatalink(LedArm):
     async def _restart(self, permit: Callable[[], None]) -> None:
         if not self._settings.program:
             raise RefusedError(f"{self._link.where}: the program stands after a stop: {_START_IT}", 0)
+
+        def hopeful() -> bool:
+            # A stop is the reason that counts.
+            permit()
+            return not self._halted
+
         # A stop meanwhile sets it again.
         self._halted = False
         try:
             await self._controller.start_program(self._settings.program, permit)
-            await self._link.open()
+            await reopened(self._open, hopeful)
         except BaseException:
             self._halted = True
             raise
+
+    async def _open(self) -> None:
+        """Open the link to a program that was just started.
+
+        Raises:
+            LinkError: the program does not run or answer yet, was stopped, or the link was closed.
+        """
+        if not (await self._controller.status()).running:
+            raise LinkError(f"{self._link.where}: the program was started and does not run: {_START_IT}")
+        await asyncio.sleep(_OPENS_S)
+        if self._halted:
+            raise LinkError(f"{self._link.where}: the program was stopped or the link closed: connect again")
+        await self._link.open()
 
     async def _send(self, way: Sequence[Joints]) -> None:
         await self._ask(codec.FORGET)

@@ -75,6 +75,8 @@ class Controller:
                 self.arrive()
             case "EXECMOV JCATSEY1", _, _:
                 self.arrive()
+            case word, _, _ if word.startswith("RUN"):
+                self.flags = "E0060"
         return ["Qok" if self.alarm else "QoK"]
 
     def hung_up(self) -> None:

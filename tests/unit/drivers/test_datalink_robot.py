@@ -269,6 +269,73 @@ async def test_after_a_stop_the_program_is_started_again_before_the_next_way() -
         assert bench.program.driven == [pytest.approx(target) for target in WAY]
 
 
+async def test_a_port_that_refuses_right_after_the_start_is_tried_again(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    async with linked() as bench:
+        await bench.robot.stop()
+        refusals, opened = iter([LinkError("connection refused")]), bench.datalink.near.open
+
+        async def open_late() -> None:
+            for refusal in refusals:
+                raise refusal
+            await opened()
+
+        monkeypatch.setattr(bench.datalink.near, "open", open_late)
+        await bench.robot.follow(WAY)
+        assert started(bench) == 1
+        assert bench.program.driven == [pytest.approx(target) for target in WAY]
+
+
+async def test_a_program_is_asked_nothing_before_it_runs() -> None:
+    """What comes before its Open puts the program in alarm (sheet, section 4.1)."""
+    async with linked() as bench:
+        await bench.robot.stop()
+        begun = False
+        looks: list[int] = []
+
+        def begin_late() -> Iterable[str]:
+            nonlocal begun
+            begun = True
+            return ["QoK"]
+
+        def states() -> Iterable[str]:
+            if begun:
+                looks.append(len(bench.program.requests))
+                bench.controller.flags = "E0060" if len(looks) > 2 else "A0060"
+            return bench.controller.usual("STATE")
+
+        bench.controller.replies["RUNCATSDL;1"] = begin_late
+        bench.controller.replies["STATE"] = states
+        before = len(bench.program.requests)
+        await bench.robot.follow(WAY)
+        assert looks[:3] == [before] * 3
+        assert bench.program.driven == [pytest.approx(target) for target in WAY]
+
+
+async def test_a_stop_before_the_port_opens_ends_the_wait_for_it() -> None:
+    async with linked() as bench:
+        await bench.robot.stop()
+        before = len(bench.program.requests)
+        way = asyncio.create_task(bench.robot.follow(WAY))
+        await until(lambda: started(bench) == 1)
+        await bench.robot.stop()
+        with pytest.raises(RefusedError, match="stop overtook"):
+            await way
+        assert len(bench.program.requests) == before
+
+
+async def test_closing_amid_a_start_leaves_the_port_closed() -> None:
+    async with linked() as bench:
+        await bench.robot.stop()
+        way = asyncio.create_task(bench.robot.follow(WAY))
+        await until(lambda: started(bench) == 1)
+        await bench.robot.close()
+        with pytest.raises(LinkError):
+            await way
+        assert not bench.datalink.near.is_open
+
+
 async def test_a_way_that_a_stop_overtakes_is_not_driven() -> None:
     async with linked() as bench:
         bench.program.silent = {1}
