@@ -24,7 +24,11 @@ class Advice:
     writes: Path | None = None
 
 
-def after_run(procedure: str, status: str, run: str, root: Path, *, blocked: bool) -> list[Advice]:
+CLEAR = Advice("clear", "when the cause is found and removed")
+"""Comes first after an abort, also where no run was: nothing begins before."""
+
+
+def after_run(procedure: str, status: str, run: str, root: Path) -> list[Advice]:
     """Return what is sensible, the most sensible first.
 
     Results and reports go beside the folder of runs: a run's own folder is sealed.
@@ -34,14 +38,12 @@ def after_run(procedure: str, status: str, run: str, root: Path, *, blocked: boo
         status: complete, stopped, aborted or failed.
         run: its name.
         root: folder of all runs.
-        blocked: nothing begins before somebody has cleared that.
     """
     folder, run_id = root.absolute().parent, run.rpartition("_")[2]
     words = ("report", run, "--runs", str(root))
     report = Advice("report", "one page about this run", words, folder / f"report-{run_id}.html")
     if status != "complete":
-        first = [Advice("clear", "when the cause is found and removed")] if blocked else []
-        return [*first, Advice("resume", "go on where it ended", ("resume", run)), report]
+        return [Advice("resume", "go on where it ended", ("resume", run)), report]
     if procedure != "open-loop":
         return [Advice("next", "Procedures (F3) shows what comes next"), report]
     words = ("identify", run, "--runs", str(root))

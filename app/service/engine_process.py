@@ -210,7 +210,8 @@ class EngineProcess:
             raise RefusedError("a run is under way: wait for its end, or stop it first")
         if self._aborted:
             raise RefusedError(
-                f"nothing begins after the abort ({self._aborted}): look at the bench, then clear the abort",
+                f"nothing begins after the abort ({self._aborted}): look at the bench, then clear the abort "
+                "(in catseye tui: x on Run, F4)",
                 ExitCode.SAFETY,
             )
 

@@ -11,7 +11,7 @@ from textual.binding import Binding, BindingType
 from textual.containers import Horizontal, Vertical
 from textual.content import Content
 
-from app.guidance.after_run import Advice, after_run
+from app.guidance.after_run import CLEAR, Advice, after_run
 from app.tui.dialogs.motion_dialog import MotionDialog
 from app.tui.dialogs.override_dialog import OverrideDialog
 from app.tui.dialogs.start_dialog import Permission, StartDialog
@@ -279,12 +279,12 @@ class RunScreen(MainScreen):
         """Do what is sensible after the end."""
         run = self.session.link.picture.run
         found = next((each for each in self._advice(run) if each.kind == kind), None)
-        if run is None or found is None:
+        if found is None:
             self.notify(f"{kind}: not now", severity="warning")
-        elif kind == "resume":
-            self._ask_to_resume(run)
-        elif kind == "clear":
+        elif found is CLEAR:
             self.catseye.action_clear()
+        elif kind == "resume" and run is not None:
+            self._ask_to_resume(run)
         elif found.writes is not None:
             self.run_worker(self._do(found, found.writes), group="after", exclusive=True, exit_on_error=False)
 
@@ -337,12 +337,12 @@ class RunScreen(MainScreen):
             )
 
     def _advice(self, run: RunPicture | None) -> list[Advice]:
-        if run is None or run.active or run.ended is None:
+        if run is not None and run.active:
             return []
-        blocked = bool(self.session.link.picture.aborted)
-        return after_run(
-            run.procedure, str(run.ended["status"]), run.name, self.session.root, blocked=blocked
-        )
+        first = [CLEAR] if self.session.link.picture.aborted else []
+        if run is None or run.ended is None:
+            return first
+        return [*first, *after_run(run.procedure, str(run.ended["status"]), run.name, self.session.root)]
 
     def _ask_to_resume(self, run: RunPicture) -> None:
         bench = self.session.link.picture.bench or {}
@@ -409,6 +409,10 @@ def _holder(picture: Picture) -> str:
 def _instruction(picture: Picture) -> Content:
     """Return what to do now, in one sentence."""
     run = picture.run
+    if run is None and picture.aborted:
+        return Content.styled(
+            f"Look at the bench, then press x to clear the abort: {picture.aborted}", "$warning"
+        )
     if run is None:
         return Content("Start a procedure on Procedures (F3).")
     if not run.active:

@@ -53,6 +53,48 @@ async def test_what_ended_by_hand_or_unacknowledged_is_offered_to_be_cleared() -
         assert "x  clear" in await shown(app, pilot)
 
 
+def abort_by_hand(link: ScriptedLink) -> None:
+    """Have a jog end with a stop."""
+    link.tell("state", run=None, state="ABORTED", reason="the guard stopped the jog")
+    link.tell("idle", run=None, state="ABORTED")
+
+
+async def test_an_aborted_jog_before_any_run_is_cleared_by_key() -> None:
+    link = ScriptedLink()
+    app = make_app(link, "run")
+    async with app.run_test(size=(120, 40)) as pilot:
+        abort_by_hand(link)
+        text = " ".join((await shown(app, pilot)).split())
+        assert "press x to clear the abort: the guard stopped the jog" in text
+        await pilot.press("x")
+        await shown(app, pilot)
+        assert link.asked[-1]["op"] == "clear"
+
+
+@pytest.mark.parametrize("status", ["complete", "stopped"])
+async def test_an_aborted_jog_after_a_run_is_cleared_by_key(status: str) -> None:
+    link = ScriptedLink(SNAPSHOT)
+    app = make_app(link, "run")
+    async with app.run_test(size=(120, 40)) as pilot:
+        end(link, status)
+        abort_by_hand(link)
+        assert "x  clear" in await shown(app, pilot)
+        await pilot.press("x")
+        await shown(app, pilot)
+        assert link.asked[-1]["op"] == "clear"
+
+
+async def test_without_an_abort_the_key_clears_nothing() -> None:
+    link = ScriptedLink(SNAPSHOT)
+    app = make_app(link, "run")
+    async with app.run_test(size=(120, 40)) as pilot:
+        end(link, "complete")
+        assert "x  clear" not in await shown(app, pilot)
+        await pilot.press("x")
+        await shown(app, pilot)
+        assert link.asked == []
+
+
 async def test_an_abort_that_is_cleared_is_not_offered_to_be_cleared() -> None:
     link = ScriptedLink(SNAPSHOT)
     app = make_app(link, "run")
