@@ -12,6 +12,9 @@ export OMP_NUM_THREADS ?= 1
 # Tests and the programs that they start are compiled once, also where the shell forbids it.
 export PYTHONDONTWRITEBYTECODE :=
 
+# A recipe that fails leaves no half-written file, which would count as made the next time.
+.DELETE_ON_ERROR:
+
 .PHONY: demo test suite tests lint types contracts newest start pythons lowest tests-lowest bench soak campaigns campaign-stop \
   campaign-safety campaign-links campaign-soak peers seeds pictures clean help
 

@@ -1,6 +1,8 @@
 """Which Pythons of a machine the suite is run on, and with which versions at least."""
 
+import shutil
 import stat
+import subprocess
 import sys
 from fnmatch import fnmatch
 from pathlib import Path
@@ -66,6 +68,16 @@ def test_pins_are_the_lower_bounds() -> None:
     assert pins(["numpy>=1.26", "textual>=8.2.8,<9", "numpy>=1.26"]) == ["numpy==1.26", "textual==8.2.8"]
     with pytest.raises(ValueError, match=r"'numpy' in pyproject\.toml has no lower bound"):
         pins(["numpy"])
+
+
+def test_versions_that_cannot_be_worked_out_leave_no_file(tmp_path: Path) -> None:
+    for name in ("Makefile", "pyproject.toml", "tests/lowest.py"):
+        (tmp_path / name).parent.mkdir(exist_ok=True)
+        shutil.copy(Path(__file__).parents[2] / name, tmp_path / name)
+    versions = "build/constraints-lowest.txt"
+    made = subprocess.run(["make", "PYTHON=false", versions], cwd=tmp_path, capture_output=True, check=False)
+    assert made.returncode != 0
+    assert not (tmp_path / versions).exists()
 
 
 def test_make_clean_removes_ignored_folders_alone() -> None:
