@@ -134,3 +134,16 @@ def exit_code_of(error: BaseException) -> ExitCode:
     if isinstance(error, BaseExceptionGroup):
         return exit_code_of(error.exceptions[0])
     return next((code for kind, code in _FOREIGN if isinstance(error, kind)), ExitCode.FAULT)
+
+
+def text_of(error: BaseException, where: str = "") -> str:
+    """Return what people are told of an error: a fault of the program is called one.
+
+    Args:
+        error: that is told.
+        where: tells where more stands about a fault of the program; empty where nothing does.
+    """
+    if exit_code_of(error) != ExitCode.FAULT:
+        return str(error) or type(error).__name__
+    named = f"{type(error).__name__}: {error}".removesuffix(": ")
+    return ", ".join(filter(None, [f"internal error: {named}; this is a fault of the program", where]))

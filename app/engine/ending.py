@@ -5,9 +5,11 @@ from typing import Literal
 
 from app.engine.control import RunControl
 from app.engine.states import State
-from app.errors import CatseyeError, LimitError, NotAcknowledgedError, SafetyError, exit_code_of
+from app.errors import CatseyeError, LimitError, NotAcknowledgedError, SafetyError, exit_code_of, text_of
 from app.exitcode import ExitCode
 from drivers.errors import AlarmError, NotArrivedError, NotReadyError
+
+_WHERE = "app.log of the run shows where"
 
 EndStatus = Literal["complete", "stopped", "aborted", "failed"]
 
@@ -20,7 +22,7 @@ class DeviceFaultError(CatseyeError):
     """
 
     def __init__(self, cause: BaseException) -> None:
-        super().__init__(str(cause) or type(cause).__name__)
+        super().__init__(text_of(cause, _WHERE))
         self.__cause__ = cause
 
 
@@ -57,7 +59,7 @@ def react(control: RunControl, error: Exception) -> None:
 def ending_of(control: RunControl, error: BaseException) -> Ending:
     """Return what an error makes of a run, once the robot is at rest."""
     cause = error.__cause__ if isinstance(error, DeviceFaultError) and error.__cause__ else error
-    code, text = exit_code_of(cause), str(cause) or type(cause).__name__
+    code, text = exit_code_of(cause), text_of(cause, _WHERE)
     troubles = [report.text for report in control.reports if not report.standstill]
     if troubles:
         warning = "PRESS THE EMERGENCY STOP: standstill is not confirmed"

@@ -18,14 +18,14 @@ from app.engine.request import RunOutcome
 from app.engine.signals import loop_signals
 from app.engine.states import Event, State, transition
 from app.engine.waiting import uncancelled
-from app.errors import InterruptedRunError, exit_code_of
+from app.errors import InterruptedRunError, exit_code_of, text_of
 from app.exitcode import ExitCode
 from app.procedure_list import load_procedure, parse_params
 from app.resuming import plan_resume
 from app.running import PlannedRun, carry_out, plan_run
 from app.service.address import socket_folder
 from app.service.engine_bench import EngineBench
-from app.service.errors import RefusedError
+from app.service.errors import RefusedError, refusal_of
 from app.service.hub import Hub
 from app.service.messages import Message, Resume, Start
 from app.service.server import Server
@@ -266,9 +266,9 @@ class EngineProcess:
     def _failed(self, error: Exception, opened: "asyncio.Future[Message]") -> None:
         self._errors.error("a run could not be made", error)
         if opened.done():
-            self.hub.say("error", text=str(error), exit_code=int(exit_code_of(error)))
+            self.hub.say("error", text=text_of(error), exit_code=int(exit_code_of(error)))
         else:
-            opened.set_exception(RefusedError(str(error), exit_code_of(error)))
+            opened.set_exception(refusal_of(error))
 
     def _planned(self, request: Start | Resume) -> PlannedRun:
         if isinstance(request, Resume):

@@ -1,6 +1,6 @@
 """Why a request is refused, and why there is no service."""
 
-from app.errors import CatseyeError, exit_code_of
+from app.errors import CatseyeError, exit_code_of, text_of
 from app.exitcode import ExitCode
 
 
@@ -40,4 +40,4 @@ class ServiceError(CatseyeError):
 
 def refusal_of(error: BaseException) -> RefusedError:
     """Return an error as a client is told it."""
-    return error if isinstance(error, RefusedError) else RefusedError(str(error), exit_code_of(error))
+    return error if isinstance(error, RefusedError) else RefusedError(text_of(error), exit_code_of(error))

@@ -5,7 +5,7 @@ import asyncio
 import pytest
 
 from app import errors
-from app.errors import exit_code_of
+from app.errors import exit_code_of, text_of
 from calibration.errors import ConvergenceError, OutOfReachError
 from drivers.errors import AlarmError, LinkTimeoutError, ProfileError
 from procedures.errors import BeamLostError, PlanError, PlanLimitError
@@ -42,3 +42,16 @@ from procedures.errors import BeamLostError, PlanError, PlanLimitError
 )
 def test_each_error_has_its_exit_code(error: BaseException, code: int) -> None:
     assert exit_code_of(error) == code
+
+
+@pytest.mark.parametrize(
+    ("error", "text"),
+    [
+        (errors.UsageError("no such cell: write one"), "no such cell: write one"),
+        (TimeoutError(), "TimeoutError"),
+        (KeyError("theta1"), "internal error: KeyError: 'theta1'; this is a fault of the program"),
+        (AssertionError(), "internal error: AssertionError; this is a fault of the program"),
+    ],
+)
+def test_only_a_fault_of_the_program_is_called_one(error: BaseException, text: str) -> None:
+    assert text_of(error) == text

@@ -74,7 +74,7 @@ class FakeRobot:
     )
     overrides: list[float] = field(default_factory=list)
     connect_error: DeviceError | None = None
-    move_error: DeviceError | None = None
+    move_error: Exception | None = None
     stop_error: DeviceError | None = None
     blocks: bool = False
     ignores_stop: bool = False

@@ -87,8 +87,23 @@ async def test_a_fault_of_the_program_still_leaves_everything_in_order(bench: Fa
 
     outcome = await run(bench, Script(body))
     assert (outcome.status, outcome.exit_code) == ("failed", ExitCode.FAULT)
+    told = (
+        "internal error: ZeroDivisionError: division by zero; this is a fault of the program, "
+        "app.log of the run shows where"
+    )
+    assert outcome.text == told
+    assert [event["text"] for event in bench.said("error")] == [told]
     assert "Traceback" in (outcome.path / "app.log").read_text()
     assert verify(outcome.path).ok
+
+
+async def test_a_fault_during_a_motion_is_called_one_when_it_stops(bench: FakeBench) -> None:
+    bench.robot.move_error = KeyError("theta1")
+    outcome = await run(bench, measuring(0))
+    reasons = [str(event["reason"]) for event in bench.said("state") if event["state"] == "STOPPING"]
+    assert len(reasons) == 1
+    assert reasons[0].startswith("internal error: KeyError: 'theta1'; this is a fault of the program")
+    assert outcome.text == reasons[0]
 
 
 async def test_a_teardown_that_fails_fails_a_complete_run(bench: FakeBench) -> None:

@@ -226,7 +226,9 @@ async def test_after_an_abort_nothing_starts_until_it_is_cleared(bench: FakeBenc
         await client.request("abort")
         assert (await event_of(client, "run-ended"))["exit_code"] == ExitCode.INTERRUPTED
         await event_of(client, "idle")
-        with pytest.raises(RefusedError, match=r"after the abort \(Ada .* clear the abort .*x on Run, F4") as refused:
+        with pytest.raises(
+            RefusedError, match=r"after the abort \(Ada .* clear the abort .*x on Run, F4"
+        ) as refused:
             await client.request("start", procedure="script")
         assert refused.value.code == ExitCode.SAFETY
         await client.request("clear")
