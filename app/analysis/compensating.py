@@ -138,9 +138,12 @@ def require_clear(path: CompensatedPath, bench: Bench, j4_deg: float, lines: Seq
     """
     way = [(stop.theta1_deg, stop.theta2_deg, bench.arm.j3_mm, j4_deg) for stop in path.stops]
     if (refused := refused_target(way, bench)) is not None:
-        target, text = refused
+        target, obstacle = refused
         row = _rows_of(path.stops)[target]
-        raise LimitError(f"line {lines[row]}: {_what(path.stops[target])} cannot be driven to: {text}")
+        raise LimitError(
+            f"line {lines[row]}: {_what(path.stops[target])} cannot be driven to: {obstacle}: take the row out, or "
+            "choose the other hand or another path, or correct dimensions in the cell file ([[body]], [workspace])"
+        )
 
 
 def _rows_of(stops: Sequence[Waypoint]) -> list[int]:

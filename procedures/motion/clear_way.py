@@ -69,19 +69,20 @@ def legs_refusal(start: Joints, legs: Sequence[Sequence[Joints]], bench: Bench) 
 
 def way_refusal(way: Sequence[Joints], bench: Bench) -> str | None:
     """Return why a way is not clear; None when it is. See `require_clear_way`."""
-    refused = refused_target(way, bench)
-    return None if refused is None else refused[1]
+    contact = _contact(way, bench)
+    return None if contact is None else _refusal(contact, way, bench)
 
 
 def refused_target(way: Sequence[Joints], bench: Bench) -> tuple[int, str] | None:
-    """Return the target, from 0, to which a way is not clear, and why; None when it is.
+    """Return the target, from 0, to which a way is not clear, and what is in the way there; None when it is.
 
-    Target 0 is where the way begins. See `require_clear_way`.
+    Target 0 is where the way begins: one that begins too near something is refused there. The remedy is the caller's.
     """
-    contact = _contact(way, bench)
-    if contact is None:
-        return None
-    return 0 if _begins_blocked(contact) else _target(contact, way), _refusal(contact, way, bench)
+    if (contact := _contact(way[:1], bench)) is not None:
+        return 0, _obstacle(contact, bench)
+    if (contact := _contact(way, bench)) is not None:
+        return _target(contact, way), _obstacle(contact, bench)
+    return None
 
 
 def clear_part(here: Joints, target: Joints, bench: Bench) -> tuple[Joints, str | None]:
@@ -165,14 +166,20 @@ def _named(what: str, boxes: tuple[Box, ...]) -> tuple[Box, ...]:
 
 
 def _refusal(contact: Contact, way: Sequence[Joints], bench: Bench) -> str:
+    target = _target(contact, way)
+    remedy = _STUCK if _begins_blocked(contact) else _remedy(contact.pair[1])
+    return (
+        f"{_obstacle(contact, bench)}, on the way to target {target} of "
+        f"{max(len(way) - 1, 1)}, {_place(way[target])}: {remedy}"
+    )
+
+
+def _obstacle(contact: Contact, bench: Bench) -> str:
     moving, other = contact.pair
     near = f"comes within {contact.distance_mm:.1f} mm" if contact.distance_mm > 0.0 else "runs into it"
-    target = _target(contact, way)
-    remedy = _STUCK if _begins_blocked(contact) else _remedy(other)
     return (
         f"the {other} stands in the arm's way: the {moving} {near} ({bench.workspace.clearance_mm:g} mm are kept "
-        f"free) near {_place(contact.pose)}, on the way to target {target} of "
-        f"{max(len(way) - 1, 1)}, {_place(way[target])}: {remedy}"
+        f"free) near {_place(contact.pose)}"
     )
 
 

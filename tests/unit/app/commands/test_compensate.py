@@ -3,6 +3,7 @@
 import csv
 import json
 import math
+import re
 from pathlib import Path
 from typing import Any
 
@@ -167,6 +168,29 @@ def test_bodies_in_the_way_are_refused(
     assert text.startswith(f"line {line}: {what} cannot be driven to: the keep-out box press stands")
     assert "runs into it (5 mm are kept free)" in text
     assert not (tmp_path / f"out.{form}").exists()
+
+
+@pytest.mark.parametrize("boxed_deg", [(45.0, 60.0), (75.0, 60.0)])
+def test_refused_bodies_come_with_a_remedy_of_this_command(
+    tmp_path: Path, boxed_deg: tuple[float, float]
+) -> None:
+    path = JOINTS + "45,60,1,1\n60,60,1,1\n75,60,1,1\n"
+    with pytest.raises(LimitError) as caught:
+        run(tmp_path, path, cell=cell_with_a_box(tmp_path, *boxed_deg))
+    text = str(caught.value)
+    assert "take the row out, or choose the other hand or another path" in text
+    assert "pendant" not in text
+    assert "target" not in text
+
+
+def test_the_first_take_up_is_refused_where_it_is(tmp_path: Path) -> None:
+    # The box stands at the command; the take-up before it is near enough to be refused first.
+    with pytest.raises(LimitError, match="line 2: the take-up before it") as caught:
+        run(tmp_path, JOINTS + "45,60,1,1\n75,60,1,1\n", cell=cell_with_a_box(tmp_path, 45.0, 60.0))
+    named = re.search(r"near J1 = ([\d.]+)°, J2 = ([\d.]+)°", str(caught.value))
+    assert named is not None
+    # The template's take-up overshoots by 1 degree, the corrections are some millidegrees.
+    assert [float(angle) for angle in named.groups()] == pytest.approx([44.0, 59.0], abs=0.06)
 
 
 def test_bodies_are_looked_at_with_the_angle_of_j4(tmp_path: Path) -> None:
