@@ -63,9 +63,10 @@ cli.add_typer(config, name="config")
 
 def _tell_version(wanted: bool) -> None:
     if wanted:
+        from app.commands.output import emit
         from app.version import SOFTWARE
 
-        print(SOFTWARE)  # noqa: T201  # what was asked for goes to stdout
+        emit(SOFTWARE)
         raise typer.Exit
 
 

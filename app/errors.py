@@ -101,6 +101,17 @@ class TerminatedRunError(CatseyeError):
     exit_code = ExitCode.TERMINATED
 
 
+class OutputError(OSError):
+    """Nothing more can be written to stdout.
+
+    An OSError still: who publishes events takes that for a front end that is gone.
+    """
+
+
+class ReaderGoneError(OutputError):
+    """Whoever read stdout has gone, which is no failure: there is nobody to tell."""
+
+
 # The first class that fits decides, so special cases stand before their roots. A configuration that cannot
 # be carried out is the user's input (2); a calculation that gives no number has rejected the data (1). A link
 # that stays silent is a device failure (3): 4 is kept for waits of the program itself.
@@ -118,6 +129,8 @@ _FOREIGN: tuple[tuple[type[BaseException], ExitCode], ...] = (
     (EmulatorError, ExitCode.USAGE),
     (ProfileError, ExitCode.USAGE),
     (DeviceError, ExitCode.DEVICE),
+    (ReaderGoneError, ExitCode.READER_GONE),
+    (OutputError, ExitCode.STORAGE),
     (TimeoutError, ExitCode.TIMEOUT),
     (KeyboardInterrupt, ExitCode.INTERRUPTED),
     (asyncio.CancelledError, ExitCode.TERMINATED),

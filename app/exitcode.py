@@ -33,5 +33,8 @@ class ExitCode(IntEnum):
     INTERRUPTED = 130
     """The operator stopped the run."""
 
+    READER_GONE = 141
+    """Whoever read stdout has gone; what shells report of a program that ends by SIGPIPE."""
+
     TERMINATED = 143
     """The run was terminated from outside."""

@@ -4,7 +4,7 @@ import os
 import sys
 import traceback
 
-from app.errors import exit_code_of
+from app.errors import ReaderGoneError, exit_code_of
 
 _DEBUG = "CATSEYE_DEBUG"
 
@@ -27,6 +27,8 @@ def tell(error: BaseException) -> int:
 def _texts(error: BaseException) -> list[str]:
     if isinstance(error, KeyboardInterrupt):
         return ["interrupted"]
+    if isinstance(error, ReaderGoneError):
+        return []
     if isinstance(error, BaseExceptionGroup):
         return [text for inner in error.exceptions for text in _texts(inner)]
     return [str(error)]

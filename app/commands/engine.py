@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import IO, Any, NoReturn, cast
 
 from app.commands.output import emit, emit_json, say
-from app.errors import exit_code_of, text_of
+from app.errors import OutputError, exit_code_of, text_of
 from app.exitcode import ExitCode
 from app.runs_folder import runs_folder
 from app.service.address import socket_folder, socket_name
@@ -65,11 +65,9 @@ def _one_request(request: AnyRequest) -> Start | Resume:
 
 
 def _tell(value: dict[str, Json]) -> None:
-    try:
+    # The engine outlives whoever started it.
+    with suppress(OutputError):
         emit_json(value)
-    except OSError:
-        # The engine outlives whoever started it; what nobody reads goes nowhere.
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
 
 
 def detach(request: dict[str, Json], cell: Path, root: Path, *, as_json: bool) -> NoReturn:

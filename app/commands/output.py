@@ -1,14 +1,31 @@
 """stdout is data, stderr is talk."""
 
 import json
+import os
 import sys
 from collections.abc import Iterable, Sequence
 
+from app.errors import OutputError, ReaderGoneError
+
 
 def emit(text: str) -> None:
-    """Write a line of data to stdout at once."""
-    sys.stdout.write(text + "\n")
-    sys.stdout.flush()
+    """Write a line of data to stdout at once.
+
+    Raises:
+        OutputError: stdout takes no more; what is written later goes nowhere.
+    """
+    try:
+        sys.stdout.write(text + "\n")
+        sys.stdout.flush()
+    except OSError as error:
+        # What is left in the buffer would fail once more when the interpreter ends.
+        with open(os.devnull, "wb") as nowhere:
+            os.dup2(nowhere.fileno(), sys.stdout.fileno())
+        if isinstance(error, BrokenPipeError):
+            raise ReaderGoneError("stdout is closed") from error
+        raise OutputError(
+            f"stdout cannot be written: {error.strerror}: make room, or send it elsewhere"
+        ) from error
 
 
 def emit_json(value: object) -> None:

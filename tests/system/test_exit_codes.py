@@ -1,7 +1,9 @@
 """Each row of the table of exit codes, by the command itself in a process of its own."""
 
+import os
 import signal
 import subprocess
+import tempfile
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
@@ -107,6 +109,15 @@ def signalled(*numbers: int) -> Callable[[Emulated], "subprocess.CompletedProces
     return ended
 
 
+def unread(bench: Emulated) -> "subprocess.CompletedProcess[str]":
+    source, sink = os.pipe()
+    os.close(source)
+    with open(sink, "wb") as out, tempfile.TemporaryFile() as err:
+        command = ("config", "show", bench.cell)
+        process = forked.Forked("app", command, cwd=bench.cell.parent, env=environment(), out=out, err=err)
+        return subprocess.CompletedProcess(command, process.wait(HANG_S), "", "")
+
+
 TABLE = {
     "done": Case(0, done),
     "criterion failed": Case(1, failed_criterion),
@@ -118,6 +129,7 @@ TABLE = {
     "storage": Case(6, changed_run),
     "fault of the program": Case(70, fault),
     "interrupted": Case(130, signalled(signal.SIGINT, signal.SIGINT)),
+    "reader gone": Case(141, unread),
     "terminated": Case(143, signalled(signal.SIGTERM)),
 }
 

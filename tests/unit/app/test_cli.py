@@ -1,7 +1,12 @@
 """What the command itself tells, whatever is to be done."""
 
+import os
+import subprocess
+import sys
 from importlib.metadata import version
+from pathlib import Path
 
+import pytest
 from typer.testing import CliRunner
 
 from app.cli import cli
@@ -16,3 +21,30 @@ def test_help_says_what_the_software_stop_is_not() -> None:
     told = CliRunner().invoke(cli, ["-h"])
     assert told.exit_code == 0
     assert "is not an emergency stop" in told.output
+
+
+def ended(words: list[str], stdout: int) -> "subprocess.CompletedProcess[bytes]":
+    """Return how the command ended with this stdout."""
+    command = [sys.executable, "-m", "app", *words]
+    root = Path(__file__).parents[3]
+    return subprocess.run(command, stdout=stdout, stderr=subprocess.PIPE, cwd=root, timeout=60, check=False)
+
+
+@pytest.mark.parametrize("words", [["procedures"], ["procedures", "--json"], ["--version"]])
+def test_a_closed_pipe_ends_a_command_quietly(words: list[str]) -> None:
+    source, sink = os.pipe()
+    os.close(source)
+    try:
+        told = ended(words, sink)
+    finally:
+        os.close(sink)
+    assert (told.returncode, told.stderr) == (141, b"")
+
+
+@pytest.mark.parametrize("words", [["procedures"], ["procedures", "--json"], ["--version"]])
+def test_a_full_disk_behind_stdout_is_a_storage_error(words: list[str]) -> None:
+    with open("/dev/full", "wb") as full:
+        told = ended(words, full.fileno())
+    assert told.returncode == 6
+    assert told.stderr.decode().startswith("catseye: stdout cannot be written: No space left on device: ")
+    assert told.stderr.count(b"\n") == 1
