@@ -252,6 +252,27 @@ class RequestLink:
         self._require_nothing_unasked()
         return await self._exchanged(data, decoder, timeout_s)
 
+    async def discard(self, until_s: float) -> None:
+        """Leave out what comes until then, while the link is held; for `greet` only.
+
+        Args:
+            until_s: time of the event loop, s; when it is past, only what has come already is left out.
+
+        Raises:
+            LinkError: the link is lost, or floods.
+        """
+        count = 0
+        try:
+            async with asyncio.timeout_at(until_s):
+                while count <= _FLOOD_BYTES:
+                    chunk = await self._transport.read()
+                    self._received = chunk[:_SHOWN_BYTES]
+                    count += len(chunk)
+                    self.discarded_bytes += len(chunk)
+        except TimeoutError:
+            return
+        raise await self._flooded()
+
     async def _exchanged(self, data: bytes, decoder: Decoder[T], timeout_s: float) -> T:
         outstanding = f"the answer to {data!r} is outstanding"
         self._doubt = outstanding

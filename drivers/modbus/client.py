@@ -28,7 +28,7 @@ class RegisterClient:
     """Reads and writes registers, coils and inputs of one device.
 
     Over TCP every answer carries the number of its request, so a late one is never mistaken. RTU has no numbers:
-    after a silence the port is closed, opened again, and a time-out is waited for what may still come.
+    after a silence the port is closed, opened again, and what still comes within another time-out is left out.
 
     Args:
         target: socket, or serial line for RTU.
@@ -55,9 +55,10 @@ class RegisterClient:
         self._device_id = device_id
         self._answer_timeout_s = answer_timeout_s or timeout_s
         transport = open_transport(self._endpoint, connect_timeout_s=timeout_s, sink=sink)
-        self._link = RequestLink(transport, name=name, greet=self._await_late_answer, harmless=b"")
+        self._link = RequestLink(transport, name=name, greet=self._let_late_answer_pass, harmless=b"")
         self._number = 0
         self._answered = False
+        self._late_until_s = 0.0
 
     @property
     def endpoint(self) -> str:
@@ -153,6 +154,8 @@ class RegisterClient:
             answer = await self._link.request(frame, decoder, self._answer_timeout_s)
         except (LinkTimeoutError, ProtocolError) as exc:
             raise self._explained(what, exc) from None
+        finally:
+            self._late_until_s = asyncio.get_running_loop().time() + self._answer_timeout_s
         self._answered = True
         if number := codec.exception_of(answer):
             meaning = _EXCEPTIONS.get(number, "see the device's manual")
@@ -181,7 +184,7 @@ class RegisterClient:
             f"file; {cause}"
         )
 
-    async def _await_late_answer(self) -> None:
-        """Let an answer without a number pass before the next question is asked on a line opened again."""
-        if self._is_line and self._link.heal_count:
-            await asyncio.sleep(self._answer_timeout_s)
+    async def _let_late_answer_pass(self) -> None:
+        """Leave out an answer without a number before the next question is asked on a line opened again."""
+        if self._is_line:
+            await self._link.discard(self._late_until_s)

@@ -1,4 +1,4 @@
-"""The Modbus client over the loopback and over an RTU line."""
+"""The Modbus client over the loopback."""
 
 import asyncio
 

@@ -3,9 +3,11 @@
 import pytest
 from pydantic import ValidationError
 
-from drivers.errors import LinkError, RefusedError
+from drivers.errors import LinkError, LinkTimeoutError, RefusedError
 from drivers.io.modbus_io import IoSettings, ModbusIo
+from tests.unit.drivers.modbus_peers import RtuDevice
 from tests.unit.drivers.peers import StepClock
+from tests.unit.drivers.virtual_time import run
 
 
 class Block:
@@ -105,3 +107,13 @@ def test_an_answer_may_not_take_so_long_that_none_is_asked_again() -> None:
     assert IoSettings().answer_timeout_s == 0.1
     with pytest.raises(ValidationError, match=r"less than or equal to 0\.1"):
         IoSettings(answer_timeout_s=0.2)
+
+
+def test_a_line_leaves_time_for_a_late_answer(monkeypatch: pytest.MonkeyPatch) -> None:
+    async def asked() -> None:
+        async with RtuDevice(lambda _: [], monkeypatch):
+            io = ModbusIo.at("serial:///dev/line", StepClock())
+            with pytest.raises(LinkTimeoutError, match=r"within 0\.07 s"):
+                await io.connect()
+
+    run(asked())
