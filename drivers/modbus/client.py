@@ -92,13 +92,8 @@ class RegisterClient:
         """
         what = f"{count} registers from 0x{address:04X} by function {function}"
         request = codec.read_request(function, address, count)
-        words = await self._link.repeated(partial(self._ask, what, request, codec.parse_registers))
-        if len(words) != count:
-            raise ProtocolError(
-                f"{self._link.where}: {len(words)} registers came for {what}; last bytes "
-                f"{self._link.last_bytes!r}: check that this is the Modbus device meant"
-            )
-        return words
+        parse = partial(codec.parse_registers, count)
+        return await self._link.repeated(partial(self._ask, what, request, parse))
 
     async def read_bits(self, function: int, address: int, count: int) -> list[bool]:
         """Return coils or inputs, on a new connection if the old one was lost.
@@ -114,10 +109,8 @@ class RegisterClient:
             ProtocolError: garbage or too few bits came.
         """
         what = f"{count} bits from 0x{address:04X} by function {function}"
-        bits = await self._ask(what, codec.read_request(function, address, count), codec.parse_bits)
-        if len(bits) < count:
-            raise ProtocolError(f"{self._link.where}: {len(bits)} bits came for {what}")
-        return bits[:count]
+        request = codec.read_request(function, address, count)
+        return await self._ask(what, request, partial(codec.parse_bits, count))
 
     async def write_bits(self, address: int, bits: list[bool]) -> None:
         """Set coils by function 15. A lost answer is an error: whether they were set is then unknown.
@@ -164,7 +157,10 @@ class RegisterClient:
             return parse(answer)
         except ProtocolError as exc:
             self._link.distrust(f"{what} had an answer that does not fit")
-            raise ProtocolError(f"{self._link.where}: {what}: {exc}") from None
+            raise ProtocolError(
+                f"{self._link.where}: {exc} for {what}; last bytes {self._link.last_bytes!r}: check that this is the "
+                "Modbus device meant"
+            ) from None
 
     def _explained(self, what: str, cause: LinkTimeoutError | ProtocolError) -> Exception:
         """Return the error of an answer that did not come: of silence, of a disturbed line or of a stranger."""

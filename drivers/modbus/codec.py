@@ -44,25 +44,28 @@ def exception_of(answer: bytes) -> int:
     return answer[1] if answer[0] & _REFUSED else 0
 
 
-def parse_registers(answer: bytes) -> list[int]:
-    """Return the registers in an answer.
+def parse_registers(count: int, answer: bytes) -> list[int]:
+    """Return the registers in an answer to a request for so many.
 
     Raises:
-        ProtocolError: its length is not what it says.
+        ProtocolError: its length is not what it says, or others came.
     """
     data = _counted(answer)
-    if len(data) % 2:
-        raise ProtocolError("half a register came")
+    if len(data) != 2 * count:
+        raise ProtocolError(f"{len(data) / 2:g} registers came")
     return [word for (word,) in struct.iter_unpack(">H", data)]
 
 
-def parse_bits(answer: bytes) -> list[bool]:
-    """Return the coils or inputs in an answer, filled up to whole bytes.
+def parse_bits(count: int, answer: bytes) -> list[bool]:
+    """Return the coils or inputs in an answer to a request for so many.
 
     Raises:
-        ProtocolError: its length is not what it says.
+        ProtocolError: its length is not what it says, or too few came.
     """
-    return [bool(byte >> place & 1) for byte in _counted(answer) for place in range(8)]
+    bits = [bool(byte >> place & 1) for byte in _counted(answer) for place in range(8)]
+    if len(bits) < count:
+        raise ProtocolError(f"{len(bits)} bits came")
+    return bits[:count]
 
 
 def parse_objects(answer: bytes) -> dict[int, str]:

@@ -86,17 +86,22 @@ def test_answers_of_the_library_are_understood_byte_by_byte(
 
 def test_what_answers_say() -> None:
     registers, bits, written, names, refused = (said(make()) for _, make in ANSWERS)
-    assert codec.parse_registers(registers) == WORDS
-    assert codec.parse_bits(bits)[: len(BITS)] == BITS
+    assert codec.parse_registers(len(WORDS), registers) == WORDS
+    assert codec.parse_bits(len(BITS), bits) == BITS
     codec.check_written(codec.write_coils_request(7, BITS), written)
     assert codec.parse_objects(names) == {0: "Vaisala", 1: "PTU300", 2: "5.16"}
     assert [codec.exception_of(answer) for answer in (registers, refused)] == [0, 2]
 
 
-@pytest.mark.parametrize("answer", ["03", "03 02 00", "03 03 00 00 00", "03 04 00 00"])
+@pytest.mark.parametrize("answer", ["03", "03 02 00", "03 03 00 00 00", "03 04 00 00", "03 02 00 00"])
 def test_registers_of_a_wrong_length_are_refused(answer: str) -> None:
     with pytest.raises(ProtocolError):
-        codec.parse_registers(bytes.fromhex(answer))
+        codec.parse_registers(2, bytes.fromhex(answer))
+
+
+def test_too_few_bits_are_refused() -> None:
+    with pytest.raises(ProtocolError, match="8 bits came"):
+        codec.parse_bits(9, bytes.fromhex("01 01 FF"))
 
 
 @pytest.mark.parametrize("answer", ["2B 0E 01 01 00 00 01 00 07 41", "2B 0E 01", "2B 0E 01 01 00 00 00 00"])
