@@ -6,7 +6,7 @@ from pydantic import BaseModel, ConfigDict, Field, model_validator
 
 from drivers.clock import Clock
 from drivers.endpoint import SerialEndpoint, require_stream
-from drivers.errors import LinkTimeoutError, RefusedError
+from drivers.errors import LinkError, LinkTimeoutError, ProtocolError, RefusedError
 from drivers.modbus.client import RegisterClient
 from drivers.readings import Identity
 from drivers.record import Sink
@@ -146,7 +146,7 @@ class ModbusIo:
         await self._bits.open()
         try:
             names = await self._identify()
-            await self.door_closed()
+            await self._look_first()
         except BaseException:
             await self._bits.close()
             raise
@@ -181,6 +181,13 @@ class ModbusIo:
         """
         for name, coil in self._settings.lights().items():
             await self._bits.write_bits(coil - self._settings.address_base, [name == light])
+
+    async def _look_first(self) -> None:
+        """Ask for the door, and once more when the answer is lost: afterwards whoever watches it does so."""
+        try:
+            await self.door_closed()
+        except (LinkError, ProtocolError):
+            await self.door_closed()
 
     async def _identify(self) -> dict[int, str]:
         try:

@@ -57,7 +57,7 @@ class RegisterClient:
         transport = open_transport(self._endpoint, connect_timeout_s=timeout_s, sink=sink)
         self._link = RequestLink(transport, name=name, greet=self._let_late_answer_pass, harmless=b"")
         self._number = 0
-        self._answered = False
+        self._answered = self._garbled = False
         self._late_until_s = 0.0
 
     @property
@@ -129,14 +129,20 @@ class RegisterClient:
         await self._ask(what, request, partial(codec.check_written, request))
 
     async def identify(self) -> dict[int, str]:
-        """Return the objects of function 43/14: 0 vendor, 1 product, 2 revision, 0x80 serial.
+        """Return the objects of function 43/14: 0 vendor, 1 product, 2 revision, 0x80 serial; garbage is asked again.
 
         Raises:
             RefusedError: the sensor does not know the function.
             LinkError: lost or silent.
-            ProtocolError: garbage came.
+            ProtocolError: garbage came twice.
+            WrongDeviceError: garbage came twice, and never an answer.
         """
-        return await self._ask("the identification", codec.identify_request(), codec.parse_objects)
+        ask = partial(self._ask, "the identification", codec.identify_request(), codec.parse_objects)
+        try:
+            return await ask()
+        except ProtocolError:
+            # Silence is not asked again: not every device knows the function.
+            return await ask()
 
     async def _ask(self, what: str, request: bytes, parse: Callable[[bytes], T]) -> T:
         """Return what the answer to one request says; others wait for their turn."""
@@ -170,7 +176,9 @@ class RegisterClient:
                 f"{self._link.where}: no answer to {what} within {self._answer_timeout_s:g} s, no byte came: check "
                 "device_id and that the device is not busy with other clients"
             )
-        if self._answered:
+        # Noise while a line is opened makes nobody a stranger; who never answers but sends garbage twice is one.
+        if self._answered or not self._garbled:
+            self._garbled = True
             return ProtocolError(
                 f"{self._link.where}: garbage in place of an answer to {what}: {came!r}: check the line; {cause}"
             )

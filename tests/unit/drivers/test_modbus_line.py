@@ -6,13 +6,15 @@ from collections.abc import Awaitable, Callable, Iterable
 import pytest
 
 from drivers.endpoint import SerialEndpoint
-from drivers.errors import LinkTimeoutError, ProtocolError, UnreachableError
+from drivers.errors import LinkTimeoutError, ProtocolError, UnreachableError, WrongDeviceError
+from drivers.io.modbus_io import ModbusIo
 from drivers.modbus.client import RegisterClient
-from tests.unit.drivers.modbus_peers import RtuDevice, TimedAnswer, rtu_frame
-from tests.unit.drivers.virtual_time import run
+from tests.unit.drivers.modbus_peers import RtuDevice, TimedAnswer, flipped, rtu_frame
+from tests.unit.drivers.virtual_time import VirtualClock, run
 
 ANSWER_S = 0.1
 TWO, FOUR = rtu_frame(bytes.fromhex("03 04 0001 0002")), rtu_frame(bytes.fromhex("03 08 0003 0004 0005 0006"))
+NAMES = rtu_frame(bytes.fromhex("2B 0E 01 01 00 00 01 00 05") + b"block")
 ON, OFF = rtu_frame(b"\x02\x01\x01"), rtu_frame(b"\x02\x01\x00")
 
 Work = Callable[[RegisterClient, RtuDevice], Awaitable[None]]
@@ -92,3 +94,28 @@ def test_an_answer_of_another_length_is_distrusted(with_client: WithClient) -> N
         assert await client.read_bits(2, 0, 16) == [True] * 16
 
     with_client(scripted([(0.02, ON), (0.04, ON)], [(0.02, sixteen)]), work)
+
+
+@pytest.mark.parametrize(
+    "answers",
+    [[flipped(NAMES), NAMES, ON], [NAMES, flipped(ON), ON], [NAMES, b"", ON]],
+    ids=["name garbled", "door garbled", "door lost"],
+)
+def test_one_spoilt_answer_prevents_no_connecting(
+    answers: list[bytes], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    async def connected() -> None:
+        async with RtuDevice(scripted(*([(0.02, data)] for data in answers)), monkeypatch):
+            io = ModbusIo.at("serial:///dev/line", VirtualClock())
+            assert (await io.connect()).model == "block"
+            await io.close()
+
+    run(connected())
+
+
+def test_who_answers_garbage_twice_is_a_stranger(with_client: WithClient) -> None:
+    async def work(client: RegisterClient, _device: RtuDevice) -> None:
+        with pytest.raises(WrongDeviceError, match="baud, parity and stopbits"):
+            await client.identify()
+
+    with_client(scripted([(0.02, b"QeR601000000")], [(0.02, b"QeR601000000")]), work)
