@@ -114,18 +114,24 @@ class EngineMachine(RuleBasedStateMachine):
     @rule()
     def the_door_opens(self) -> None:
         """The surroundings stop the robot."""
+        self.ask(self._open_door())
+
+    async def _open_door(self) -> None:
         before = self.control.interruptions
-        self.ask(self._call("interrupt", "the door is open"))
+        self.control.interrupt("the door is open")
         if self.control.interruptions > before:
             self.interrupted_at.append(len(self.robot.began))
 
     @rule()
     def somebody_acknowledges(self) -> None:
         """A person allows the arm to move again."""
-        waited = self.control.state == State.UNSUSPENDING
-        self.ask(self._call("acknowledge", "test"))
-        if waited:
+        self.ask(self._acknowledge())
+
+    async def _acknowledge(self) -> None:
+        # Asked in the very turn: a halt that ends in the turns before makes the acknowledgement count.
+        if self.control.state == State.UNSUSPENDING:
             self.acknowledged_at.append(len(self.robot.began))
+        self.control.acknowledge("test")
 
     def note_stop(self) -> None:
         """Remember how many motions had begun when the first stop was asked for."""
