@@ -19,7 +19,7 @@ from simulators.world import World
 from tests.transcripts import attocube_ids as transcript
 from tests.unit.drivers.peers import Peer, StepClock
 from tests.unit.interferometers.pairs import new_session, paired, quiet_world
-from tests.unit.simulators.benches import aimed, go
+from tests.unit.simulators.benches import aimed, driven_mm, go
 
 
 def make(transport: MemoryTransport, clock: StepClock, **settings: Any) -> AttocubeIds:
@@ -225,9 +225,7 @@ async def test_both_name_spaces_and_the_environment_unit(dialect: str) -> None:
     ) as pair:
         assert pair.driver.compensated == "instrument"
         await pair.driver.zero()
-        before_mm = pair.bench.insight().length_mm
-        go(pair.bench, aimed(20.01, 30.01))
-        way_mm = pair.bench.insight().length_mm - before_mm
+        way_mm = driven_mm(pair.bench, aimed(20.01, 30.01))
         assert (await pair.driver.read()).displacement_mm == pytest.approx(way_mm, abs=1e-6)
 
 

@@ -16,7 +16,7 @@ from simulators.config import Option
 from simulators.errors import EmulatorError
 from tests.unit.drivers.virtual_time import run
 from tests.unit.interferometers.pairs import Make, Pair, new_session, paired, quiet_world
-from tests.unit.simulators.benches import aimed, go
+from tests.unit.simulators.benches import aimed, driven_mm, go
 
 DRIVERS: dict[str, Make] = {
     "line-counter": lambda transport, clock: LineCounter(
@@ -70,10 +70,7 @@ async def test_zero_and_way(protocol: str) -> None:
     async with paired(protocol, DRIVERS[protocol], OPTIONS.get(protocol)) as pair:
         await pair.driver.zero()
         assert abs((await pair.driver.read()).displacement_mm) < 1e-3
-        before_mm = pair.bench.insight().length_mm
-        go(pair.bench, aimed(20.01, 30.01))
-        pair.bench.advance(0.01)
-        way_mm = pair.bench.insight().length_mm - before_mm
+        way_mm = driven_mm(pair.bench, aimed(20.01, 30.01))
         reading = await pair.driver.read()
         assert reading.displacement_mm == pytest.approx(way_mm, rel=1e-3, abs=1.1e-3)
         assert reading.zero_id == 1
@@ -103,10 +100,7 @@ def test_any_one_spoilt_answer_leaves_a_zero_whole(protocol: str, make: Make, mi
             pair.far.passed = spoilt(place, mishap)
             await pair.driver.status()
             assert await pair.driver.zero() == 1
-            before_mm = pair.bench.insight().length_mm
-            go(pair.bench, aimed(20.01, 30.01))
-            pair.bench.advance(0.01)
-            way_mm = pair.bench.insight().length_mm - before_mm
+            way_mm = driven_mm(pair.bench, aimed(20.01, 30.01))
             reading = await pair.driver.read()
             assert reading.displacement_mm == pytest.approx(way_mm, rel=1e-3, abs=1.1e-3)
 

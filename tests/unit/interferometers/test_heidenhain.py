@@ -17,7 +17,7 @@ from simulators.world import World
 from tests.transcripts import heidenhain_nd as transcript
 from tests.unit.drivers.peers import Peer, StepClock
 from tests.unit.interferometers.pairs import new_session, paired, quiet_world
-from tests.unit.simulators.benches import aimed, go
+from tests.unit.simulators.benches import aimed, driven_mm
 
 
 def make(transport: MemoryTransport, clock: StepClock, **settings: Any) -> HeidenhainNd:
@@ -156,9 +156,7 @@ async def test_zero_by_offset_or_keys(zero: str, decimals: int) -> None:
         "heidenhain-nd", lambda t, c: make(t, c, zero=zero, decimals=decimals, sign=-1), options
     ) as pair:
         await pair.driver.zero()
-        before_mm = pair.bench.insight().length_mm
-        go(pair.bench, aimed(20.01, 30.01))
-        way_mm = pair.bench.insight().length_mm - before_mm
+        way_mm = driven_mm(pair.bench, aimed(20.01, 30.01))
         reading = await pair.driver.read()
         assert reading.displacement_mm == pytest.approx(way_mm, abs=1.1 * 10**-decimals)
 

@@ -63,3 +63,11 @@ def go(bench: Bench, target: Joints, override_percent: float = 20.0) -> None:
     """Move and wait until the arm stands still."""
     bench.move_to(target, override_percent)
     bench.advance_to(bench.standstill_s)
+
+
+def driven_mm(bench: Bench, target: Joints) -> float:
+    """Drive to a target and let a moment pass; return by how much the beam has become longer, mm."""
+    before_mm = bench.insight().length_mm
+    go(bench, target)
+    bench.advance(0.01)
+    return bench.insight().length_mm - before_mm
