@@ -150,10 +150,10 @@ def exit_code_of(error: BaseException) -> ExitCode:
 
 
 def text_of(error: BaseException, where: str = "") -> str:
-    """Return what people are told of an error: a fault of the program is called one.
+    """Return the text of an error for people; a fault of the program is called one.
 
     Args:
-        error: that is told.
+        error: whose text is wanted.
         where: tells where more stands about a fault of the program; empty where nothing does.
     """
     if exit_code_of(error) != ExitCode.FAULT:

@@ -103,7 +103,7 @@ class DoorWatch:
 
     def _found(self, trouble: str | None, detail: str = "") -> None:
         self.just_opened = self.trouble is None and trouble is not None
-        # What is told on carries no detail: that differs with each failure, and the trouble is the same.
+        # The detail differs with each failure while the trouble is the same: nobody is called with it.
         self.trouble = f"{trouble}: {detail}" if detail else trouble
         if trouble is not None:
             self._on_trouble(trouble)
