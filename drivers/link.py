@@ -1,6 +1,7 @@
 """Requests and answers over a byte stream: one at a time, and never an answer to another question."""
 
 import asyncio
+import math
 from collections.abc import Awaitable, Callable, Coroutine
 from typing import Any, Protocol, TypeVar
 
@@ -72,6 +73,7 @@ class RequestLink:
         identify: asks by `exchange` something on the open connection whose answer cannot be mistaken for that to
             another question; None: the protocol has no such question, and a link out of step is opened again.
         quiet_s: silence that ends an answer without terminator and a drain, real s.
+        gap_s: silence that has to stand between an answer and the next request, real s.
         harmless: bytes that may stand between two answers, such as a late terminator.
         stays_writable: a link that floods is no longer read but stays open, so that something urgent can be written;
             otherwise it is closed.
@@ -86,6 +88,7 @@ class RequestLink:
         greet: Callable[[], Awaitable[None]],
         identify: Callable[[], Awaitable[None]] | None = None,
         quiet_s: float = 0.02,
+        gap_s: float = 0.0,
         harmless: bytes = b"\r\n",
         stays_writable: bool = False,
         now_s: Callable[[], float] | None = None,
@@ -95,6 +98,8 @@ class RequestLink:
         self._greet = greet
         self._identify = identify
         self._quiet_s = quiet_s
+        self._gap_s = gap_s
+        self._answered_s = -math.inf
         self._harmless = harmless
         self._stays_writable = stays_writable
         self._losses = Losses(now_s)
@@ -170,6 +175,8 @@ class RequestLink:
 
         async def once() -> T:
             async with self._lock:
+                if self._gap_s:
+                    await self._keep_gap()
                 await self._get_in_step(heal=repeat is not Repeat.BOUND, permit=permit)
                 if permit is not None:
                     permit()
@@ -279,6 +286,7 @@ class RequestLink:
         self._received = b""
         reply = await self._counted(self._ask(data, decoder), f"no answer to {data!r}", timeout_s)
         self._losses.answered()
+        self._answered_s = asyncio.get_running_loop().time()
         # `send_urgent` puts another text here meanwhile; then the doubt stays.
         if self._doubt is outstanding:
             self._doubt = self._surplus(decoder.rest)
@@ -299,6 +307,9 @@ class RequestLink:
             self._received = (self._received + chunk)[-_SHOWN_BYTES:]
             reply = self._feed(decoder, chunk)
         return reply
+
+    async def _keep_gap(self) -> None:
+        await asyncio.sleep(self._answered_s + self._gap_s - asyncio.get_running_loop().time())
 
     async def _soon(self) -> bytes:
         async with asyncio.timeout(self._quiet_s):

@@ -52,6 +52,11 @@ class LineSettings:
         line = f"baud={self.baud}&parity={self.parity}&bits={self.bits}&stopbits={self.stopbits}"
         return line + handshake
 
+    @property
+    def character_s(self) -> float:
+        """How long a byte takes with its start, parity and stop bits."""
+        return (1 + self.bits + (self.parity != "N") + float(self.stopbits)) / self.baud
+
 
 def is_pseudo_terminal(device: str) -> bool:
     """Return whether a port is an emulated one, which knows neither parity nor 7 bits."""

@@ -34,7 +34,7 @@ _CAUTION = 3
 
 
 def byte_time_s(endpoint: str) -> float:
-    """Return the time of one byte on a serial line, 0.0 on a network: start, data, parity and stop bits.
+    """Return the time of one byte on a serial line, 0.0 on a network.
 
     Raises:
         ValueError: the text is no endpoint.
@@ -42,7 +42,7 @@ def byte_time_s(endpoint: str) -> float:
     line = parse_endpoint(endpoint)
     if not isinstance(line, SerialEndpoint):
         return 0.0
-    return (1 + line.bits + (line.parity != "N") + float(line.stopbits)) / line.baud
+    return line.settings.character_s
 
 
 async def _nothing() -> None:

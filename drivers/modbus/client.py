@@ -10,6 +10,7 @@ from drivers.errors import LinkTimeoutError, ProtocolError, RefusedError, WrongD
 from drivers.link import RequestLink
 from drivers.modbus import codec
 from drivers.record import Sink
+from drivers.serial_line import LineSettings
 
 _EXCEPTIONS = {
     1: "illegal function: set function to 3 or 4 as the device's manual says",
@@ -20,6 +21,10 @@ _EXCEPTIONS = {
     11: "gateway target does not answer: check device_id and the wiring behind the gateway",
 }
 _LAST_NUMBER = 0xFFFF
+
+_SILENT_CHARACTERS = 3.5
+_SHORT_CHARACTERS_BAUD = 19200
+_SHORTEST_GAP_S = 0.00175
 
 T = TypeVar("T")
 
@@ -55,7 +60,10 @@ class RegisterClient:
         self._device_id = device_id
         self._answer_timeout_s = answer_timeout_s or timeout_s
         transport = open_transport(self._endpoint, connect_timeout_s=timeout_s, sink=sink)
-        self._link = RequestLink(transport, name=name, greet=self._let_late_answer_pass, harmless=b"")
+        gap_s = _gap_s(target.settings) if isinstance(target, SerialEndpoint) else 0.0
+        self._link = RequestLink(
+            transport, name=name, greet=self._let_late_answer_pass, harmless=b"", gap_s=gap_s
+        )
         self._number = 0
         self._answered = self._garbled = False
         self._late_until_s = 0.0
@@ -192,3 +200,10 @@ class RegisterClient:
         """Leave out an answer without a number before the next question is asked on a line opened again."""
         if self._is_line:
             await self._link.discard(self._late_until_s)
+
+
+def _gap_s(line: LineSettings) -> float:
+    """Return the silence that divides two frames, s (MODBUS over Serial Line V1.02, 2.5.1.1)."""
+    if line.baud > _SHORT_CHARACTERS_BAUD:
+        return _SHORTEST_GAP_S
+    return _SILENT_CHARACTERS * line.character_s

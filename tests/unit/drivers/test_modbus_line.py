@@ -2,6 +2,7 @@
 
 import asyncio
 from collections.abc import Awaitable, Callable, Iterable
+from itertools import pairwise
 
 import pytest
 
@@ -64,6 +65,43 @@ def test_an_answer_long_overdue_delays_nothing(with_client: WithClient) -> None:
         assert sent_s - asked_s < ANSWER_S / 2
 
     with_client(scripted([], [(0.02, OFF)]), work)
+
+
+@pytest.mark.parametrize(
+    ("endpoint", "silence_s"),
+    [
+        # 3.5 characters of 11, 12 and 10 bits; above 19 200 Bd the specification fixes 1.75 ms.
+        (SerialEndpoint("/dev/line", 9600, "E", "1"), 0.004010),
+        (SerialEndpoint("/dev/line", 1200, "E", "2"), 0.035000),
+        (SerialEndpoint("/dev/line", 19200, "N", "1"), 0.001823),
+        (SerialEndpoint("/dev/line", 115200, "N", "1"), 0.001750),
+    ],
+    ids=str,
+)
+def test_silence_divides_a_request_from_the_answer_before(
+    endpoint: SerialEndpoint, silence_s: float, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    async def asked() -> None:
+        async with RtuDevice(lambda _: [(0.02, ON)], monkeypatch) as device:
+            client = RegisterClient(endpoint, answer_timeout_s=ANSWER_S)
+            await client.open()
+            for _ in range(3):
+                await client.read_bits(2, 0, 1)
+            await client.close()
+        sent_s = [at_s for at_s, _ in device.requests]
+        assert [late - early - 0.02 for early, late in pairwise(sent_s)] == pytest.approx(
+            [silence_s] * 2, abs=1e-6
+        )
+
+    run(asked())
+
+
+def test_the_double_within_the_silence_is_no_answer(with_client: WithClient) -> None:
+    async def work(client: RegisterClient, _device: RtuDevice) -> None:
+        assert await client.read_bits(2, 0, 1) == [True]
+        assert await client.read_bits(2, 0, 1) == [False]
+
+    with_client(scripted([(0.02, ON), (0.021, ON)], [(0.02, OFF)]), work)
 
 
 def test_a_flood_while_a_late_answer_is_awaited_is_named(with_client: WithClient) -> None:
