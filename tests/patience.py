@@ -1,5 +1,7 @@
 """How long a test waits for what is sure to come."""
 
+import asyncio
+from collections.abc import Callable
 from typing import Final
 
 HANG_S: Final = 300.0
@@ -7,3 +9,10 @@ HANG_S: Final = 300.0
 
 A test as a whole may take `timeout` of pyproject.toml.
 """
+
+
+async def until(condition: Callable[[], bool]) -> None:
+    """Let tasks and threads go on until a condition holds that nobody reports."""
+    async with asyncio.timeout(HANG_S):
+        while not condition():  # noqa: ASYNC110  # no event is set for it
+            await asyncio.sleep(0)

@@ -77,7 +77,7 @@ def missed_mm(arm: PlainArm, solution: Compensation) -> float:
     return float(np.abs(np.array(found) - solution.wished_mm).max())
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=60)
 @given(seed=st.integers(0, 10**6), spread=st.floats(0.0, 300.0), crosstalk=st.sampled_from([0.0, 8.0]))
 def test_the_corrected_command_stands_where_it_shall(seed: int, spread: float, crosstalk: float) -> None:
     arm = PlainArm(seed, spread, crosstalk)
@@ -92,7 +92,7 @@ def test_the_corrected_command_stands_where_it_shall(seed: int, spread: float, c
     assert np.abs(np.rad2deg(solution.commands.theta2_rad) - theta[:, 1]).max() < 5.0
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=60)
 @given(
     seed=st.integers(0, 10**6),
     offset_mdeg=st.floats(-40.0, 40.0),

@@ -24,8 +24,10 @@ async def loopback(serve: Serve) -> AsyncIterator[int]:
     connections: list[asyncio.Task[None]] = []
 
     async def handle(reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
-        await serve(reader, writer)
-        writer.close()
+        try:
+            await serve(reader, writer)
+        finally:
+            writer.close()
         with contextlib.suppress(OSError):
             await writer.wait_closed()
 
@@ -35,10 +37,16 @@ async def loopback(serve: Serve) -> AsyncIterator[int]:
     listener = await asyncio.start_server(accept, "127.0.0.1", 0)
     try:
         yield listener.sockets[0].getsockname()[1]
+    except BaseException:
+        # A test that has failed may have left its end open.
+        for connection in connections:
+            connection.cancel()
+        await asyncio.gather(*connections, return_exceptions=True)
+        raise
     finally:
         listener.close()
         await listener.wait_closed()
-        await asyncio.gather(*connections)
+    await asyncio.gather(*connections)
 
 
 class StepClock:
@@ -132,12 +140,3 @@ class Peer(FarEnd):
             for chunk in self._answer(data):
                 with contextlib.suppress(LinkError):
                     await self.far.write(chunk)
-
-
-async def until(condition: Callable[[], bool]) -> None:
-    """Let the other tasks run until a condition holds."""
-    for _ in range(10_000):
-        if condition():
-            return
-        await asyncio.sleep(0)
-    raise AssertionError("the condition never held")

@@ -22,9 +22,9 @@ from drivers.melfa.robot import MelfaR3
 from drivers.melfa.settings import MelfaSettings
 from drivers.readings import Joints
 from procedures.devices import JogRobot
-from tests.patience import HANG_S
+from tests.patience import HANG_S, until
 from tests.unit.drivers.melfa_bench import JPOS, STATE, Controller
-from tests.unit.drivers.peers import Peer, StepClock, until
+from tests.unit.drivers.peers import Peer, StepClock
 
 WAY: tuple[Joints, ...] = ((1.0, 2.0, 5.0, -3.0), (2.0, 4.0, 5.0, -6.5), (3.0, 6.0, 5.0, -10.0))
 QUICK = {"quiet_s": 0.001, "answer_timeout_s": 0.2}

@@ -230,7 +230,7 @@ def patient_profile() -> CounterProfile:
 PROFILE = patient_profile()
 
 
-@settings(max_examples=150, deadline=None)
+@settings(max_examples=150)
 @given(script=faults(b"+000099.000000 mm\r\n"))
 def test_no_fault_makes_the_counter_take_an_answer_to_another_question(script: list[Fault]) -> None:
     run(read_through(script))
@@ -266,7 +266,7 @@ async def read_through(script: list[Fault]) -> None:
 QUICK = MelfaSettings(quiet_s=0.001, answer_timeout_s=0.1, move_timeout_s=1.0, stop_timeout_s=1.0)
 
 
-@settings(max_examples=150, deadline=None)
+@settings(max_examples=150)
 @given(
     script=faults(b"QoKJ1;99.00;J2;99.00;J3;0.00;J4;0.00;;****,****;20;0.00;00000000\r"),
     aside=faults(b"QoK\r"),

@@ -9,7 +9,8 @@ from drivers.errors import LinkError, LinkTimeoutError, ProtocolError
 from drivers.healing import Repeat
 from drivers.link import RequestLink, uninterrupted
 from drivers.transport import Transport
-from tests.unit.drivers.peers import Peer, until
+from tests.patience import until
+from tests.unit.drivers.peers import Peer
 
 QUIET_S = 0.001
 SHORT_S = 0.005

@@ -16,10 +16,10 @@ from drivers.melfa.codec import AnswerDecoder
 from drivers.melfa.controller import MelfaController, ProgramText
 from drivers.melfa.jog import DEAD_MAN_S, PERIOD_S, telegram
 from drivers.melfa.texts import EncoderReading, LogEntry, PositionValue, ProgramEntry, StopSources
+from tests.patience import until
 from tests.transcripts import melfa_r3 as sheet
 from tests.transcripts.melfa_r3 import Exchange
 from tests.unit.drivers.melfa_bench import Bench, Controller, bench
-from tests.unit.drivers.peers import until
 from tests.unit.drivers.virtual_time import run
 
 

@@ -16,8 +16,9 @@ from drivers.errors import (
 from drivers.healing import ATTEMPTS
 from drivers.melfa.robot import MelfaR3
 from drivers.melfa.settings import MelfaSettings
+from tests.patience import until
 from tests.unit.drivers.melfa_bench import JPOS, QUICK, START, STATE, TARGET, Controller, bench
-from tests.unit.drivers.peers import Peer, until
+from tests.unit.drivers.peers import Peer
 from tests.unit.drivers.virtual_time import run
 
 

@@ -17,8 +17,9 @@ from drivers.errors import (
 )
 from drivers.melfa.robot import MelfaR3
 from drivers.melfa.settings import MelfaSettings
+from tests.patience import until
 from tests.unit.drivers.melfa_bench import STATE, TARGET, Controller, bench
-from tests.unit.drivers.peers import StepClock, until
+from tests.unit.drivers.peers import StepClock
 
 
 @pytest.mark.parametrize("suffix", ["", "\r", "\r\n"])

@@ -12,8 +12,9 @@ from drivers.melfa.motion import LOOK_S, VARIABLES
 from drivers.melfa.robot import MelfaR3
 from drivers.melfa.settings import MelfaSettings
 from drivers.melfa.side import HEAL_PERIOD_S, PATIENCE_S
+from tests.patience import until
 from tests.unit.drivers.melfa_bench import QUICK, START, TARGET, Controller
-from tests.unit.drivers.peers import Peer, until
+from tests.unit.drivers.peers import Peer
 from tests.unit.drivers.virtual_time import VirtualClock, run
 
 

@@ -17,8 +17,9 @@ from drivers.melfa.robot import MelfaR3
 from drivers.melfa.settings import MelfaSettings
 from drivers.memory import MemoryTransport
 from drivers.record import RecordingTransport
+from tests.patience import until
 from tests.unit.drivers.melfa_bench import JPOS, OPEN, QUICK, START, STATE, TARGET, Controller, bench
-from tests.unit.drivers.peers import Peer, StepClock, until
+from tests.unit.drivers.peers import Peer, StepClock
 
 
 async def test_after_healing_right_override_and_variable_are_there_again() -> None:

@@ -8,8 +8,9 @@ from drivers.endpoint import TcpEndpoint
 from drivers.errors import LinkTimeoutError, ProtocolError, RefusedError, UnreachableError, WrongDeviceError
 from drivers.inbox import TURN_BYTES
 from drivers.modbus.client import RegisterClient
+from tests.patience import until
 from tests.unit.drivers.modbus_peers import frame, modbus_server, registers_of_the_sheet
-from tests.unit.drivers.peers import loopback, until
+from tests.unit.drivers.peers import loopback
 
 
 async def test_client_reads_registers_and_shows_the_bytes() -> None:

@@ -27,8 +27,9 @@ from drivers.melfa.robot import MelfaR3
 from drivers.melfa.settings import MelfaSettings
 from drivers.memory import MemoryTransport
 from drivers.readings import Joints
+from tests.patience import until
 from tests.unit.drivers.melfa_bench import Controller
-from tests.unit.drivers.peers import Peer, StepClock, until
+from tests.unit.drivers.peers import Peer, StepClock
 
 WAY: tuple[Joints, ...] = ((1.0, 2.0, 5.0, -3.0), (2.0, 4.0, 5.0, -6.5), (3.0, 6.0, 5.0, -10.0))
 QUICK = {"quiet_s": 0.001, "answer_timeout_s": 0.2}

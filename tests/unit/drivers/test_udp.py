@@ -8,8 +8,7 @@ import pytest
 from drivers.endpoint import open_transport
 from drivers.errors import LinkError
 from drivers.udp import UdpTransport
-from tests.patience import HANG_S
-from tests.unit.drivers.peers import until
+from tests.patience import HANG_S, until
 
 
 def peer() -> tuple[socket.socket, UdpTransport]:

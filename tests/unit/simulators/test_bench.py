@@ -426,7 +426,7 @@ def _rounded(reading: Reading) -> tuple[object, ...]:
     )
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=60)
 @given(script=scripts, cuts=st.integers(2, 40))
 def test_results_do_not_depend_on_the_steps_of_time(
     script: list[tuple[tuple[str, Joints | None], float]], cuts: int

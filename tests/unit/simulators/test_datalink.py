@@ -5,7 +5,7 @@ import math
 from dataclasses import replace
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from simulators.bench.bench import Bench
@@ -284,7 +284,6 @@ def test_a_second_client_waits_for_the_first() -> None:
 
 
 @given(cuts=st.lists(st.integers(0, 120), max_size=12))
-@settings(deadline=None)
 def test_any_split_gives_the_same_answers(cuts: list[int]) -> None:
     stream = records.WHO + b"\n" + records.ADD + b"2,2,0,0,0,0\r" + records.STRANGE + b"3,3,0,0,0,0\r"
     places = sorted({0, len(stream), *(cut for cut in cuts if cut < len(stream))})
@@ -304,7 +303,6 @@ pieces = st.one_of(
 )
 
 
-@settings(deadline=None)
 @given(sent=st.lists(pieces, max_size=10))
 def test_random_bytes_raise_nothing(sent: list[bytes]) -> None:
     line = Line()

@@ -358,7 +358,7 @@ datagrams = st.one_of(
 
 
 # Bytes at random, as in tests/unit/test_random_bytes.py, hardly ever have the length of a packet.
-@settings(max_examples=200, deadline=None)
+@settings(max_examples=200)
 @given(sent=st.lists(datagrams, max_size=8), mode=st.sampled_from(["joint", "xyz", "pulse"]))
 def test_random_datagrams_raise_nothing(sent: list[bytes], mode: str) -> None:
     line = Line(options=MxtOptions(mode=mode))

@@ -6,7 +6,7 @@ import os
 import time
 import tty
 from collections import deque
-from collections.abc import AsyncIterator, Callable, Iterator
+from collections.abc import AsyncIterator, Iterator
 from contextlib import asynccontextmanager, contextmanager
 from pathlib import Path
 from typing import Any
@@ -21,7 +21,7 @@ from simulators.ports.port import Port
 from simulators.ports.udp import MOST_PEERS
 from simulators.serving import Answer, Pending, Session
 from simulators.timekeeper import TimeKeeper
-from tests.patience import HANG_S
+from tests.patience import HANG_S, until
 from tests.unit.simulators.benches import quiet_bench
 
 FAST = "baud=4000000"
@@ -160,12 +160,6 @@ def client(path: str) -> Iterator[Client]:
         yield opened
     finally:
         os.close(opened.descriptor)
-
-
-async def until(condition: Callable[[], bool]) -> None:
-    async with asyncio.timeout(HANG_S):
-        while not condition():  # noqa: ASYNC110  # what is waited for happens in the port, which tells nobody
-            await asyncio.sleep(0)
 
 
 async def test_a_line_stands_at_its_path_while_it_is_emulated(tmp_path: Path) -> None:

@@ -150,7 +150,6 @@ def played_bench() -> Bench:
 knot_lists = st.lists(st.floats(-0.1, 0.1), min_size=1, max_size=12)
 
 
-@settings(deadline=None)
 @given(knots_deg=knot_lists, done=st.floats(0.0, 1.2))
 def test_play_on_a_way_with_reversals_equals_small_steps(knots_deg: list[float], done: float) -> None:
     bench = played_bench()
@@ -164,7 +163,6 @@ def test_play_on_a_way_with_reversals_equals_small_steps(knots_deg: list[float],
     assert play2 == pytest.approx(small_steps_play([-angle for angle in passed], 0.05), abs=1e-6)
 
 
-@settings(deadline=None)
 @given(knots_deg=knot_lists)
 def test_play_in_a_stream_with_reversals_equals_small_steps(knots_deg: list[float]) -> None:
     bench = played_bench()
@@ -258,7 +256,6 @@ def test_no_way_is_empty() -> None:
 points = st.tuples(*[st.floats(-60.0, 60.0)] * 4).map(lambda p: (p[0], p[1], abs(p[2]), p[3]))
 
 
-@settings(deadline=None)
 @given(via=st.lists(points, min_size=1, max_size=6))
 def test_a_blended_way_ends_at_the_last_point_and_keeps_the_speeds(via: list[Joints]) -> None:
     times, joints = blend([HOME, *via], DYNAMICS)
@@ -319,7 +316,7 @@ def _zigzag(joints: Joints, size_deg: float) -> Floats:
     return np.array([(j1 + sign * size_deg, j2 - sign * size_deg, j3, j4) for sign in signs])
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=60)
 @given(script=st.lists(acts, min_size=1, max_size=8), cuts=st.integers(2, 40))
 def test_results_do_not_depend_on_the_steps_of_time(script: Script, cuts: int) -> None:
     assert play_script(script, cuts) == play_script(script, 1)

@@ -246,4 +246,4 @@ class JogMachine(RuleBasedStateMachine):
 
 
 TestJogMachine = JogMachine.TestCase
-TestJogMachine.settings = settings(max_examples=80, stateful_step_count=25, deadline=None)
+TestJogMachine.settings = settings(max_examples=80, stateful_step_count=25)

@@ -196,7 +196,7 @@ def test_defaults_are_those_of_the_model() -> None:
     assert default_text("io.driver") == "modbus-io"
 
 
-@settings(max_examples=120, deadline=None)
+@settings(max_examples=120)
 @given(st.data())
 def test_whatever_the_wizard_accepts_loads(data: st.DataObject) -> None:
     draft = answered()

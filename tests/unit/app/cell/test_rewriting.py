@@ -16,19 +16,19 @@ VALUES = st.recursive(SCALARS, lambda inner: st.lists(inner, max_size=3), max_le
 TABLES = st.dictionaries(TEXTS, VALUES, max_size=4)
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=60)
 @given(VALUES | TABLES)
 def test_a_value_is_read_as_it_was(value: Any) -> None:
     assert tomllib.loads(f"key = {toml_value(value)}")["key"] == value
 
 
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=40)
 @given(st.dictionaries(TEXTS, VALUES | TABLES | st.lists(TABLES, min_size=1, max_size=3), max_size=5))
 def test_a_file_without_comments_has_the_wanted_values(data: dict[str, Any]) -> None:
     assert tomllib.loads(plain(data)) == data
 
 
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=40)
 @given(st.data())
 def test_any_change_of_values_in_the_template_gives_exactly_these_values(data: st.DataObject) -> None:
     wanted = tomllib.loads(TEMPLATE)

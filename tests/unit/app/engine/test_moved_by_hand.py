@@ -17,6 +17,7 @@ from app.engine.states import State
 from app.store.run_store import RunStore
 from procedures.devices import Joints
 from procedures.errors import ArmMovedError
+from tests.patience import until
 from tests.unit.app.engine.fakes import LIMITS, FakeBench, free_way
 
 WAY: tuple[Joints, ...] = tuple((float(n), 2.0 * n, 0.0, 3.0 * n) for n in range(1, 9))
@@ -79,11 +80,7 @@ def jog(bench: FakeBench, by_deg: float) -> None:
 
 async def until_held(control: RunControl) -> None:
     control.hold("a person")
-    for _ in range(1000):
-        if control.state == State.HELD:
-            break
-        await asyncio.sleep(0)
-    assert control.state == State.HELD
+    await until(lambda: control.state == State.HELD)
 
 
 async def held_on_the_way(store: RunStore, tmp_path: Path, jogged_deg: float) -> FakeBench:

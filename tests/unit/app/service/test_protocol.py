@@ -41,7 +41,7 @@ def test_what_is_no_request_is_told_why(line: bytes, text: str) -> None:
 
 
 @given(st.binary(max_size=200) | st.text(max_size=200).map(str.encode))
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=60)
 def test_garbage_raises_one_kind_of_error(line: bytes) -> None:
     with pytest.raises(BadMessageError):
         decode_request(line)
@@ -58,7 +58,7 @@ _OPS = st.sampled_from(["hello", "control", "hand-over", "override", "start", "r
 @given(
     _OPS, st.dictionaries(st.sampled_from(["client", "who", "to", "percent", "text", "run"]), _JSON), _JSON
 )
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=60)
 def test_wrong_fields_raise_nothing_else(op: str, fields: dict[str, object], number: object) -> None:
     line = json.dumps({"v": 1, "id": number, "op": op, **fields}).encode()
     with suppress(BadMessageError):

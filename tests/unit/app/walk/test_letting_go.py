@@ -7,6 +7,7 @@ import pytest
 
 from app.engine.request import RunOutcome
 from procedures.devices import Joints
+from tests.patience import until
 from tests.unit.app.engine.fakes import ManualClock
 from tests.unit.app.walk.tours import ELSEWHERE, FIRST, SECOND, Tour, TourBench
 
@@ -21,12 +22,8 @@ def bench(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> TourBench:
     return bench
 
 
-async def until(bench: TourBench, state: str) -> None:
-    for _ in range(100_000):
-        if state in bench.fakes.states():
-            return
-        await asyncio.sleep(0)
-    raise AssertionError(f"no {state}: {bench.fakes.states()}")
+async def until_suspended(bench: TourBench) -> None:
+    await until(lambda: "SUSPENDED" in bench.fakes.states())
 
 
 async def let_go(bench: TourBench, stands: Joints) -> "asyncio.Task[RunOutcome]":
@@ -35,7 +32,7 @@ async def let_go(bench: TourBench, stands: Joints) -> "asyncio.Task[RunOutcome]"
     await bench.fakes.robot.moving.wait()
     bench.fakes.robot.pose = stands
     bench.feed.let_go()
-    await until(bench, "SUSPENDED")
+    await until_suspended(bench)
     bench.fakes.robot.blocks = False
     return walk
 
@@ -95,7 +92,7 @@ async def test_unfed_nothing_moves_at_all(bench: TourBench) -> None:
     bench.feed.let_go()
     await asyncio.sleep(0)
     bench.feed.let_go()
-    await until(bench, "SUSPENDED")
+    await until_suspended(bench)
     assert bench.moves == 0
     bench.fakes.robot.blocks = False
     bench.feed.feed()

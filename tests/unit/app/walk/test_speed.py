@@ -47,7 +47,7 @@ def driven_mm_s(leg: Leg, percent: float) -> float:
     return float(max(chords)) * 399.0 / duration_s
 
 
-@settings(max_examples=150, deadline=None)
+@settings(max_examples=150)
 @given(places, places)
 def test_nothing_on_the_arm_is_faster_than_250_mm_s(start: Joints, end: Joints) -> None:
     leg = Leg(start, end)

@@ -38,7 +38,7 @@ def spacing(walked: list[Leg], count: int = 81) -> float:
     return float(max(steps)) / 2.0
 
 
-@settings(max_examples=400, deadline=None)
+@settings(max_examples=400)
 @given(st.one_of(legs, still), st.lists(st.one_of(legs, still), min_size=1, max_size=6))
 @example(Leg((0, 0, 0, 0), (2, 0, 0, 0)), [Leg((0, 0, 0, 0), (0, 0, 0, 0)), Leg((2, 0, 0, 0), (2, 0, 0, 0))])
 def test_coverage_agrees_with_dense_sampling(leg: Leg, walked: list[Leg]) -> None:
@@ -51,7 +51,7 @@ def test_coverage_agrees_with_dense_sampling(leg: Leg, walked: list[Leg]) -> Non
         assert worst >= 1.0 - spacing([leg]) - 1e-6
 
 
-@settings(max_examples=200, deadline=None)
+@settings(max_examples=200)
 @given(legs, st.floats(-0.99, 0.99), st.floats(-0.99, 0.99), st.floats(0.0, 1.0), st.floats(0.0, 1.0))
 def test_a_part_shifted_within_the_tolerances_is_covered(
     walked: Leg, by_first: float, by_last: float, begin: float, end: float
@@ -62,7 +62,7 @@ def test_a_part_shifted_within_the_tolerances_is_covered(
     assert Tubes([walked]).covers(Leg(joints(start), joints(stop)))
 
 
-@settings(max_examples=200, deadline=None)
+@settings(max_examples=200)
 @given(legs, st.integers(0, 3), st.sampled_from([-1.0, 1.0]))
 def test_a_motion_beyond_a_tolerance_is_not_covered(walked: Leg, axis: int, way: float) -> None:
     values = np.array([walked.start, walked.end])
@@ -72,7 +72,7 @@ def test_a_motion_beyond_a_tolerance_is_not_covered(walked: Leg, axis: int, way:
     assert not Tubes([walked]).covers(Leg(joints(moved[0]), joints(moved[1])))
 
 
-@settings(max_examples=200, deadline=None)
+@settings(max_examples=200)
 @given(st.lists(places, min_size=2, max_size=4), st.lists(legs, min_size=1, max_size=4), st.randoms())
 def test_what_is_covered_holds_for_corners_cut_anywhere(
     way: list[Joints], others: list[Leg], chance: Random
