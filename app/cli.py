@@ -3,6 +3,7 @@
 Each command imports what it needs when it runs: help and completion stay fast.
 """
 
+import errno
 import os
 import signal
 import sys
@@ -30,7 +31,7 @@ from app.cli_options import (
 
 
 class _Commands(TyperGroup):
-    """Lets Ctrl-C through as an interruption, with its own exit code."""
+    """Gives Ctrl-C, and a name that no file can have, an error of their own."""
 
     def invoke(self, ctx: Any) -> Any:
         """Run the chosen command."""
@@ -40,6 +41,13 @@ class _Commands(TyperGroup):
             from app.errors import InterruptedRunError
 
             raise InterruptedRunError("interrupted") from interrupt
+        except OSError as error:
+            if error.errno != errno.ENAMETOOLONG:
+                raise
+            from app.errors import UsageError
+
+            name = f"{error.filename!s:.60}"
+            raise UsageError(f"{name}…: is too long for the name of a file: check what was given") from error
 
 
 cli = typer.Typer(

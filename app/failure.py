@@ -3,25 +3,34 @@
 import os
 import sys
 import traceback
+from typing import Final
 
 from app.errors import ReaderGoneError, exit_code_of
 
 _DEBUG = "CATSEYE_DEBUG"
 
+SEE_WHERE: Final = f"set {_DEBUG}=1 and repeat to see where it happened"
+"""Said of a fault of the program."""
+
 
 def tell(error: BaseException) -> int:
     """Write what went wrong to stderr and return the exit code."""
-    if os.environ.get(_DEBUG):
-        traceback.print_exception(error, file=sys.stderr)
+    if trace := trace_of(error):
+        sys.stderr.write(trace)
     elif _is_ours(error):
         for text in _texts(error):
             sys.stderr.write(f"catseye: {text}\n")
     else:
         sys.stderr.write(
             f"catseye: internal error: {type(error).__name__}: {error}\n"
-            f"catseye: this is a fault of the program; set {_DEBUG}=1 and repeat to see where it happened\n"
+            f"catseye: this is a fault of the program; {SEE_WHERE}\n"
         )
     return int(exit_code_of(error))
+
+
+def trace_of(error: BaseException) -> str:
+    """Return the traceback of an error if the environment asks for it, else nothing."""
+    return "".join(traceback.format_exception(error)) if os.environ.get(_DEBUG) else ""
 
 
 def _texts(error: BaseException) -> list[str]:

@@ -15,7 +15,7 @@ from app.engine.door_watch import DoorWatch
 from app.engine.gate import WHOLE_PERCENT, require_ready
 from app.engine.halt import HaltLimits, halt
 from app.engine.waiting import uncancelled, within
-from app.errors import InterruptedRunError, SafetyError
+from app.errors import InterruptedRunError, SafetyError, text_of
 from app.exitcode import ExitCode
 from app.guard.client import ArmGuard
 from app.service.errors import RefusedError, refusal_of
@@ -229,14 +229,14 @@ class Jogging:
         try:
             await within(self._bench.clock, _DRIVES_S, robot.servo(on=False))
         except Exception as error:  # noqa: BLE001  # a fault of a driver leaves the drives on as well
-            self.unsafe(f"the drives do not switch off: {error}")
+            self.unsafe(f"the drives do not switch off: {text_of(error)}")
 
     def _close(self) -> None:
         error = self._failure
         if error is not None and not self.begun.done():
             self.begun.set_exception(refusal_of(error))
         elif error is not None:
-            self._bench.tell("error", text=str(error), exit_code=int(refusal_of(error).code))
+            self._bench.tell("error", text=text_of(error), exit_code=int(refusal_of(error).code))
         if self._arm is not None:
             self._tell(None, self._reason, on=False)
         if self._left_lower:

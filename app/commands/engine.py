@@ -14,6 +14,7 @@ from typing import IO, Any, NoReturn, cast
 from app.commands.output import emit, emit_json, say
 from app.errors import OutputError, exit_code_of, text_of
 from app.exitcode import ExitCode
+from app.failure import SEE_WHERE, trace_of
 from app.runs_folder import runs_folder
 from app.service.address import socket_folder, socket_name
 from app.service.engine_process import EngineProcess
@@ -52,7 +53,13 @@ async def _once(cell: Path, root: Path) -> ExitCode:
             lambda: _tell({"event": "ready"}),
         )
     except Exception as error:  # noqa: BLE001  # the starter waits to hear why, whatever it is
-        _tell({"event": "failed", "error": text_of(error), "exit_code": int(exit_code_of(error))})
+        _tell(
+            {
+                "event": "failed",
+                "error": trace_of(error) or text_of(error, SEE_WHERE),
+                "exit_code": int(exit_code_of(error)),
+            }
+        )
         return exit_code_of(error)
     _tell({"event": "ended", "error": outcome.text, "exit_code": int(outcome.exit_code)})
     return outcome.exit_code

@@ -112,6 +112,13 @@ def test_a_missing_cell_file_is_told_with_the_command_that_writes_one(tmp_path: 
     assert files(tmp_path) == set()
 
 
+@pytest.mark.parametrize("command", ["report", "export"])
+def test_a_name_too_long_for_a_file_is_refused(tmp_path: Path, command: str) -> None:
+    said = catseye(tmp_path, command, "x" * 5000, "-o", "out.csv")
+    assert_refused(said, 2, "is too long for the name of a file")
+    assert len(said.err) < 200
+
+
 def test_unreachable_devices_are_named_by_doctor(tmp_path: Path) -> None:
     ports = free_ports(4)
     put_cell(tmp_path, *at_ports(ports))
