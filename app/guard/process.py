@@ -132,11 +132,12 @@ class GuardProcess:
 
     def _let_go(self) -> None:
         if self._link is not None:
+            # It has closed its end, or is given up: either way the end is near. Killed before the pair is closed, it
+            # does not take this program for dead.
+            self._process.kill()
             self._loop.remove_reader(self._link)
             self._link.close()
             self._link = None
-            # It has closed its end, or is given up: either way the end is near.
-            self._process.kill()
         self._heard.set()
 
 
