@@ -17,7 +17,7 @@ from app.cell.model import Cell
 from app.engine.announcer import Publish
 from app.engine.devices import DeviceBuilder
 from app.engine.dry_run import DryRunContext
-from app.engine.gate import JointLimits, WayCheck
+from app.engine.gate import JointLimits
 from app.engine.handle import OnOpen
 from app.engine.hands import Hands
 from app.engine.host import run_procedure
@@ -39,7 +39,7 @@ from drivers.clock import SystemClock
 from procedures.bench import Bench
 from procedures.context import Json
 from procedures.devices import Joints
-from procedures.motion.clear_way import legs_refusal
+from procedures.motion.clear_way import way_check
 
 
 @dataclass(frozen=True)
@@ -211,11 +211,6 @@ def joint_limits(bench: Bench) -> JointLimits:
     arm = bench.arm
     heights = arm.j3_range_mm or (arm.j3_mm, arm.j3_mm)
     return JointLimits(arm.j1_limits_deg, arm.j2_limits_deg, arm.j4_limits_deg, heights)
-
-
-def way_check(bench: Bench) -> WayCheck:
-    """Return the gate's check for bodies in the way: that of the plan, with passed targets."""
-    return lambda way: legs_refusal(way[0], [way[1:]], bench)
 
 
 def run_meta(planned: PlannedRun, speed: float) -> dict[str, Json]:

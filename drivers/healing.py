@@ -84,10 +84,11 @@ class Losses:
 
     def _second(self) -> _Second:
         number = int(self.now_s())
+        if self._seconds and self._seconds[-1].number == number:
+            return self._seconds[-1]
         while self._seconds and self._seconds[0].number <= number - WINDOW_S:
             self._seconds.popleft()
-        if not self._seconds or self._seconds[-1].number != number:
-            self._seconds.append(_Second(number))
+        self._seconds.append(_Second(number))
         return self._seconds[-1]
 
 

@@ -78,6 +78,9 @@ class RequestLink:
         stays_writable: a link that floods is no longer read but stays open, so that something urgent can be written;
             otherwise it is closed.
         now_s: real time for the count of losses, s; that of the event loop by default.
+
+    Attributes:
+        where: device and endpoint, for texts.
     """
 
     def __init__(
@@ -94,7 +97,7 @@ class RequestLink:
         now_s: Callable[[], float] | None = None,
     ) -> None:
         self._transport = transport
-        self._name = name
+        self.where = f"{name} at {transport.endpoint}"
         self._greet = greet
         self._identify = identify
         self._quiet_s = quiet_s
@@ -113,11 +116,6 @@ class RequestLink:
         self.discarded_bytes = 0
         self.heal_count = 0
         self.greeting = b""
-
-    @property
-    def where(self) -> str:
-        """Device and endpoint, for texts."""
-        return f"{self._name} at {self._transport.endpoint}"
 
     @property
     def doubt(self) -> str:

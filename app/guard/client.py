@@ -163,13 +163,20 @@ class ArmGuard:
 
     async def _require_guard(self) -> None:
         """See a guard that answers; one that has died or hangs while nothing moves is replaced."""
-        if self._lock is not None and not self.stopped:
+        if self._lock is not None and not self.stopped and not self._was_just_heard():
             # Two motions at a time would each start one.
             async with self._starting:
                 answers = self._process is not None and await self._answers(self._process)
                 if not answers and not self._motions:
                     await self._start()
         self._require_permitted()
+
+    def _was_just_heard(self) -> bool:
+        process = self._process
+        if process is None:
+            return False
+        process.read()
+        return not process.gone and process.age_s <= _FRESH_S
 
     async def _answers(self, process: GuardProcess) -> bool:
         process.read()

@@ -63,8 +63,10 @@ class JsonLines:
         self._free -= len(line)
         try:
             taken = self._file.write(line) or 0
-            self._half = not line[:taken].endswith(b"\n") if taken else self._half
-            if taken != len(line):
+            if taken == len(line):
+                self._half = False
+            else:
+                self._half = not line[:taken].endswith(b"\n") if taken else self._half
                 raise OSError(f"{self._path} took only a part of a line; the disk is full")
         except OSError as error:
             self._on_failure(error)

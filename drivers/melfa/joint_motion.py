@@ -89,7 +89,9 @@ class JointMotion:
 
     async def _prepare(self, target: Joints) -> None:
         """Give the controller the target: on the very connection from which the motion takes it."""
-        await self._main.link.ensure()
+        # A link in step shows only when something is sent that it has come out of step: then this is done again.
+        if self._main.link.doubt or not self._declared:
+            await self._main.link.ensure()
         await self._declare()
         await self._main.command(f"EXEC{assignment(self.variable, target)}", repeat=Repeat.BOUND)
 

@@ -318,7 +318,6 @@ class MelfaR3:
 
     async def _move(self, target: Joints, permit: Callable[[], None]) -> None:
         try:
-            await self._main.link.repeated(self._main.link.ensure)
             await self.take_right()
             await self._motion.go(target, permit)
         except asyncio.CancelledError:

@@ -3,7 +3,7 @@
 Plans, the gate of every motion, the jog and the rehearsal ask here.
 """
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from functools import lru_cache
 from itertools import pairwise
@@ -67,6 +67,21 @@ def legs_refusal(start: Joints, legs: Sequence[Sequence[Joints]], bench: Bench) 
     return None if contact is None else _refusal(contact, way, bench)
 
 
+def way_check(bench: Bench) -> Callable[[Sequence[Joints]], str | None]:
+    """Return what tells why a way is not clear whose targets before the last one are passed; None when it is.
+
+    A gate asks before each motion: the scene is looked up once.
+    """
+    known = _known(bench)
+
+    def refusal(way: Sequence[Joints]) -> str | None:
+        passed = [0 < number < len(way) - 1 for number in range(len(way))]
+        contact = _contact(way, bench, passed, known)
+        return None if contact is None else _refusal(contact, way, bench)
+
+    return refusal
+
+
 def way_refusal(way: Sequence[Joints], bench: Bench) -> str | None:
     """Return why a way is not clear; None when it is. See `require_clear_way`."""
     contact = _contact(way, bench)
@@ -101,9 +116,11 @@ def clear_part(here: Joints, target: Joints, bench: Bench) -> tuple[Joints, str 
     return (one, two, three, four), _refusal(contact, way, bench)
 
 
-def _contact(way: Sequence[Joints], bench: Bench, passed: Sequence[bool] = ()) -> Contact | None:
+def _contact(
+    way: Sequence[Joints], bench: Bench, passed: Sequence[bool] = (), known: "_KnownScene | None" = None
+) -> Contact | None:
     _require_places(way)
-    known = _known_scene(bench.workspace, bench.reflectors, bench.arm.j3_mm)
+    known = known or _known(bench)
     corners = np.array(passed) if passed and bench.arm.following == "blended" else None
     # Where corners are cut, a leg depends on its neighbours.
     legs = set(pairwise(map(_hashable, way))) if corners is None else set()
@@ -143,6 +160,10 @@ class _KnownScene:
 
     gaps: Gaps
     clear: set[tuple[Joints, Joints]] = field(default_factory=set)
+
+
+def _known(bench: Bench) -> _KnownScene:
+    return _known_scene(bench.workspace, bench.reflectors, bench.arm.j3_mm)
 
 
 @lru_cache(maxsize=16)

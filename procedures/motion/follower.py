@@ -94,8 +94,6 @@ class Follower:
                 return Loss(MOVED_BY_HAND)
             if (loss := await self._broken()) is not None:
                 return loss
-            if not await self.undisturbed():
-                return Loss(MOVED_BY_HAND)
         if not await self._drive(legs[-1]):
             return Loss(MOVED_BY_HAND)
         self.at = goal

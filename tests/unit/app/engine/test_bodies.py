@@ -12,9 +12,9 @@ from app.engine.dry_run import DryRunContext
 from app.engine.gate import MotionGate
 from app.errors import LimitError
 from app.exitcode import ExitCode
-from app.running import way_check
 from drivers.errors import RefusedError
 from procedures.devices import Joints
+from procedures.motion.clear_way import way_check
 from tests.unit.app.engine.fakes import HOME, LIMITS, FakeBench, FakeRobot, ManualClock
 from tests.unit.app.engine.runs import measuring, run
 from tests.unit.procedures.benches import arm_xy, bench
