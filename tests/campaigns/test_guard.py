@@ -27,7 +27,7 @@ SOUND_RUNS = int(os.environ.get("CATSEYE_SOUND_RUNS", "300"))
 KILLED_WITHIN_S = 0.1
 STOPPED_WITHIN_S = 0.7
 AT_REST_WITHIN_S = 1.0
-MOST_ARRIVED = 0.25
+MOST_TRIED = 2
 WAYS = {"killed": signal.SIGKILL, "stopped": signal.SIGSTOP, "blocked": signal.SIGUSR2}
 OVERRIDES_PERCENT = (1, 2, 5, 10, 20)
 CAP = "override_cap_percent = 20 "
@@ -152,16 +152,17 @@ def test_no_arm_moves_on(found_bench: Searched, percent: int) -> None:
     found: list[Moment] = []
     stood = 0
     begun_s = time.monotonic()
-    while len(found) < -(-MOMENTS // len(OVERRIDES_PERCENT)):
+    # A fast arm is often at its target before STOP is due: such a moment shows a STOP, but no arm that it stopped.
+    while sum(not moment.arrived for moment in found) < -(-MOMENTS // len(OVERRIDES_PERCENT)):
         way = moments.choice(list(WAYS))
         with measuring(running, "tests.system.blockable", found_bench.search) as run:
             begun(run, moments)
             moment = troubled(run, way)
         if moment is None:
             stood += 1
-            assert stood <= MOMENTS
         else:
             found.append(moment)
+        assert stood + len(found) <= MOST_TRIED * MOMENTS
     for way in WAYS:
         if of_way := [moment for moment in found if moment.way == way]:
             tell(describe(percent, of_way))
@@ -169,7 +170,6 @@ def test_no_arm_moves_on(found_bench: Searched, percent: int) -> None:
     assert max(moment.stop_s for moment in found) <= STOPPED_WITHIN_S
     assert all(moment.stop_s <= KILLED_WITHIN_S for moment in found if moment.way == "killed")
     assert max(moment.rest_s for moment in found if not moment.arrived) <= AT_REST_WITHIN_S
-    assert sum(moment.arrived for moment in found) <= max(1, MOST_ARRIVED * len(found))
 
 
 @contextmanager
