@@ -38,6 +38,7 @@ class JointMotion:
         clock: time of the polls.
         settings: of the driver.
         still_polls: equal positions in a row that say that a motion which was started has ended or never began.
+        take_right: takes the operation right unless it is held.
         account_for: is called with the target of a motion whose answer was lost, and how.
         reset_alarm: resets the active alarm.
 
@@ -53,6 +54,7 @@ class JointMotion:
         settings: MelfaSettings,
         *,
         still_polls: int,
+        take_right: Callable[[], Awaitable[None]],
         account_for: Callable[[Joints, DeviceError], Awaitable[None]],
         reset_alarm: Callable[[], Awaitable[None]],
     ) -> None:
@@ -61,6 +63,7 @@ class JointMotion:
         self._clock = clock
         self._settings = settings
         self._still_polls = still_polls
+        self._take_right = take_right
         self._account_for = account_for
         self._reset_alarm = reset_alarm
         self._declared = False
@@ -92,8 +95,29 @@ class JointMotion:
         # A link in step shows only when something is sent that it has come out of step: then this is done again.
         if self._main.link.doubt or not self._declared:
             await self._main.link.ensure()
+        # It may have been refused while the link was opened again, and the override not been lowered then.
+        await self._take_right()
         await self._declare()
-        await self._main.command(f"EXEC{assignment(self.variable, target)}", repeat=Repeat.BOUND)
+        await self._main.command(
+            f"EXEC{assignment(self.variable, target)}", repeat=Repeat.BOUND, permit=self._require_declared
+        )
+
+    def _require_declared(self) -> None:
+        """Keep back what builds on a connection that a question of somebody else has opened again meanwhile.
+
+        Raises:
+            NotSentError: nothing was sent.
+        """
+        if not self._declared:
+            raise NotSentError(f"{self._main.where}: the link was opened again meanwhile: nothing was sent")
+
+    def _bound(self, permit: Callable[[], None]) -> Callable[[], None]:
+        def bound() -> None:
+            # A stop is the reason that counts.
+            permit()
+            self._require_declared()
+
+        return bound
 
     async def _declare(self) -> None:
         """Declare the joint variable once a connection; a definition that is there already is used."""
@@ -131,7 +155,7 @@ class JointMotion:
             f"EXEC2=MOV {self.variable}",
             timeout_s=self._settings.move_timeout_s,
             repeat=Repeat.BOUND,
-            permit=permit,
+            permit=self._bound(permit),
         )
         self.waits = True
         try:
@@ -147,7 +171,7 @@ class JointMotion:
 
     async def _polled(self, target: Joints, permit: Callable[[], None]) -> Joints:
         """Start the motion and look until the robot stands; return where."""
-        await self._main.command(f"EXECMOV {self.variable}", repeat=Repeat.BOUND, permit=permit)
+        await self._main.command(f"EXECMOV {self.variable}", repeat=Repeat.BOUND, permit=self._bound(permit))
         return await self._at_rest(target)
 
     async def _at_rest(self, target: Joints) -> Joints:

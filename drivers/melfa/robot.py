@@ -105,6 +105,7 @@ class MelfaR3:
             clock,
             self._settings,
             still_polls=self._still_polls,
+            take_right=self.take_right,
             account_for=self.account_for,
             reset_alarm=self.reset_alarm,
         )
@@ -318,7 +319,6 @@ class MelfaR3:
 
     async def _move(self, target: Joints, permit: Callable[[], None]) -> None:
         try:
-            await self.take_right()
             await self._motion.go(target, permit)
         except asyncio.CancelledError:
             await self.stop()

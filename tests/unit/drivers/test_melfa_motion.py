@@ -16,6 +16,7 @@ from drivers.errors import (
 from drivers.healing import ATTEMPTS
 from drivers.melfa.robot import MelfaR3
 from drivers.melfa.settings import MelfaSettings
+from drivers.readings import RobotStatus
 from tests.patience import until
 from tests.unit.drivers.melfa_bench import JPOS, QUICK, START, STATE, TARGET, Controller, bench
 from tests.unit.drivers.peers import Peer
@@ -414,3 +415,30 @@ async def test_a_question_kept_back_sends_no_motion_again() -> None:
         await b.robot.move_joints(TARGET)
         assert b.said.count("EXEC2=MOV JCATSEY1") == 1
         assert b.said.count("CNTLON") == 1 + ATTEMPTS
+
+
+async def test_a_link_healed_by_a_question_gets_the_target_again() -> None:
+    """The watch asks between assignment and motion, and heals the link that the assignment has left out of step."""
+    controller = Controller()
+    controller.suffix = "\r"
+    looks: list[asyncio.Task[RobotStatus]] = []
+
+    async with bench(controller) as b:
+
+        def doubled_once() -> Iterable[str]:
+            if looks:
+                return ["QoK"]
+            looks.append(asyncio.create_task(b.robot.status()))
+            return ["QoK\rQoK"]
+
+        await b.robot.move_joints(TARGET)
+        controller.replies["EXECJCATSEY1"] = doubled_once
+        before = len(b.said)
+        await b.robot.move_joints(TARGET)
+        await asyncio.gather(*looks)
+        said = b.said[before:]
+        motion = said.index("EXEC2=MOV JCATSEY1")
+        assert said.index("OPEN=CATSEYE") < motion
+        assert said[motion - 2] == "EXECDEF JNT JCATSEY1"
+        assert said[motion - 1].startswith("EXECJCATSEY1=")
+        assert said.count("EXEC2=MOV JCATSEY1") == 1

@@ -78,6 +78,30 @@ async def test_a_right_that_was_refused_while_healing_comes_back_with_the_overri
         assert b.robot.notes == ()
 
 
+async def test_a_right_refused_while_healing_for_a_motion_is_taken_first() -> None:
+    """Else the motion would go out without the right, at whatever override is in force by now."""
+    controller = Controller()
+    async with bench(controller) as b:
+        await b.robot.set_override(15)
+        await b.robot.move_joints(TARGET)
+        controller.replies["RSTALRM"] = list
+        with pytest.raises(LinkTimeoutError):
+            await b.robot.reset_alarm()
+        controller.override = "40"
+        refused = iter([["QeR602000000"]])
+        controller.replies["CNTLON"] = lambda: next(refused, ["QoK"])
+        before = len(b.said)
+        await b.robot.move_joints(START)
+        assert b.said[before : before + 6] == [
+            "OPEN=CATSEYE",
+            "CNTLON",
+            "CNTLON",
+            "OVRD",
+            "OVRD=15",
+            "EXECDEF JNT JCATSEY1",
+        ]
+
+
 async def test_nothing_moves_while_the_override_cannot_be_restored() -> None:
     controller = Controller()
     async with bench(controller) as b:
