@@ -26,6 +26,19 @@ class ProgramRobot(FakeRobot):
     own_program = "CATSDL"
 
 
+class SlowRobot(FakeRobot):
+    """Answers after two seconds, as over a link that has lost an answer; notes when it was asked."""
+
+    def __init__(self, clock: ManualClock) -> None:
+        super().__init__(clock)
+        self.asked_s: list[float] = []
+
+    async def joints(self) -> Joints:
+        self.asked_s.append(self.clock.monotonic_s())
+        self.clock.advance(2.0)
+        return HOME
+
+
 async def nobody(_text: str) -> None:
     """Take no note."""
 
@@ -34,6 +47,13 @@ async def test_an_arm_that_stands_is_seen_to_do_so() -> None:
     robot = FakeRobot(ManualClock())
     assert await require_rest(robot, robot.clock, 1.0, nobody) == HOME
     assert robot.clock.monotonic_s() >= REST_S
+
+
+async def test_slow_answers_do_not_shorten_the_rest() -> None:
+    robot = SlowRobot(ManualClock())
+    await require_rest(robot, robot.clock, 1.0, nobody)
+    first_answered_s = robot.asked_s[0] + 2.0
+    assert robot.asked_s[-1] - first_answered_s >= REST_S
 
 
 async def test_a_motion_left_behind_is_waited_for_and_told() -> None:
