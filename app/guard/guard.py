@@ -226,6 +226,9 @@ class Guard:
                 self._say(f"released {name}")
             case ["understood"]:
                 self._stopped_s = None
+                # It is a sign of life, and the beat behind it may be yet to come.
+                self._silence.beat(moving=self._silence.moving)
+                self._counted_s = time.monotonic()
             case ["end"]:
                 raise Ended
             case _:

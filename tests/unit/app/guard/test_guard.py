@@ -2,6 +2,7 @@
 
 import os
 import socket
+import time
 from collections.abc import Iterator
 from contextlib import suppress
 from pathlib import Path
@@ -26,6 +27,10 @@ class Pair:
     def watched_to_the_end(self) -> None:
         """Let the engine die, and the guard see it."""
         self.ours.close()
+        self.watched()
+
+    def watched(self) -> None:
+        """Have the guard watch until the arm is given back or the engine has died."""
         before = set(os.listdir("/proc/self/fd"))
         try:
             Guard(self.theirs, os.getpid()).watch()
@@ -109,3 +114,48 @@ def test_a_line_that_takes_a_part_of_stop_does_not_block(pipe: tuple[int, int]) 
     for _ in range(1000):
         Connection(sink, b"\r" * (room + 1)).write_stop()
     assert written == 2 * room
+
+
+class StoppedTime:
+    """Passes with each look at it until the first STOP, which the engine understands; stands still then.
+
+    Args:
+        pair: whose engine gives the arm back in the end.
+    """
+
+    def __init__(self, pair: Pair) -> None:
+        self.stops = 0
+        self._pair = pair
+        self._now_s = 0.0
+        self._looks = 0
+
+    def monotonic(self) -> float:
+        if not self.stops:
+            self._now_s += 0.1
+        else:
+            self._looks += 1
+            if self._looks == 20:
+                self._pair.say("end")
+        return self._now_s
+
+    def clock_gettime(self, _clock: int) -> float:
+        return 0.0
+
+    def gmtime(self) -> time.struct_time:
+        return time.gmtime(0)
+
+    def strftime(self, text: str, _when: time.struct_time) -> str:
+        self.stops += 1
+        self._pair.say("understood")
+        return text
+
+
+def test_an_engine_that_has_understood_is_not_stopped_once_more(
+    pair: Pair, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Its next beat comes behind that word."""
+    passing = StoppedTime(pair)
+    monkeypatch.setattr(guard, "time", passing)
+    pair.say("beat 1")
+    pair.watched()
+    assert passing.stops == 1
