@@ -268,6 +268,8 @@ class RunContext:
         if self._prompt_open:
             raise RuntimeError(f"prompt {prompt.id} is asked while another one is open")
         self._prompt_open = True
+        # Who answers may have been at the arm.
+        self._control.waits += 1
         start_s = self._clock.monotonic_s() - self._control.waited_s
         try:
             return (await self._ask(prompt, watch)).text

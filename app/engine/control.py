@@ -67,7 +67,8 @@ class RunControl:
         unacknowledged: why nothing may move before somebody has acknowledged it; empty while nothing of that kind is.
         on_interrupted: asks whether to go on after an interruption and returns when `acknowledge` was called; without
             it somebody else has to call that.
-        waits: how often the run was held or suspended so far; somebody may have moved the arm meanwhile.
+        waits: how often the run was held or suspended or asked something so far; somebody may have moved the arm
+            meanwhile.
     """
 
     def __init__(

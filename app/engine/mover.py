@@ -135,9 +135,9 @@ def _require_place(here: Joints, stood: Joints) -> None:
     """Refuse to drive on from where nobody planned to be."""
     if not stands_at(here, stood):
         raise ArmMovedError(
-            f"the arm was moved while the run was held or suspended: its joints are {_listed(here)} and were "
-            f"{_listed(stood)} when it was left (J1 deg, J2 deg, J3 mm, J4 deg); the rest of its way was not "
-            "driven; go on with catseye resume, and leave the arm alone while a run is under way"
+            "the arm was moved while the run was held or suspended or a question was open: its joints are "
+            f"{_listed(here)} and were {_listed(stood)} when it was left (J1 deg, J2 deg, J3 mm, J4 deg); the rest "
+            "of its way was not driven; go on with catseye resume, and leave the arm alone while a run is under way"
         )
 
 

@@ -15,6 +15,7 @@ from app.engine.gate import MotionGate
 from app.engine.operator import Operator
 from app.engine.states import State
 from app.store.run_store import RunStore
+from procedures.context import Live, Prompt
 from procedures.devices import Joints
 from procedures.errors import ArmMovedError
 from tests.patience import until
@@ -133,6 +134,23 @@ async def test_a_single_move_does_not_begin_from_where_nobody_planned_to_be(
     control.unhold("a person")
     with pytest.raises(ArmMovedError, match="held or suspended"):
         await moving
+    assert bench.robot.calls.count("move") == 1
+
+
+async def test_an_arm_moved_during_a_question_does_not_drive_on(store: RunStore, tmp_path: Path) -> None:
+    """Also one that was held meanwhile, which takes effect at no checkpoint then."""
+    ctx, control, bench = await ready(store, tmp_path)
+    await ctx.move(WAY[0])
+
+    async def moved_by_hand() -> Live:
+        control.hold("a person")
+        jog(bench, 5.0)
+        control.unhold("a person")
+        return Live("level", 0.0, "mm")
+
+    await ctx.ask(Prompt(id="level", kind="confirm", text="Is it level?", safe_answer="yes"), moved_by_hand)
+    with pytest.raises(ArmMovedError, match="a question was open"):
+        await ctx.move(WAY[1])
     assert bench.robot.calls.count("move") == 1
 
 
