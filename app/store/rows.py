@@ -148,7 +148,8 @@ def _checked(table: str, name: str, kind: type, value: Json) -> Value:
     if kind is float and isinstance(value, int | float) and not isinstance(value, bool):
         # SQLite would store NaN as NULL: a value would vanish without a word.
         if math.isfinite(value):
-            return float(value)
+            # Nor does it keep the sign of a zero, and the check sum is of what it gives back.
+            return float(value) + 0.0
     elif kind is not float and type(value) is kind and isinstance(value, int | str):
         return value
     raise ValueError(f"{table}.{name} = {value!r} is not a usable {kind.__name__}")

@@ -376,3 +376,9 @@ POINT: Row = {
     "time_utc": "2026-01-02T03:04:05+00:00",
     "duration_s": 0.5,
 }  # fmt: skip - one row a line
+
+
+async def test_minus_zero_is_read_back(store: RunStore) -> None:
+    # A controller reports "-0.00", and SQLite keeps no sign of zero: the check sum is of what comes back.
+    await store.append_step("s1", 1, "first", {}, [("search", {**SEARCH_ROW, "theta1_deg": -0.0})])
+    assert RunReader(store.path).search()[0]["theta1_deg"] == 0.0
