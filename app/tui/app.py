@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any, ClassVar, Final
 
 from textual.app import App, SystemCommand
 from textual.binding import Binding, BindingType
+from textual.notifications import SeverityLevel
 from textual.screen import Screen
 
 from app.tui.cell_change import look_at_cell
@@ -262,6 +263,19 @@ class CatseyeApp(App[int]):
             fields: of the request.
         """
         return self.keep(self._order(op, failure, control=control, done=done, then=then, **fields))
+
+    def notify(
+        self,
+        message: str,
+        *,
+        title: str = "",
+        severity: SeverityLevel = "information",
+        timeout: float | None = None,
+        markup: bool = False,
+    ) -> None:
+        """Show a message for some time; none holds markup, and names of people and files may look like it."""
+        del markup
+        super().notify(message, title=title, severity=severity, timeout=timeout, markup=False)
 
     def tell_error(self, title: str, text: str) -> None:
         """Show an error that can be copied; the same one is not shown twice over."""

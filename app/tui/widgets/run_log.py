@@ -37,7 +37,7 @@ class RunLog(Told):
             run: that is shown.
             control: who holds control.
         """
-        self.border_subtitle = f"control: {control}"
+        self.border_subtitle = Content(f"control: {control}")
         wanted = LEVELS[self.least :]
         found: list[Content] = []
         room = max(self.size.height, 1)

@@ -4,7 +4,7 @@ import pytest
 
 from app.tui.dialogs.confirm_dialog import ConfirmDialog
 from tests.unit.app.tui.scripted import ScriptedLink, make_app, shown
-from tests.unit.app.tui.told_run import SNAPSHOT, end, tell
+from tests.unit.app.tui.told_run import SNAPSHOT, end, measure, tell
 
 BOB = {"client": "attach-2", "who": "Bob"}
 
@@ -41,6 +41,26 @@ async def test_who_loses_control_is_told_by_whom() -> None:
         app._show_changes()  # noqa: SLF001  # what the clock does five times a second
         await pilot.pause()
         assert "Bob (attach-2) has taken control" in " ".join((await shown(app, pilot)).split())
+
+
+async def test_a_name_that_looks_like_markup_is_shown_as_it_is() -> None:
+    link = ScriptedLink(SNAPSHOT)
+    app = make_app(link, "bench")
+    async with app.run_test(size=(120, 40), notifications=True) as pilot:
+        await shown(app, pilot)
+        app._show_changes()  # noqa: SLF001  # what the clock does five times a second
+        tell(link, "control", what="taken by force", by="[/x] (attach-2)", before="Ada (tui-1)")
+        app._show_changes()  # noqa: SLF001  # what the clock does five times a second
+        await pilot.pause()
+        assert "[/x] (attach-2) has taken control" in " ".join((await shown(app, pilot)).split())
+
+
+async def test_a_holder_whose_name_looks_like_markup_is_shown() -> None:
+    link = ScriptedLink({**SNAPSHOT, "control": {**BOB, "who": "[/x]"}})
+    app = make_app(link, "run")
+    async with app.run_test(size=(120, 40)) as pilot:
+        measure(link)
+        assert "control: [/x]" in await shown(app, pilot)
 
 
 async def test_what_ended_by_hand_or_unacknowledged_is_offered_to_be_cleared() -> None:
