@@ -6,6 +6,7 @@ import traceback
 from typing import Final
 
 from app.errors import ReaderGoneError, exit_code_of
+from drivers.device_text import harmless_lines
 
 _DEBUG = "CATSEYE_DEBUG"
 
@@ -19,7 +20,7 @@ def tell(error: BaseException) -> int:
         sys.stderr.write(trace)
     elif _is_ours(error):
         for text in _texts(error):
-            sys.stderr.write(f"catseye: {text}\n")
+            sys.stderr.write(f"catseye: {harmless_lines(text)}\n")
     else:
         sys.stderr.write(
             f"catseye: internal error: {type(error).__name__}: {error}\n"

@@ -21,6 +21,19 @@ def harmless(text: str, longest: int = LONGEST) -> str:
     return shown if len(shown) <= longest else f"{shown[: longest - 1]}…"
 
 
+def harmless_lines(text: str) -> str:
+    """Return a text of any length and any number of lines, each of them harmless; tabs stay too.
+
+    Records of older programs hold what instruments said as it came.
+    """
+    if text.isprintable():
+        return text
+    return "".join(
+        sign if sign in "\n\t" or sign.isprintable() else sign.encode("unicode_escape").decode("ascii")
+        for sign in text
+    )
+
+
 class DeviceText:
     """Base of frozen dataclasses whose texts come from an instrument: each is harmless from the beginning."""
 

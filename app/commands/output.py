@@ -6,14 +6,19 @@ import sys
 from collections.abc import Iterable, Sequence
 
 from app.errors import OutputError, ReaderGoneError
+from drivers.device_text import harmless_lines
 
 
 def emit(text: str) -> None:
-    """Write a line of data to stdout at once.
+    """Write a line of data to stdout at once, harmless to a terminal.
 
     Raises:
         OutputError: stdout takes no more; what is written later goes nowhere.
     """
+    _write(harmless_lines(text))
+
+
+def _write(text: str) -> None:
     try:
         sys.stdout.write(text + "\n")
         sys.stdout.flush()
@@ -30,12 +35,12 @@ def emit(text: str) -> None:
 
 def emit_json(value: object) -> None:
     """Write one JSON value on a line of its own to stdout."""
-    emit(json.dumps(value, ensure_ascii=False))
+    _write(json.dumps(value, ensure_ascii=False))
 
 
 def say(text: str) -> None:
-    """Write a line of talk to stderr at once."""
-    sys.stderr.write(text + "\n")
+    """Write a line of talk to stderr at once, harmless to a terminal."""
+    sys.stderr.write(harmless_lines(text) + "\n")
     sys.stderr.flush()
 
 

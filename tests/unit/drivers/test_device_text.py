@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from drivers.device_text import LONGEST, harmless
+from drivers.device_text import LONGEST, harmless, harmless_lines
 from drivers.errors import AlarmError, DeviceError, LinkError, ProtocolError, RefusedError
 from drivers.melfa.texts import LogEntry, ProgramEntry
 from drivers.readings import CounterReading, CounterStatus, Identity, RobotStatus
@@ -16,6 +16,12 @@ HOSTILE = "\x1b]0;owned\x07\x9b31m\u202eesrever\u2028two\n\r\x00\x7f\ud800\u200b
 
 def test_each_command_stands_as_its_escape() -> None:
     assert harmless("a\x1b[31m\x9bb\u202ec\nd\ud800") == r"a\x1b[31m\x9bb\u202ec\nd\ud800"
+
+
+def test_lines_and_tabs_stay_and_commands_do_not() -> None:
+    assert (
+        harmless_lines("a\tb\nc\x1b[2J\r\x9b" + "d" * LONGEST) == "a\tb\nc" + r"\x1b[2J\r\x9b" + "d" * LONGEST
+    )
 
 
 def test_plain_words_stay_as_they_are() -> None:

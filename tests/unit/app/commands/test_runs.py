@@ -89,6 +89,22 @@ async def test_the_story_is_wrapped_and_dated(tmp_path: Path, capsys: pytest.Cap
     assert lines[-1].endswith("ENDED stopped, exit code 130: the operator stopped the run")
 
 
+async def test_what_an_older_program_stored_does_not_command_the_terminal(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    robot: Json = {"model": "CR800\x1b]0;owned\x07", "version": "1", "serial": ""}
+    made = await RunStore.create(
+        tmp_path, "open-loop", {**ENOUGH, "devices": {"robot": robot}}, ManualClock(), reserve_bytes=0
+    )
+    await made.event("warning", {"text": "it says \x1b[2J\x9b1m"})
+    await made.finish("failed", 1, "it says \x1b[5m")
+    show_command(str(made.path), None, as_json=False)
+    told = capsys.readouterr().out
+    assert all(line.isprintable() for line in told.splitlines())
+    assert r"CR800\x1b]0;owned\x07" in told
+    assert r"WARNING: it says \x1b[2J\x9b1m" in told
+
+
 async def test_the_facts_keep_their_names(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     path = await store(tmp_path, "complete", ENOUGH)
     show_command(str(path), None, as_json=True)
