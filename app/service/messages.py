@@ -16,7 +16,7 @@ MAX_LINE_BYTES: Final = 64 * 1024
 
 Message = dict[str, Json]
 Text = Annotated[str, Field(max_length=1000)]
-Name = Annotated[str, Field(min_length=1, max_length=80, pattern=r"^[^\x00-\x1f]+$")]
+Name = Annotated[str, Field(min_length=1, max_length=80, pattern=r"^[^\p{C}\p{Zl}\p{Zp}]+$")]
 
 
 class Request(BaseModel):

@@ -5,7 +5,6 @@ from pathlib import Path
 from typing import Any, Final
 
 from app.tui.run_picture import UNTOLD, Event, LogLine, SoFar
-from drivers.device_text import harmless_lines
 
 POINTS_KEPT: Final = 500
 
@@ -26,7 +25,7 @@ def read_record(path: Path) -> SoFar:
     reader = RunReader(path)
     events, points = reader.events(), reader.points()
     log = [
-        LogLine(event.time_utc, _LEVELS.get(event.kind, "info"), harmless_lines(text))
+        LogLine(event.time_utc, _LEVELS.get(event.kind, "info"), text)
         for event in events
         if event.kind not in UNTOLD and (text := str(event.data.get("text") or "") or event_text(event))
     ]

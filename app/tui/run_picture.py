@@ -4,6 +4,8 @@ from collections import deque
 from dataclasses import dataclass, field
 from typing import Any, Final, Literal
 
+from drivers.device_text import harmless_lines
+
 Event = dict[str, Any]
 
 LOG_LINES: Final = 2000
@@ -28,6 +30,10 @@ class LogLine:
     t: str
     level: str
     text: str
+
+    def __post_init__(self) -> None:
+        """Show as an escape what would command the terminal: answers of others, records of older programs."""
+        object.__setattr__(self, "text", harmless_lines(self.text))
 
 
 @dataclass

@@ -30,6 +30,8 @@ from tests.unit.app.service.benches import ServiceBench, close, event_of, settle
         (b'{"v": 1, "id": 1, "op": "override", "percent": "5"}\n', "percent"),
         (b'{"v": 1, "id": 1, "op": "override", "percent": NaN}\n', "percent"),
         (b'{"v": 1, "id": 1, "op": "hello", "client": "x", "who": "a\\nb"}\n', "who"),
+        (b'{"v": 1, "id": 1, "op": "hello", "client": "x", "who": "\\u009b2J"}\n', "who"),
+        (b'{"v": 1, "id": 1, "op": "hello", "client": "x", "who": "a\\u202eb"}\n', "who"),
         (b'{"v": 1, "id": 1, "op": "hello", "client": "x", "who": "\\ud800"}\n', "who"),
         (b'{"v": 1, "id": 1, "op": "start", "procedure": "x", "speed": 0}\n', "speed"),
     ],

@@ -143,3 +143,9 @@ def test_a_client_that_comes_later_knows_the_step_under_way() -> None:
     assert run.current is not None
     assert run.current.title == "third"
     assert list(run.steps) == ["P1/0002", "P1/0003"]
+
+
+def test_an_answer_of_somebody_else_does_not_command_the_terminal() -> None:
+    run = picture()
+    tell(run, "answer", id="note", answer="\x1b[2J", who="Bob")
+    assert run.log[-1].text == r"note: \x1b[2J (Bob)"
