@@ -72,7 +72,9 @@ def to_json(value: Json | Mapping[str, Json]) -> str:
     Raises:
         ValueError: a number is not finite; it could not be read back everywhere.
     """
-    return json.dumps(value, ensure_ascii=False, allow_nan=False, separators=(",", ":"))
+    text = json.dumps(value, ensure_ascii=False, allow_nan=False, separators=(",", ":"))
+    # Bytes of a path that are no UTF-8 stand as escapes, which JSON reads back as they were.
+    return text.encode(errors="backslashreplace").decode()
 
 
 def encode(table: Table, row: Row) -> tuple[Value, ...]:

@@ -1,5 +1,6 @@
 """Layout of run.sqlite, its version, and how a connection is opened."""
 
+import os
 import sqlite3
 from pathlib import Path
 from urllib.parse import quote
@@ -141,7 +142,7 @@ def open_reader(path: Path) -> sqlite3.Connection:
     """
     if not is_file(path):
         raise StorageError(f"{path.parent} is not a run: it has no {path.name}")
-    connection = sqlite3.connect(f"file:{quote(str(path))}?mode=ro", uri=True, isolation_level=None)
+    connection = sqlite3.connect(f"file:{quote(os.fsencode(path))}?mode=ro", uri=True, isolation_level=None)
     try:
         version = _version(connection, path)
         if version == 0:

@@ -382,3 +382,15 @@ async def test_minus_zero_is_read_back(store: RunStore) -> None:
     # A controller reports "-0.00", and SQLite keeps no sign of zero: the check sum is of what comes back.
     await store.append_step("s1", 1, "first", {}, [("search", {**SEARCH_ROW, "theta1_deg": -0.0})])
     assert RunReader(store.path).search()[0]["theta1_deg"] == 0.0
+
+
+async def test_a_path_that_is_no_utf_8_is_stored_and_read(tmp_path: Path) -> None:
+    root = tmp_path / os.fsdecode(b"lab\xff")
+    cell = str(root / "cell.toml")
+    made = await RunStore.create(root, "search", {"cell": cell}, TickingClock(), reserve_bytes=0)
+    await made.event("warning", {"text": cell})
+    await made.finish("complete", 0)
+    reader = RunReader(made.path)
+    assert reader.meta["cell"] == cell
+    assert reader.events()[1].data == {"text": cell}
+    assert verify(made.path).ok
