@@ -35,7 +35,8 @@ def _write(text: str) -> None:
 
 def emit_json(value: object) -> None:
     """Write one JSON value on a line of its own to stdout."""
-    _write(json.dumps(value, ensure_ascii=False))
+    # Bytes of a path that are no UTF-8 stand as escapes, which JSON reads back as they were.
+    _write(json.dumps(value, ensure_ascii=False).encode(errors="backslashreplace").decode())
 
 
 def say(text: str) -> None:

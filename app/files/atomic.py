@@ -47,7 +47,8 @@ def write_atomically(path: Path, data: str | bytes) -> None:
     Raises:
         StorageError: the folder is missing, full or not writable; nothing is left behind.
     """
-    raw = data.encode("utf-8") if isinstance(data, str) else data
+    # Bytes of a path that are no UTF-8 stand as escapes.
+    raw = data.encode("utf-8", "backslashreplace") if isinstance(data, str) else data
     temporary: str | None = None
     try:
         handle, temporary = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name}.")

@@ -1,6 +1,7 @@
 """The list of runs and the story as they are printed."""
 
 import json
+import os
 import sqlite3
 from contextlib import closing
 from pathlib import Path
@@ -8,6 +9,7 @@ from pathlib import Path
 import pytest
 
 from app.commands.runs import runs_command, show_command, verify_command
+from app.files.atomic import write_atomically
 from app.store.mend import seal_late
 from app.store.run_store import RunStore
 from app.store.seal import DATABASE, read_manifest
@@ -103,6 +105,20 @@ async def test_what_an_older_program_stored_does_not_command_the_terminal(
     assert all(line.isprintable() for line in told.splitlines())
     assert r"CR800\x1b]0;owned\x07" in told
     assert r"WARNING: it says \x1b[2J\x9b1m" in told
+
+
+async def test_a_path_that_is_no_utf_8_is_told(
+    tmp_path: Path, capsysbinary: pytest.CaptureFixture[bytes]
+) -> None:
+    file = os.fsdecode(b"/bench/\xff.toml")
+    made = await RunStore.create(
+        tmp_path, "open-loop", {**ENOUGH, "configuration_file": file}, ManualClock(), reserve_bytes=0
+    )
+    await made.finish("complete", 0)
+    show_command(str(made.path), None, as_json=True)
+    assert json.loads(capsysbinary.readouterr().out)["meta"]["configuration_file"] == file
+    write_atomically(tmp_path / "about.json", json.dumps(file, ensure_ascii=False))
+    assert json.loads((tmp_path / "about.json").read_text()) == file
 
 
 async def test_the_facts_keep_their_names(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
