@@ -7,7 +7,7 @@ from typing import Literal
 import numpy as np
 
 from app.errors import UsageError
-from app.files.identified_arm import arm_of
+from app.files.identified_arm import arm_of, unverified_texts
 from app.files.result_json import Estimate, MapTable, Result
 from calibration.error_map import interpolate
 from calibration.identification import IdentifiedArm
@@ -230,7 +230,7 @@ def _reflectors(first: Result, second: Result, turn_rad: float) -> tuple[Differe
 
 def _remarks(first: Result, second: Result) -> list[str]:
     shared = [name for name in first.provenance.runs if name in second.provenance.runs]
-    remarks = []
+    remarks = list(dict.fromkeys([*unverified_texts(first), *unverified_texts(second)]))
     if shared:
         remarks.append(
             f"both were identified from {', '.join(shared)}: their errors are shared, and the combined standard "

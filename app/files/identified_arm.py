@@ -79,7 +79,8 @@ def _covariance(part: Covariance, layout: Layout) -> Floats:
 
 def arm_remarks(result: Result) -> list[str]:
     """Return what a reader of predictions from this result has to know: what it does not tell."""
-    remarks = [remark] if (remark := nominal_of(result)[1]) else []
+    remarks = unverified_texts(result)
+    remarks += [remark] if (remark := nominal_of(result)[1]) else []
     if result.covariance is None:
         remarks.append(
             "the result holds no covariance: its standard uncertainties are taken as uncorrelated, which makes those "
@@ -89,6 +90,11 @@ def arm_remarks(result: Result) -> list[str]:
     if targets:
         remarks.append("the links grew over the measurement: they are taken as in its middle")
     return remarks
+
+
+def unverified_texts(result: Result) -> list[str]:
+    """Return what speaks against changed runs that the result was made of all the same."""
+    return [f"UNVERIFIED: {text}" for text in result.provenance.unverified or ()]
 
 
 def nominal_of(result: Result) -> tuple[tuple[float, float], str]:

@@ -8,11 +8,13 @@ from pathlib import Path
 import pytest
 
 from app.analysis.path_comparison import compare_path
+from app.commands.compare import compare_command
 from app.commands.export import export_command
 from app.commands.identify import IdentifyOptions, identify_command
 from app.commands.report import report_command
 from app.commands.runs import show_command
 from app.errors import StorageError
+from app.files.identified_arm import arm_remarks
 from app.files.points_csv import read_points_csv
 from app.files.result_json import read_result
 from app.store.reader import Accept, RunReader
@@ -107,3 +109,14 @@ async def test_a_measurement_used_beside_a_run_is_verified_too(tmp_path: Path) -
     reader = RunReader(path, Accept.CHANGED)
     compare_path(reader, tmp_path)
     assert reader.unverified == [f"{other.name}: {CHANGED}"]
+
+
+async def test_what_a_changed_result_is_used_for_says_so(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    run = await changed(tmp_path / "runs")
+    result = identify(run, unverified=True)
+    assert arm_remarks(read_result(result))[0] == f"UNVERIFIED: {run.name}: {CHANGED}"
+    capsys.readouterr()
+    compare_command(result, result, as_json=False)
+    assert f"UNVERIFIED: {run.name}: {CHANGED}" in capsys.readouterr().err
