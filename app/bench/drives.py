@@ -63,10 +63,11 @@ class RestingDrives:
         self._owned = owned
         self._after_s: float | None = None
         self._task: asyncio.Task[None] | None = None
+        self._off = False
 
     def begin(self, after_s: float) -> None:
         """The drives are on and the arm rests: switch them off after some time, real s."""
-        self._after_s = after_s
+        self._after_s, self._off = after_s, False
         self._task = asyncio.create_task(self._count(after_s, self._hands.begun))
 
     def begin_again(self) -> None:
@@ -87,9 +88,10 @@ class RestingDrives:
 
     async def end(self) -> None:
         """Switch them off now if they are on: the engine ends, and with it the countdown."""
-        counting = self._task is not None and not self._task.done()
+        # What was tried when the count was over may have failed.
+        left_on = self._task is not None and not self._off
         await self.cancel()
-        if counting:
+        if left_on:
             await self._switch_off("the engine ends")
 
     async def _count(self, after_s: float, begun: int) -> None:
@@ -117,4 +119,5 @@ class RestingDrives:
         except (CatseyeError, DeviceError) as error:
             self._tell("drives", on=True, reason=f"the drives are not certain to be off: {error}")
             return
+        self._off = not left.on
         self._tell("drives", on=left.on, reason=left.text if left.on else f"{why}: {left.text}")

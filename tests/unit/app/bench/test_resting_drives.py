@@ -159,6 +159,18 @@ async def test_drives_of_another_programs_arm_stay_as_they_are(bench: Bench) -> 
     assert "process 7" in str(bench.told[-1]["reason"])
 
 
+async def test_what_failed_after_the_rest_is_tried_at_the_end(bench: Bench) -> None:
+    bench.drives.begin(300.0)
+    bench.away = True
+    await bench.pass_s(302.0)
+    assert bench.told[-1]["on"] is True
+    bench.away = False
+    await bench.drives.end()
+    assert bench.robot.calls == ["servo off"]
+    await bench.drives.end()
+    assert bench.robot.calls == ["servo off"]
+
+
 async def test_an_engine_that_ends_switches_them_off_now(bench: Bench) -> None:
     bench.drives.begin(300.0)
     await bench.pass_s(1.0)
