@@ -96,6 +96,7 @@ def _origin(path: Path, result: Result) -> Origin:
         result.provenance.created or "at an unknown time",
         SOFTWARE,
         datetime.now(UTC).isoformat(timespec="seconds"),
+        tuple(result.provenance.unverified or ()),
     )
 
 

@@ -49,6 +49,7 @@ class Origin:
         identified: when the result was made.
         software: that made the compensation.
         created: when, ISO 8601 UTC.
+        unverified: what speaks against changed runs that the result was made of all the same.
     """
 
     result: str
@@ -59,10 +60,12 @@ class Origin:
     identified: str
     software: str
     created: str
+    unverified: tuple[str, ...] = ()
 
     def sentences(self) -> list[str]:
         """Return what stands at the head of every form."""
         return [
+            *(f"UNVERIFIED: {text}" for text in self.unverified),
             f"made by {self.software} at {self.created} from {self.result} ({self.model}, identified "
             f"{self.identified})",
             f"gauge: {self.gauge}; distances cannot see a common turn of everything about J1",
@@ -131,6 +134,7 @@ def write_compensated_json(path: CompensatedPath, origin: Origin, take_up_deg: f
             "software": origin.software,
             "created": origin.created,
             "identified": origin.identified,
+            **({"unverified": list(origin.unverified)} if origin.unverified else {}),
         },
     }
     write_atomically(output, json.dumps(document, ensure_ascii=False, indent=1) + "\n")

@@ -53,6 +53,18 @@ def place(theta1_deg: float, theta2_deg: float, s1: int, s2: int) -> tuple[float
     )
 
 
+@pytest.mark.parametrize("form", ["csv", "json", "melfa"])
+def test_a_path_made_from_changed_runs_says_so(tmp_path: Path, form: str) -> None:
+    content = bare()
+    content["provenance"]["unverified"] = ["night-7: wire.log was changed"]
+    output = run(tmp_path, JOINTS + "10.0,20.0,1,1\n", form, content=content, cell=cell(tmp_path))
+    text = output.read_text(encoding="utf-8")
+    if form == "json":
+        assert json.loads(text)["provenance"]["unverified"] == ["night-7: wire.log was changed"]
+    else:
+        assert "UNVERIFIED: night-7: wire.log was changed" in text
+
+
 def rows_of(output: Path) -> list[dict[str, str]]:
     lines = [line for line in output.read_text(encoding="utf-8").splitlines() if not line.startswith("#")]
     return list(csv.DictReader(lines))
