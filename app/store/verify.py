@@ -7,7 +7,7 @@ from pathlib import Path
 from app.errors import StorageError
 from app.store.lock import is_being_written
 from app.store.reader import Accept, RunReader, Status
-from app.store.seal import DATABASE
+from app.store.seal import APP_LOG, DATABASE, WIRE_LOG, Manifest
 from app.store.soundness import against_manifest, integrity
 from procedures.context import Json
 
@@ -44,6 +44,7 @@ def verify(path: Path) -> Verification:
     status = reader.status
     manifest, found = against_manifest(path)
     notes = [] if manifest or found else [_why_unsealed(path, status)]
+    notes += _missing_logs(manifest)
     problems = [*found, *(f"{DATABASE}: {text}" for text in integrity(path / DATABASE))]
     for check in (_check_events, _check_rows, RunReader.misfits):
         try:
@@ -61,6 +62,17 @@ def _why_unsealed(path: Path, status: Status) -> str:
     if status == "died":
         return "not sealed: its process died before it was closed"
     return "not sealed: the process ended between the closing record and the manifest"
+
+
+def _missing_logs(manifest: Manifest | None) -> list[str]:
+    """Return the logs that a sealed run should have; each is made with it."""
+    if manifest is None:
+        return []
+    return [
+        f"{name} is not sealed with the run: at its end there was none, or no plain file, at that name"
+        for name in (WIRE_LOG, APP_LOG)
+        if name not in manifest.files
+    ]
 
 
 def _check_events(reader: RunReader) -> list[str]:

@@ -51,6 +51,18 @@ async def test_a_name_of_an_added_file_commands_no_terminal(run: Path) -> None:
     assert verify(run).problems == (r"a\x1b[2J\nP1,0 was added after the end",)
 
 
+@pytest.mark.parametrize("log", ["wire.log", "app.log"])
+async def test_a_log_lost_before_the_end_is_noted(tmp_path: Path, log: str) -> None:
+    store = await RunStore.create(tmp_path, "search", {}, TickingClock(), reserve_bytes=0)
+    (store.path / log).unlink()
+    await store.finish("complete", 0)
+    found = verify(store.path)
+    assert found.ok
+    assert found.notes == (
+        f"{log} is not sealed with the run: at its end there was none, or no plain file, at that name",
+    )
+
+
 async def test_a_damaged_manifest(run: Path) -> None:
     (run / MANIFEST).chmod(0o644)
     (run / MANIFEST).write_text("{}")
