@@ -9,6 +9,7 @@ from typing import Any
 from app.commands.narrator import Narrator
 from app.commands.output import emit_json, say
 from app.engine.waiting import cancel
+from app.errors import OutputError, exit_code_of
 from app.exitcode import ExitCode
 from app.service.client import EngineClient
 from app.service.console import KEYS, SLASH, command_of
@@ -94,9 +95,9 @@ class Front:
             self._notice(event)
             try:
                 self.told(event)
-            except OSError:
+            except OSError as error:
                 # Nobody reads any more; a client that held control is lost now, and the engine acts on it.
-                self.leave(ExitCode.DEVICE)
+                self.leave(exit_code_of(error) if isinstance(error, OutputError) else ExitCode.READER_GONE)
                 return
             if event["event"] == "run-ended":
                 code = event.get("exit_code")

@@ -12,6 +12,7 @@ import pytest
 
 from app.commands.attached import People, Programs
 from app.engine.operator import Answer
+from app.errors import ReaderGoneError
 from app.exitcode import ExitCode
 from app.service.errors import ServiceError
 from procedures.context import Prompt
@@ -67,6 +68,22 @@ async def test_a_person_steers_answers_and_leaves_the_run_as_it_is(
     assert "type move, or no (/h holds, /s stops)" in said
     assert "answer yes or no (/h holds, /s stops)" in said
     assert "type h hold · g go on · s stop · a abort · q leave" in said
+
+
+async def test_a_program_whose_reader_has_gone_ends_quietly(
+    keyboard: Callable[[str], None], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    del keyboard
+    async with ServiceBench().running() as bench, bench.client("Ada") as client:
+        task = asyncio.create_task(Programs(client, control=False).follow())
+        await settled()
+
+        def gone(_value: object) -> None:
+            raise ReaderGoneError("stdout is closed")
+
+        monkeypatch.setattr("app.commands.attached.emit_json", gone)
+        bench.publish("warning", text="anything")
+        assert await task == ExitCode.READER_GONE
 
 
 async def test_ctrl_c_with_control_holds_then_stops(keyboard: Callable[[str], None]) -> None:
