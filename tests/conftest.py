@@ -6,17 +6,10 @@ import inspect
 import signal
 from collections.abc import AsyncIterator, Generator, Iterator
 
-import hypothesis
 import pytest
 from pytest_asyncio import is_async_test
 
 from tests.left_behind import nothing_left
-
-# A busy machine is slow; that is no fault of what is tested.
-hypothesis.settings.register_profile(
-    "catseye", deadline=None, suppress_health_check=[hypothesis.HealthCheck.too_slow]
-)
-hypothesis.settings.load_profile("catseye")
 
 
 @pytest.fixture(scope="session", autouse=True)
