@@ -317,12 +317,19 @@ class Cell(Section):
 
     @model_validator(mode="after")
     def _bodies_of_the_arm(self) -> Self:
-        joints = ["base", *(joint.name for joint in shipped_arm(self.robot.arm).joint)]
+        arm = shipped_arm(self.robot.arm)
+        joints = ["base", *(joint.name for joint in arm.joint)]
+        own = {body.name: body.joint for body in arm.body}
         names = [body.name for body in self.body]
         for body in self.body:
             if body.joint not in joints:
                 raise ValueError(
                     f"[[body]] {body.name}: joint = {body.joint!r} is none of {', '.join(joints)}"
+                )
+            if body.joint != own.get(body.name, body.joint):
+                raise ValueError(
+                    f"[[body]] {body.name}: joint = {body.joint!r}, and the arm's own body of that name, which it "
+                    f"replaces, rides on {own[body.name]}: give this one another name, or that joint"
                 )
             if names.count(body.name) > 1:
                 raise ValueError(f"two [[body]] are called {body.name}; give each a name of its own")

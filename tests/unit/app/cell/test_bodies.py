@@ -58,6 +58,7 @@ def test_the_shipped_arm_has_the_bodies_that_its_cell_file_tells(tmp_path: Path)
         ('expected_model', 'arm = "rh-9"\nexpected_model', ["robot.arm", "there are rh-3frh5515"]),
         ("clearance_mm = 5.0", "clearance_mm = -1.0", ["workspace.clearance_mm"]),
         ("[measurement]", BODY.replace('"J2"', '"J7"') + "[measurement]", ["'J7' is none of base, J1, J2, J3, J4"]),
+        ("[measurement]", BODY.replace('"J4"', '"base"') + "[measurement]", ["interferometer head", "rides on J4"]),
         ("[measurement]", BODY + BODY + "[measurement]", ["two [[body]] are called interferometer head"]),
     ],
 )  # fmt: skip
