@@ -32,7 +32,7 @@ $(VENV)/installed: pyproject.toml $(VERSIONS)
 	@touch $@
 
 demo: $(VENV)/installed  ## the whole measurement on emulated hardware
-	$(BIN)/python -m app demo
+	$(BIN)/python -m catseye demo
 
 lint: $(VENV)/installed  ## ruff
 	$(BIN)/python -m ruff check .
@@ -106,7 +106,7 @@ campaigns: $(VENV)/installed  ## long runs: the paper's whole plan, ways of foll
 
 seeds: $(VENV)/installed  ## the demo with seeds 1 to 7: what the error map leaves of the conventional model's error
 	@for seed in 1 2 3 4 5 6 7; do \
-	  $(BIN)/python -m app demo --seed $$seed --out catseye-demo/seed-$$seed --json 2>/dev/null | $(BIN)/python -c \
+	  $(BIN)/python -m catseye demo --seed $$seed --out catseye-demo/seed-$$seed --json 2>/dev/null | $(BIN)/python -c \
 	  "import json, sys; d = json.load(sys.stdin); print('seed', $$seed, 'ratio', round(d['validation']['ratio'], 3), \
 	  'normalised errors', round(d['rms_normalised_error'], 2), 'points', d['fit']['n_points'])"; done
 

@@ -5,10 +5,10 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from app.errors import UsageError
-from app.store.catalog import list_runs, resolve_run
-from app.store.reader import Accept, RunReader
-from procedures.bench import Bench
+from catseye.app.errors import UsageError
+from catseye.app.store.catalog import list_runs, resolve_run
+from catseye.app.store.reader import Accept, RunReader
+from catseye.procedures.bench import Bench
 
 SEARCH = "reflector-search"
 _ALIGNMENT = "beam-to-j4"

@@ -5,7 +5,7 @@ from typing import Annotated, Literal
 
 import typer
 
-from app.cli_options import AsJson, Runs, Unverified
+from catseye.app.cli_options import AsJson, Runs, Unverified
 
 Output = Annotated[Path, typer.Option("-o", "--output", help="file to write")]
 ResultFile = Annotated[Path, typer.Argument(metavar="RESULT", help="result JSON of catseye identify")]
@@ -95,8 +95,8 @@ def identify(
 
     Example: catseye identify --points points.csv --cell cell.toml -o result.json
     """
-    from app.commands.identify import IdentifyOptions, identify_command
-    from app.files.atomic import require_output
+    from catseye.app.commands.identify import IdentifyOptions, identify_command
+    from catseye.app.files.atomic import require_output
 
     require_output(output, points, cell)
 
@@ -127,7 +127,7 @@ def diagnose(
 
     Example: catseye diagnose 1a2b3c
     """
-    from app.commands.diagnose import diagnose_command
+    from catseye.app.commands.diagnose import diagnose_command
 
     diagnose_command(run or [], points, cell, runs, as_json)
 
@@ -141,7 +141,7 @@ def compare(
 
     Example: catseye compare january.json june.json
     """
-    from app.commands.compare import compare_command
+    from catseye.app.commands.compare import compare_command
 
     compare_command(first, second, as_json)
 
@@ -158,8 +158,8 @@ def predict(
 
     Example: catseye predict result.json --path path.csv -o predicted.csv
     """
-    from app.commands.predict import predict_command
-    from app.files.atomic import require_output
+    from catseye.app.commands.predict import predict_command
+    from catseye.app.files.atomic import require_output
 
     require_output(output)
 
@@ -188,8 +188,8 @@ def validate(
 
     Example: catseye validate error-map.json --measured tracker.csv --reference conventional.json -o validation.html
     """
-    from app.commands.validate import validate_command
-    from app.files.atomic import require_output
+    from catseye.app.commands.validate import validate_command
+    from catseye.app.files.atomic import require_output
 
     require_output(output, result, measured, reference)
 
@@ -217,8 +217,8 @@ def compensate(
 
     Example: catseye compensate result.json --path path.csv --format melfa --cell cell.toml -o path.prg
     """
-    from app.commands.compensate import compensate_command
-    from app.files.atomic import require_output
+    from catseye.app.commands.compensate import compensate_command
+    from catseye.app.files.atomic import require_output
 
     require_output(output)
 
@@ -258,8 +258,8 @@ def design(
 
     Example: catseye design --cell cell.toml --reflectors 3 -o design.html
     """
-    from app.commands.design import DesignOptions, design_command
-    from app.files.atomic import require_output
+    from catseye.app.commands.design import DesignOptions, design_command
+    from catseye.app.files.atomic import require_output
 
     for file in (output, write_cell, write_commands):
         require_output(file, cell, path)
@@ -295,8 +295,8 @@ def report(
 
     Example: catseye report result.json -o report.html
     """
-    from app.commands.report import report_command
-    from app.files.atomic import require_output
+    from catseye.app.commands.report import report_command
+    from catseye.app.files.atomic import require_output
 
     require_output(output, Path(source))
 
@@ -320,8 +320,8 @@ def export(
 
     Example: catseye export 1a2b3c -o points.csv
     """
-    from app.commands.export import export_command
-    from app.files.atomic import require_output
+    from catseye.app.commands.export import export_command
+    from catseye.app.files.atomic import require_output
 
     require_output(output)
 

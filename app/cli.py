@@ -13,8 +13,8 @@ from typing import Annotated, Any, Literal
 import typer
 from typer.core import TyperGroup
 
-from app.analysis_cli import add_analysis
-from app.cli_options import (
+from catseye.app.analysis_cli import add_analysis
+from catseye.app.cli_options import (
     Answers,
     Arm,
     AsJson,
@@ -38,13 +38,13 @@ class _Commands(TyperGroup):
         try:
             return super().invoke(ctx)
         except KeyboardInterrupt as interrupt:
-            from app.errors import InterruptedRunError
+            from catseye.app.errors import InterruptedRunError
 
             raise InterruptedRunError("interrupted") from interrupt
         except OSError as error:
             if error.errno != errno.ENAMETOOLONG:
                 raise
-            from app.errors import UsageError
+            from catseye.app.errors import UsageError
 
             name = f"{error.filename!s:.60}"
             raise UsageError(f"{name}…: is too long for the name of a file: check what was given") from error
@@ -71,8 +71,8 @@ cli.add_typer(config, name="config")
 
 def _tell_version(wanted: bool) -> None:
     if wanted:
-        from app.commands.output import emit
-        from app.version import SOFTWARE
+        from catseye.app.commands.output import emit
+        from catseye.app.version import SOFTWARE
 
         emit(SOFTWARE)
         raise typer.Exit
@@ -103,7 +103,7 @@ def demo(
 
     Example: catseye demo --out /tmp/demo --seed 7
     """
-    from app.commands.demo import demo_command
+    from catseye.app.commands.demo import demo_command
 
     demo_command(out, speed, seed, truth, as_json)
 
@@ -116,7 +116,7 @@ def init(
 
     Example: catseye init cell.toml
     """
-    from app.commands.config import init_command
+    from catseye.app.commands.config import init_command
 
     init_command(file)
 
@@ -124,7 +124,7 @@ def init(
 @config.command("validate")
 def config_validate(file: CellFile, as_json: AsJson = False) -> None:
     """Check a cell file; every fault is listed with file, line, key and the nearest valid key."""
-    from app.commands.config import validate_command
+    from catseye.app.commands.config import validate_command
 
     validate_command(file, as_json)
 
@@ -132,7 +132,7 @@ def config_validate(file: CellFile, as_json: AsJson = False) -> None:
 @config.command("show")
 def config_show(file: CellFile, as_json: AsJson = False) -> None:
     """Show a cell file resolved: each value and whether it comes from the file or is a default."""
-    from app.commands.config import show_command
+    from catseye.app.commands.config import show_command
 
     show_command(file, as_json)
 
@@ -144,7 +144,7 @@ def config_schema(
     ] = None,
 ) -> None:
     """Print the JSON schema of the cell file on stdout, for editors."""
-    from app.commands.config import schema_command
+    from catseye.app.commands.config import schema_command
 
     schema_command(file)
 
@@ -177,7 +177,7 @@ def emulate(
 
     Example: catseye emulate cell.toml --speed 50
     """
-    from app.commands.emulate import emulate_command
+    from catseye.app.commands.emulate import emulate_command
 
     emulate_command(
         file,
@@ -199,7 +199,7 @@ def doctor(
     as_json: AsJson = False,
 ) -> None:
     """Connect to each device of a cell file: who answers, its status, what is wrong and what to do."""
-    from app.commands.doctor import doctor_command
+    from catseye.app.commands.doctor import doctor_command
 
     doctor_command(file, device, as_json)
 
@@ -229,7 +229,7 @@ def terminal(
 
     Example: catseye terminal interferometer --cell cell.toml --eol crlf --log counter.log
     """
-    from app.commands.terminal import terminal_command
+    from catseye.app.commands.terminal import terminal_command
 
     terminal_command(device, cell, eol, as_hex, log, wait, arm)
 
@@ -246,7 +246,7 @@ def procedures(
 
     Example: catseye procedures --cell cell.toml
     """
-    from app.commands.procedures import procedures_command
+    from catseye.app.commands.procedures import procedures_command
 
     procedures_command(cell, runs, as_json)
 
@@ -283,9 +283,9 @@ def run(
 
     Example: catseye run open-loop --cell cell.toml --dry-run
     """
-    from app.commands.drive import DriveOptions
-    from app.commands.run import Asked, detached_command, run_command
-    from app.errors import UsageError
+    from catseye.app.commands.drive import DriveOptions
+    from catseye.app.commands.run import Asked, detached_command, run_command
+    from catseye.app.errors import UsageError
 
     if detach and walk:
         raise UsageError("a walk needs somebody at its keys: leave --detach out")
@@ -314,7 +314,7 @@ def engine(
 
     Example: catseye engine --cell cell.toml
     """
-    from app.commands.engine import engine_command
+    from catseye.app.commands.engine import engine_command
 
     engine_command(cell, runs, wait_for_client, once)
 
@@ -339,7 +339,7 @@ def attach(
 
     Example: catseye attach 1a2b3c --control
     """
-    from app.commands.attach import attach_command
+    from catseye.app.commands.attach import attach_command
 
     attach_command(run, runs, control=control, force=force, as_json=as_json)
 
@@ -356,7 +356,7 @@ def tui(
 
     Example: catseye tui --cell cell.toml
     """
-    from app.commands.tui import tui_command
+    from catseye.app.commands.tui import tui_command
 
     tui_command(cell, runs, speed)
 
@@ -385,8 +385,8 @@ def resume(
 
     Example: catseye resume 1a2b3c
     """
-    from app.commands.drive import DriveOptions
-    from app.commands.resume import resume_command
+    from catseye.app.commands.drive import DriveOptions
+    from catseye.app.commands.resume import resume_command
 
     options = DriveOptions(answers, arm, speed, keep_drives, waive_walk, as_json)
     resume_command(run, cell, options, runs, dry_run=dry_run)
@@ -395,7 +395,7 @@ def resume(
 @cli.command("runs")
 def list_runs_(runs: Runs = None, as_json: AsJson = False) -> None:
     """List the stored runs, oldest first."""
-    from app.commands.runs import runs_command
+    from catseye.app.commands.runs import runs_command
 
     runs_command(runs, as_json)
 
@@ -408,7 +408,7 @@ def show(
     as_json: AsJson = False,
 ) -> None:
     """Tell a run's story: what, with which devices, what happened, how it ended."""
-    from app.commands.runs import show_command
+    from catseye.app.commands.runs import show_command
 
     show_command(run, runs, as_json, unverified)
 
@@ -420,7 +420,7 @@ def verify(
     as_json: AsJson = False,
 ) -> None:
     """Check a stored run against its manifest and its own rules."""
-    from app.commands.runs import verify_command
+    from catseye.app.commands.runs import verify_command
 
     verify_command(run, runs, as_json)
 
@@ -437,6 +437,6 @@ def main() -> None:
     except (Exception, KeyboardInterrupt) as error:  # noqa: BLE001  # the outermost frame tells and ends the process
         # The process is ending anyway; another Ctrl-C must not cut the sentence short.
         signal.signal(signal.SIGINT, signal.SIG_IGN)
-        from app.failure import tell
+        from catseye.app.failure import tell
 
         sys.exit(tell(error))

@@ -10,8 +10,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from app.analysis.identified_uncertainty import by_jacobian
-from app.analysis.identifying import (
+from catseye.app.analysis.identified_uncertainty import by_jacobian
+from catseye.app.analysis.identifying import (
     MODELS,
     are_simulated,
     bench_of_runs,
@@ -20,29 +20,29 @@ from app.analysis.identifying import (
     identify_rows,
     run_rows,
 )
-from app.analysis.path_rows import path_measurement
-from app.analysis.truth import TruthComparison, compare_with_truth
-from app.analysis.validation import PathValidation, validate_on_path
-from app.cell.load import LoadedCell, load_cell
-from app.cell.model import Cell
-from app.cell.template import TEMPLATE
-from app.emulation import EmulatorProcess, emulation_config, emulator_process, fetch_truth
-from app.engine.announcer import Publish
-from app.engine.request import RunOutcome
-from app.engine.signals import loop_signals
-from app.errors import CatseyeError, InterruptedRunError, TerminatedRunError, UsageError
-from app.exitcode import ExitCode
-from app.files.atomic import write_atomically
-from app.files.documents import read_truth
-from app.files.points_csv import points_csv
-from app.files.result_json import Result, write_result
-from app.procedure_list import load_procedure, parse_params
-from app.running import PlannedRun, carry_out, plan_run
-from app.store.reader import RunReader
-from calibration.identification import Identification
-from calibration.layout import ModelName
-from procedures.bench import Bench
-from simulators.truth import true_arm
+from catseye.app.analysis.path_rows import path_measurement
+from catseye.app.analysis.truth import TruthComparison, compare_with_truth
+from catseye.app.analysis.validation import PathValidation, validate_on_path
+from catseye.app.cell.load import LoadedCell, load_cell
+from catseye.app.cell.model import Cell
+from catseye.app.cell.template import TEMPLATE
+from catseye.app.emulation import EmulatorProcess, emulation_config, emulator_process, fetch_truth
+from catseye.app.engine.announcer import Publish
+from catseye.app.engine.request import RunOutcome
+from catseye.app.engine.signals import loop_signals
+from catseye.app.errors import CatseyeError, InterruptedRunError, TerminatedRunError, UsageError
+from catseye.app.exitcode import ExitCode
+from catseye.app.files.atomic import write_atomically
+from catseye.app.files.documents import read_truth
+from catseye.app.files.points_csv import points_csv
+from catseye.app.files.result_json import Result, write_result
+from catseye.app.procedure_list import load_procedure, parse_params
+from catseye.app.running import PlannedRun, carry_out, plan_run
+from catseye.app.store.reader import RunReader
+from catseye.calibration.identification import Identification
+from catseye.calibration.layout import ModelName
+from catseye.procedures.bench import Bench
+from catseye.simulators.truth import true_arm
 
 _PORTS = ("10001", "10002", "10502", "10099")
 _JOBS: tuple[tuple[str, tuple[str, ...]], ...] = (

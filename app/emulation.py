@@ -10,13 +10,20 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, BinaryIO
 
-from app.cell.model import Alignment, Cell, Interferometer
-from app.errors import ConfigError, LinkFailedError
-from app.files.documents import read_document
-from drivers.counter.profile import load_profile
-from drivers.errors import ProfileError
-from simulators.config import EmulatedDevice, EmulationConfig, Option, ReflectorPlace, Screws, TruthText
-from simulators.protocols import PROTOCOLS
+from catseye.app.cell.model import Alignment, Cell, Interferometer
+from catseye.app.errors import ConfigError, LinkFailedError
+from catseye.app.files.documents import read_document
+from catseye.drivers.counter.profile import load_profile
+from catseye.drivers.errors import ProfileError
+from catseye.simulators.config import (
+    EmulatedDevice,
+    EmulationConfig,
+    Option,
+    ReflectorPlace,
+    Screws,
+    TruthText,
+)
+from catseye.simulators.protocols import PROTOCOLS
 
 _READY_TIMEOUT_S = 20.0
 _LONGEST_ANSWER_BYTES = 1 << 20
@@ -142,8 +149,9 @@ async def emulator_process(
     with tempfile.TemporaryFile() as said:
         process = await asyncio.create_subprocess_exec(
             sys.executable,
+            "-P",
             "-m",
-            "app",
+            "catseye",
             *arguments,
             "--end-with-stdin",
             # The pipe closes with this process, however it ends, and the emulator with the pipe.

@@ -6,11 +6,11 @@ Every text says what happened, where, and what to do.
 import asyncio
 from typing import ClassVar
 
-from app.exitcode import ExitCode
-from calibration.errors import BudgetError, CalibrationError, MapRangeError, OutOfReachError
-from drivers.errors import AlarmError, DeviceError, NotArrivedError, NotReadyError, ProfileError
-from procedures.errors import PlanError, PlanLimitError, ProcedureError
-from simulators.errors import EmulatorError
+from catseye.app.exitcode import ExitCode
+from catseye.calibration.errors import BudgetError, CalibrationError, MapRangeError, OutOfReachError
+from catseye.drivers.errors import AlarmError, DeviceError, NotArrivedError, NotReadyError, ProfileError
+from catseye.procedures.errors import PlanError, PlanLimitError, ProcedureError
+from catseye.simulators.errors import EmulatorError
 
 
 class CatseyeError(Exception):

@@ -5,8 +5,8 @@ import sys
 import traceback
 from typing import Final
 
-from app.errors import ReaderGoneError, exit_code_of
-from drivers.device_text import harmless_lines
+from catseye.app.errors import ReaderGoneError, exit_code_of
+from catseye.drivers.device_text import harmless_lines
 
 _DEBUG = "CATSEYE_DEBUG"
 
@@ -49,5 +49,4 @@ def _is_ours(error: BaseException) -> bool:
         return True
     if isinstance(error, BaseExceptionGroup):
         return all(_is_ours(inner) for inner in error.exceptions)
-    rooms = {"app", "calibration", "drivers", "procedures", "simulators"}
-    return any(kind.__module__.partition(".")[0] in rooms for kind in type(error).__mro__)
+    return any(kind.__module__.partition(".")[0] == "catseye" for kind in type(error).__mro__)

@@ -7,16 +7,16 @@ from typing import Any, Literal
 
 from pydantic import ValidationError
 
-from app.cell.bench import following_of
-from app.cell.model import Cell, FurtherDevice, Robot
-from app.engine.devices import DeviceBuilder, Devices, WireRecorder
-from app.errors import ConfigError
-from app.guard.client import ArmGuard
-from drivers.clock import Clock
-from drivers.errors import DeviceError
-from drivers.registry import load_driver
-from procedures.bench import Following
-from procedures.devices import Environment
+from catseye.app.cell.bench import following_of
+from catseye.app.cell.model import Cell, FurtherDevice, Robot
+from catseye.app.engine.devices import DeviceBuilder, Devices, WireRecorder
+from catseye.app.errors import ConfigError
+from catseye.app.guard.client import ArmGuard
+from catseye.drivers.clock import Clock
+from catseye.drivers.errors import DeviceError
+from catseye.drivers.registry import load_driver
+from catseye.procedures.bench import Following
+from catseye.procedures.devices import Environment
 
 
 def device_builder(cell: Cell, clock: Clock) -> DeviceBuilder:

@@ -5,8 +5,8 @@ import math
 from pathlib import Path
 from typing import Any
 
-from app.errors import ConfigError
-from app.files.documents import parse_toml
+from catseye.app.errors import ConfigError
+from catseye.app.files.documents import parse_toml
 
 _KINDS = {"integer": "a whole number", "number": "a number", "boolean": "true or false", "string": "a name"}
 

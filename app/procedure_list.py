@@ -8,11 +8,11 @@ from typing import Any, Protocol, cast
 from pydantic import BaseModel, ValidationError
 from pydantic_core import ErrorDetails
 
-from app.errors import ConfigError, UsageError
-from app.files.documents import parse_toml
-from app.parameter_words import range_text
-from procedures.bench import Bench
-from procedures.context import Context
+from catseye.app.errors import ConfigError, UsageError
+from catseye.app.files.documents import parse_toml
+from catseye.app.parameter_words import range_text
+from catseye.procedures.bench import Bench
+from catseye.procedures.context import Context
 
 GROUP = "catseye.procedures"
 
@@ -97,8 +97,8 @@ def _given_value(params_type: type[BaseModel], key: str, text: str) -> Any:
     if field is None or not isinstance(value, str) or field.json_schema_extra != {"file": "joint rows"}:
         return value
     # Most commands read no such file, and start without what reads it.
-    from app.files.csv_table import require_file
-    from app.files.joint_rows import read_joint_rows
+    from catseye.app.files.csv_table import require_file
+    from catseye.app.files.joint_rows import read_joint_rows
 
     require_file(Path(value))
     return read_joint_rows(Path(value))

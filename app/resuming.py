@@ -7,20 +7,20 @@ from typing import Any
 
 from pydantic import ValidationError
 
-from app.cell.bench import bench_of
-from app.cell.load import LoadedCell
-from app.cell.model import Cell
-from app.errors import StorageError, UsageError
-from app.plan_digest import plan_digest
-from app.procedure_list import Runnable, load_procedure
-from app.running import PlannedRun
-from app.store.catalog import resolve_run
-from app.store.reader import RunReader
-from app.store.resumable import why_not_resumable, writer_of
-from app.walk.planning import as_walk
-from app.walk.register import WALK, own_legs
-from procedures.bench import Bench
-from procedures.context import Json
+from catseye.app.cell.bench import bench_of
+from catseye.app.cell.load import LoadedCell
+from catseye.app.cell.model import Cell
+from catseye.app.errors import StorageError, UsageError
+from catseye.app.plan_digest import plan_digest
+from catseye.app.procedure_list import Runnable, load_procedure
+from catseye.app.running import PlannedRun
+from catseye.app.store.catalog import resolve_run
+from catseye.app.store.reader import RunReader
+from catseye.app.store.resumable import why_not_resumable, writer_of
+from catseye.app.walk.planning import as_walk
+from catseye.app.walk.register import WALK, own_legs
+from catseye.procedures.bench import Bench
+from catseye.procedures.context import Json
 
 
 def plan_resume(root: Path, run: str, changed: LoadedCell | None = None) -> PlannedRun:

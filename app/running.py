@@ -10,36 +10,36 @@ from typing import Any, Literal
 
 from pydantic import BaseModel
 
-from app.aim import find_aim
-from app.cell.bench import air_limits, air_rule, bench_of
-from app.cell.load import LoadedCell
-from app.cell.model import Cell
-from app.engine.announcer import Publish
-from app.engine.devices import DeviceBuilder
-from app.engine.dry_run import DryRunContext
-from app.engine.gate import JointLimits
-from app.engine.handle import OnOpen
-from app.engine.hands import Hands
-from app.engine.host import run_procedure
-from app.engine.operator import Answerer
-from app.engine.request import RunOutcome, RunRequest
-from app.engine.signals import SignalInstaller, loop_signals
-from app.errors import ConfigError
-from app.files.documents import read_toml
-from app.instruments import device_builder
-from app.plan_digest import plan_digest
-from app.procedure_list import Runnable
-from app.store.reader import RunReader
-from app.walk.fed_robot import fed
-from app.walk.register import WALK, walk_fact, walked_legs
-from app.walk.rule import WalkRule
-from app.walk.tube import Leg
-from app.walk.walk import Walk
-from drivers.clock import SystemClock
-from procedures.bench import Bench
-from procedures.context import Json
-from procedures.devices import Joints
-from procedures.motion.clear_way import way_check
+from catseye.app.aim import find_aim
+from catseye.app.cell.bench import air_limits, air_rule, bench_of
+from catseye.app.cell.load import LoadedCell
+from catseye.app.cell.model import Cell
+from catseye.app.engine.announcer import Publish
+from catseye.app.engine.devices import DeviceBuilder
+from catseye.app.engine.dry_run import DryRunContext
+from catseye.app.engine.gate import JointLimits
+from catseye.app.engine.handle import OnOpen
+from catseye.app.engine.hands import Hands
+from catseye.app.engine.host import run_procedure
+from catseye.app.engine.operator import Answerer
+from catseye.app.engine.request import RunOutcome, RunRequest
+from catseye.app.engine.signals import SignalInstaller, loop_signals
+from catseye.app.errors import ConfigError
+from catseye.app.files.documents import read_toml
+from catseye.app.instruments import device_builder
+from catseye.app.plan_digest import plan_digest
+from catseye.app.procedure_list import Runnable
+from catseye.app.store.reader import RunReader
+from catseye.app.walk.fed_robot import fed
+from catseye.app.walk.register import WALK, walk_fact, walked_legs
+from catseye.app.walk.rule import WalkRule
+from catseye.app.walk.tube import Leg
+from catseye.app.walk.walk import Walk
+from catseye.drivers.clock import SystemClock
+from catseye.procedures.bench import Bench
+from catseye.procedures.context import Json
+from catseye.procedures.devices import Joints
+from catseye.procedures.motion.clear_way import way_check
 
 
 @dataclass(frozen=True)

@@ -8,31 +8,31 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from calibration.comparison import Comparison, compare
-    from calibration.compensation import Compensation, compensate
-    from calibration.design.criteria import Criterion
-    from calibration.design.exchange import Pool, exchange, greedy_start
-    from calibration.design.information import Study
-    from calibration.design.sight import Rules, Way, sight_of
-    from calibration.diagnostics.diagnosis import Diagnosis, diagnose
-    from calibration.diagnostics.problem import Problem
-    from calibration.diagnostics.rejection import reject
-    from calibration.diagnostics.robust import robust_fit
-    from calibration.error_map import BidirectionalMap
-    from calibration.errors import CalibrationError
-    from calibration.extension import Term, crosstalk, j4_map, periodic, thermal_drift
-    from calibration.identification import Identification, IdentifiedArm, identify
-    from calibration.kinematics import forward, inverse
-    from calibration.points import Commands, Points
-    from calibration.prediction import Prediction, predict
-    from calibration.scans.scan_identification import identify_scan
-    from calibration.scans.source import SlicedPoints
-    from calibration.standards.iso230_2 import positioning, systematic_of_map
-    from calibration.uncertainty.arm_draws import draw_estimates
-    from calibration.uncertainty.budget import Budget, Contributor
-    from calibration.uncertainty.contributions import contributions
-    from calibration.uncertainty.coverage import shortest_interval, symmetric_interval
-    from calibration.uncertainty.gum import coverage_factor
+    from catseye.calibration.comparison import Comparison, compare
+    from catseye.calibration.compensation import Compensation, compensate
+    from catseye.calibration.design.criteria import Criterion
+    from catseye.calibration.design.exchange import Pool, exchange, greedy_start
+    from catseye.calibration.design.information import Study
+    from catseye.calibration.design.sight import Rules, Way, sight_of
+    from catseye.calibration.diagnostics.diagnosis import Diagnosis, diagnose
+    from catseye.calibration.diagnostics.problem import Problem
+    from catseye.calibration.diagnostics.rejection import reject
+    from catseye.calibration.diagnostics.robust import robust_fit
+    from catseye.calibration.error_map import BidirectionalMap
+    from catseye.calibration.errors import CalibrationError
+    from catseye.calibration.extension import Term, crosstalk, j4_map, periodic, thermal_drift
+    from catseye.calibration.identification import Identification, IdentifiedArm, identify
+    from catseye.calibration.kinematics import forward, inverse
+    from catseye.calibration.points import Commands, Points
+    from catseye.calibration.prediction import Prediction, predict
+    from catseye.calibration.scans.scan_identification import identify_scan
+    from catseye.calibration.scans.source import SlicedPoints
+    from catseye.calibration.standards.iso230_2 import positioning, systematic_of_map
+    from catseye.calibration.uncertainty.arm_draws import draw_estimates
+    from catseye.calibration.uncertainty.budget import Budget, Contributor
+    from catseye.calibration.uncertainty.contributions import contributions
+    from catseye.calibration.uncertainty.coverage import shortest_interval, symmetric_interval
+    from catseye.calibration.uncertainty.gum import coverage_factor
 
 __all__ = [
     "BidirectionalMap",

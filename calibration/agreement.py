@@ -6,9 +6,9 @@ from dataclasses import dataclass
 import numpy as np
 from scipy import special
 
-from calibration.comparison import Comparison
-from calibration.fit_statistics import SIGNIFICANCE
-from calibration.types import Floats
+from catseye.calibration.comparison import Comparison
+from catseye.calibration.fit_statistics import SIGNIFICANCE
+from catseye.calibration.types import Floats
 
 WITHIN = 2.0
 """A normalised error within ±2 is expected of 95 in 100."""
@@ -62,7 +62,7 @@ def agreement(comparison: Comparison, effects_mm: Floats, u_instrument_mm: Float
     Args:
         comparison: n rows, m of them compared.
         effects_mm: effects of independent unit errors on the predicted positions of the compared rows, shape
-            (m, 2, k); see `calibration.prediction.position_effects`.
+            (m, 2, k); see `catseye.calibration.prediction.position_effects`.
         u_instrument_mm: standard uncertainty of each measured coordinate, shape (n,); NaN where none is stated.
     """
     rows = comparison.inside

@@ -10,8 +10,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from calibration.errors import InsufficientPointsError, UnidentifiableError
-from calibration.types import Floats, Ints
+from catseye.calibration.errors import InsufficientPointsError, UnidentifiableError
+from catseye.calibration.types import Floats, Ints
 
 
 @dataclass(frozen=True)

@@ -4,12 +4,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from calibration.error_map import interpolate
-from calibration.extension import Target, term_values
-from calibration.kinematics import forward, position_jacobian
-from calibration.layout import Layout
-from calibration.points import Commands
-from calibration.types import Floats, Ints
+from catseye.calibration.error_map import interpolate
+from catseye.calibration.extension import Target, term_values
+from catseye.calibration.kinematics import forward, position_jacobian
+from catseye.calibration.layout import Layout
+from catseye.calibration.points import Commands
+from catseye.calibration.types import Floats, Ints
 
 LOCAL: dict[Target, int] = {"link1": 0, "link2": 1, "theta1": 2, "theta2": 3}
 """Where the derivative by a quantity stands among those by L1, L2, θ1, θ2."""

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from calibration.types import Floats
+from catseye.calibration.types import Floats
 
 
 @dataclass

@@ -4,8 +4,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from calibration.errors import InsufficientPointsError, UnidentifiableError
-from calibration.types import Bools, Floats
+from catseye.calibration.errors import InsufficientPointsError, UnidentifiableError
+from catseye.calibration.types import Bools, Floats
 
 _ONE_PLACE_MM = 1e-6
 """Positions that differ by less have no orientation."""

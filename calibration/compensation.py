@@ -4,13 +4,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from calibration.arm import arm_design
-from calibration.errors import ConvergenceError
-from calibration.identification import IdentifiedArm
-from calibration.kinematics import Hand, inverse, wrap_rad
-from calibration.points import Commands
-from calibration.prediction import inside_range, predict
-from calibration.types import Bools, Floats
+from catseye.calibration.arm import arm_design
+from catseye.calibration.errors import ConvergenceError
+from catseye.calibration.identification import IdentifiedArm
+from catseye.calibration.kinematics import Hand, inverse, wrap_rad
+from catseye.calibration.points import Commands
+from catseye.calibration.prediction import inside_range, predict
+from catseye.calibration.types import Bools, Floats
 
 _SETTLED_RAD = 1e-13
 """A step this small moves the end of the arm by less than 1e-10 mm."""

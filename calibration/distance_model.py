@@ -4,10 +4,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from calibration.arm import ArmDesign, arm_design
-from calibration.layout import Layout
-from calibration.points import Points
-from calibration.types import Floats
+from catseye.calibration.arm import ArmDesign, arm_design
+from catseye.calibration.layout import Layout
+from catseye.calibration.points import Points
+from catseye.calibration.types import Floats
 
 
 @dataclass(frozen=True)

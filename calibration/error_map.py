@@ -4,8 +4,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from calibration.errors import MapRangeError
-from calibration.types import Floats, Ints
+from catseye.calibration.errors import MapRangeError
+from catseye.calibration.types import Floats, Ints
 
 
 @dataclass(frozen=True)

@@ -9,7 +9,7 @@ from typing import Literal
 
 import numpy as np
 
-from calibration.types import Floats
+from catseye.calibration.types import Floats
 
 Target = Literal["theta1", "theta2", "link1", "link2", "length"]
 """What a term adds to: a joint angle, rad; a link, mm; the measured distance, mm."""

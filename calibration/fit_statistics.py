@@ -5,8 +5,8 @@ from dataclasses import dataclass
 import numpy as np
 from scipy import linalg, special
 
-from calibration.points import Points
-from calibration.types import Floats, Ints
+from catseye.calibration.points import Points
+from catseye.calibration.types import Floats, Ints
 
 SIGNIFICANCE = 0.01
 """A test rejects when its probability is below this."""

@@ -4,18 +4,18 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from calibration.distance_model import DistanceModel, distance_model
-from calibration.errors import BudgetError, InsufficientPointsError
-from calibration.extension import Term
-from calibration.fit_statistics import FitStatistics, WeightedFit, fit_statistics, point_weights
-from calibration.kinematics import forward, wrap_rad
-from calibration.layout import Layout, ModelName
-from calibration.least_squares import Solution, minimise
-from calibration.observability import require_identifiable
-from calibration.pointing import beam_direction
-from calibration.points import Points, without_short_segments
-from calibration.types import Floats
-from calibration.uncertainty.budget import Budget, combined_white_mm, geometry_of, systematic_effects
+from catseye.calibration.distance_model import DistanceModel, distance_model
+from catseye.calibration.errors import BudgetError, InsufficientPointsError
+from catseye.calibration.extension import Term
+from catseye.calibration.fit_statistics import FitStatistics, WeightedFit, fit_statistics, point_weights
+from catseye.calibration.kinematics import forward, wrap_rad
+from catseye.calibration.layout import Layout, ModelName
+from catseye.calibration.least_squares import Solution, minimise
+from catseye.calibration.observability import require_identifiable
+from catseye.calibration.pointing import beam_direction
+from catseye.calibration.points import Points, without_short_segments
+from catseye.calibration.types import Floats
+from catseye.calibration.uncertainty.budget import Budget, combined_white_mm, geometry_of, systematic_effects
 
 
 @dataclass(frozen=True)

@@ -5,8 +5,8 @@ from typing import Literal
 
 import numpy as np
 
-from calibration.extension import Term
-from calibration.types import Floats
+from catseye.calibration.extension import Term
+from catseye.calibration.types import Floats
 
 ModelName = Literal["conventional", "error-map"]
 

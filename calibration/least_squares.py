@@ -11,8 +11,8 @@ from functools import cached_property
 import numpy as np
 from scipy import linalg
 
-from calibration.errors import ConvergenceError
-from calibration.types import Bools, Floats
+from catseye.calibration.errors import ConvergenceError
+from catseye.calibration.types import Bools, Floats
 
 RANK_TOLERANCE = 1e-10
 """Singular values of the scaled Jacobian below this share of the largest count as zero."""

@@ -13,12 +13,12 @@ from dataclasses import dataclass
 import numpy as np
 from scipy import linalg
 
-from calibration.arm import arm_design
-from calibration.centred_sums import CentredSums
-from calibration.layout import Layout
-from calibration.points import Commands, Points
-from calibration.types import Bools, Floats
-from calibration.uncertainty.radial import RadialBudget, radial_effects
+from catseye.calibration.arm import arm_design
+from catseye.calibration.centred_sums import CentredSums
+from catseye.calibration.layout import Layout
+from catseye.calibration.points import Commands, Points
+from catseye.calibration.types import Bools, Floats
+from catseye.calibration.uncertainty.radial import RadialBudget, radial_effects
 
 _PRIOR_LINK_MM = 10.0
 _PRIOR_MAP_RAD = 0.05

@@ -2,10 +2,10 @@
 
 import numpy as np
 
-from calibration.errors import UnidentifiableError
-from calibration.layout import Layout
-from calibration.least_squares import RANK_TOLERANCE, factorise
-from calibration.types import Bools, Floats
+from catseye.calibration.errors import UnidentifiableError
+from catseye.calibration.layout import Layout
+from catseye.calibration.least_squares import RANK_TOLERANCE, factorise
+from catseye.calibration.types import Bools, Floats
 
 _PARTICIPATION = 0.02
 """A parameter takes part in a null direction when its scaled share exceeds this."""

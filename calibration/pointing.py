@@ -6,8 +6,8 @@ command is J4 = θ_world − θ1 − θ2 − θ40, on a branch inside the limits
 
 import numpy as np
 
-from calibration.kinematics import wrap_rad
-from calibration.types import Bools, Floats
+from catseye.calibration.kinematics import wrap_rad
+from catseye.calibration.types import Bools, Floats
 
 
 def beam_direction(xy_mm: Floats, reflector_mm: Floats) -> Floats:

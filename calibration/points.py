@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from calibration.types import Bools, Floats, Ints
+from catseye.calibration.types import Bools, Floats, Ints
 
 
 @dataclass(frozen=True)

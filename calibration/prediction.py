@@ -4,11 +4,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from calibration.arm import arm_design
-from calibration.identification import IdentifiedArm
-from calibration.kinematics import forward
-from calibration.points import Commands
-from calibration.types import Bools, Floats
+from catseye.calibration.arm import arm_design
+from catseye.calibration.identification import IdentifiedArm
+from catseye.calibration.kinematics import forward
+from catseye.calibration.points import Commands
+from catseye.calibration.types import Bools, Floats
 
 _MARGIN_RAD = 1e-9
 """A command on the outermost node may lie beyond it by rounding."""

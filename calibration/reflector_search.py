@@ -4,11 +4,11 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from calibration.errors import InsufficientPointsError, UnidentifiableError
-from calibration.kinematics import forward, wrap_rad
-from calibration.least_squares import minimise
-from calibration.pointing import beam_direction
-from calibration.types import Bools, Floats, Ints
+from catseye.calibration.errors import InsufficientPointsError, UnidentifiableError
+from catseye.calibration.kinematics import forward, wrap_rad
+from catseye.calibration.least_squares import minimise
+from catseye.calibration.pointing import beam_direction
+from catseye.calibration.types import Bools, Floats, Ints
 
 
 @dataclass(frozen=True)

@@ -9,8 +9,8 @@ from typing import Literal
 import numpy as np
 from numpy.typing import ArrayLike
 
-from calibration.types import Bools, Floats
-from calibration.vapour_pressure import vapour_pressure_pa
+from catseye.calibration.types import Bools, Floats
+from catseye.calibration.vapour_pressure import vapour_pressure_pa
 
 Formula = Literal["ciddor", "edlen"]
 

@@ -6,9 +6,9 @@ from dataclasses import dataclass
 import numpy as np
 from scipy import special
 
-from calibration.errors import InsufficientPointsError, UnidentifiableError
-from calibration.standards.iso9283 import distance_repeatability
-from calibration.types import Floats, Ints
+from catseye.calibration.errors import InsufficientPointsError, UnidentifiableError
+from catseye.calibration.standards.iso9283 import distance_repeatability
+from catseye.calibration.types import Floats, Ints
 
 SIGNIFICANCE = 0.01
 """A drift is told when its probability by chance is below this."""

@@ -5,10 +5,10 @@ from dataclasses import dataclass
 import numpy as np
 from scipy import special
 
-from calibration.errors import CalibrationError
-from calibration.kinematics import forward, wrap_rad
-from calibration.reflector_search import SearchResult, Sightings, locate_reflectors
-from calibration.types import Floats
+from catseye.calibration.errors import CalibrationError
+from catseye.calibration.kinematics import forward, wrap_rad
+from catseye.calibration.reflector_search import SearchResult, Sightings, locate_reflectors
+from catseye.calibration.types import Floats
 
 _FALSE_ALARM = 0.001
 """Chance that a search without an outlier is told to have one."""

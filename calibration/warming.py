@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy import special
 
-from calibration.types import Floats
+from catseye.calibration.types import Floats
 
 TEN_MINUTES_S = 600.0
 

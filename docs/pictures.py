@@ -3,14 +3,14 @@
 import sys
 from pathlib import Path
 
-from app.analysis.reporting import demo_truth
-from app.demo import evaluate
-from app.report.figures.canvas import svg
-from app.report.figures.error_maps import error_map_figure
-from app.report.figures.path_deviation import path_figure
-from app.report.figures.trajectories import trajectory_figure
-from app.report.path_view import gaps
-from app.store.catalog import list_runs
+from catseye.app.analysis.reporting import demo_truth
+from catseye.app.demo import evaluate
+from catseye.app.report.figures.canvas import svg
+from catseye.app.report.figures.error_maps import error_map_figure
+from catseye.app.report.figures.path_deviation import path_figure
+from catseye.app.report.figures.trajectories import trajectory_figure
+from catseye.app.report.path_view import gaps
+from catseye.app.store.catalog import list_runs
 
 
 def main(folder: Path) -> None:

@@ -5,8 +5,8 @@ import os
 from abc import ABC, abstractmethod
 from collections.abc import Callable
 
-from drivers.errors import LinkError
-from drivers.inbox import TURN_BYTES, Inbox
+from catseye.drivers.errors import LinkError
+from catseye.drivers.inbox import TURN_BYTES, Inbox
 
 _MOST_BYTES = 1 << 20
 _SHOWN_BYTES = 80

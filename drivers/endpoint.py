@@ -5,12 +5,12 @@ from dataclasses import dataclass
 from typing import Literal
 from urllib.parse import SplitResult, parse_qsl, urlsplit
 
-from drivers.errors import LinkError
-from drivers.record import RecordingTransport, Sink
-from drivers.serial_line import Handshake, LineSettings, Parity, SerialTransport, StopBits
-from drivers.tcp import TcpTransport
-from drivers.transport import Transport
-from drivers.udp import UdpTransport
+from catseye.drivers.errors import LinkError
+from catseye.drivers.record import RecordingTransport, Sink
+from catseye.drivers.serial_line import Handshake, LineSettings, Parity, SerialTransport, StopBits
+from catseye.drivers.tcp import TcpTransport
+from catseye.drivers.transport import Transport
+from catseye.drivers.udp import UdpTransport
 
 _FORMS = (
     "write tcp://host:port, udp://host:port or serial:///dev/ttyUSB0?baud=9600&parity=E&bits=8&stopbits=2"

@@ -5,7 +5,7 @@ Every text says what happened, where (device and endpoint) and what to do.
 
 from typing import Final
 
-from drivers.device_text import harmless
+from catseye.drivers.device_text import harmless
 
 _LONGEST: Final = 2000
 """Characters of a text."""

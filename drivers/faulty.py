@@ -33,9 +33,9 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Literal, get_args
 
-from drivers.errors import LinkError
-from drivers.record import Direction
-from drivers.transport import Transport, WrappedTransport
+from catseye.drivers.errors import LinkError
+from catseye.drivers.record import Direction
+from catseye.drivers.transport import Transport, WrappedTransport
 
 Kind = Literal[
     "split", "coalesce", "delay", "drop", "duplicate", "corrupt", "stall", "half-close", "late", "foreign"

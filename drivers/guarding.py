@@ -8,8 +8,8 @@ from collections.abc import AsyncIterator
 from contextlib import AbstractAsyncContextManager, asynccontextmanager
 from typing import Protocol
 
-from drivers.errors import NotReadyError
-from drivers.transport import Transport, WrappedTransport
+from catseye.drivers.errors import NotReadyError
+from catseye.drivers.transport import Transport, WrappedTransport
 
 
 class GuardError(NotReadyError):

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from enum import Enum
 from typing import TypeVar
 
-from drivers.errors import LinkError, LinkTimeoutError, ProtocolError, UnreachableError
+from catseye.drivers.errors import LinkError, LinkTimeoutError, ProtocolError, UnreachableError
 
 T = TypeVar("T")
 

@@ -3,7 +3,7 @@
 import asyncio
 from collections import deque
 
-from drivers.errors import LinkError
+from catseye.drivers.errors import LinkError
 
 TURN_BYTES = 4096
 """So much of one link is handed out within one turn of the event loop."""

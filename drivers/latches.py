@@ -4,7 +4,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 
-from drivers.errors import RefusedError
+from catseye.drivers.errors import RefusedError
 
 
 @dataclass

@@ -5,7 +5,7 @@ import math
 from collections.abc import Awaitable, Callable, Coroutine
 from typing import Any, Protocol, TypeVar
 
-from drivers.errors import (
+from catseye.drivers.errors import (
     DeviceError,
     LinkError,
     LinkTimeoutError,
@@ -13,8 +13,8 @@ from drivers.errors import (
     ProtocolError,
     UnreachableError,
 )
-from drivers.healing import Losses, Repeat, reopened, repeated
-from drivers.transport import Transport
+from catseye.drivers.healing import Losses, Repeat, reopened, repeated
+from catseye.drivers.transport import Transport
 
 T = TypeVar("T")
 T_co = TypeVar("T_co", covariant=True)

@@ -3,7 +3,7 @@
 import asyncio
 from typing import Self
 
-from drivers.errors import LinkError
+from catseye.drivers.errors import LinkError
 
 
 class MemoryTransport:

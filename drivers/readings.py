@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 
-from drivers.device_text import DeviceText
+from catseye.drivers.device_text import DeviceText
 
 Joints = tuple[float, float, float, float]
 """J1 deg, J2 deg, J3 mm, J4 deg."""

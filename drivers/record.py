@@ -3,7 +3,7 @@
 from collections.abc import Callable
 from typing import Literal
 
-from drivers.transport import Transport, WrappedTransport
+from catseye.drivers.transport import Transport, WrappedTransport
 
 Direction = Literal["tx", "rx"]
 """Seen from the program: tx is sent, rx is received."""

@@ -16,9 +16,9 @@ from collections import deque
 from collections.abc import Iterable
 from pathlib import Path
 
-from drivers.errors import LinkError
-from drivers.record import Direction
-from drivers.user_file import read_regular
+from catseye.drivers.errors import LinkError
+from catseye.drivers.record import Direction
+from catseye.drivers.user_file import read_regular
 
 Step = tuple[Direction, bytes]
 

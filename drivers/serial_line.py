@@ -14,8 +14,8 @@ from typing import Literal
 
 import serial
 
-from drivers.channel import Channel, ChannelTransport
-from drivers.errors import LinkError
+from catseye.drivers.channel import Channel, ChannelTransport
+from catseye.drivers.errors import LinkError
 
 Parity = Literal["N", "E", "O"]
 StopBits = Literal["1", "1.5", "2"]

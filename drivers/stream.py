@@ -4,10 +4,10 @@ import asyncio
 from collections.abc import Awaitable, Callable, Sequence
 from typing import Generic, Protocol, TypeVar
 
-from drivers.clock import Clock
-from drivers.errors import DeviceError, LinkError, LinkTimeoutError
-from drivers.healing import Losses, reopened, repeated
-from drivers.transport import Transport
+from catseye.drivers.clock import Clock
+from catseye.drivers.errors import DeviceError, LinkError, LinkTimeoutError
+from catseye.drivers.healing import Losses, reopened, repeated
+from catseye.drivers.transport import Transport
 
 T = TypeVar("T")
 T_co = TypeVar("T_co", covariant=True)

@@ -9,8 +9,8 @@ import contextlib
 import os
 import socket
 
-from drivers.channel import Channel, ChannelTransport
-from drivers.errors import LinkError
+from catseye.drivers.channel import Channel, ChannelTransport
+from catseye.drivers.errors import LinkError
 
 _ENDED = (
     "the other side has closed the connection: check the instrument and whether another program has "

@@ -3,8 +3,8 @@
 import asyncio
 import socket
 
-from drivers.errors import LinkError
-from drivers.inbox import Inbox
+from catseye.drivers.errors import LinkError
+from catseye.drivers.inbox import Inbox
 
 _LARGEST_BYTES = 65_536
 _MOST_BYTES = 1 << 20

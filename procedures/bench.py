@@ -7,8 +7,8 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from calibration.kinematics.bodies import Box, Capsule
-from calibration.kinematics.chain import Chain
+from catseye.calibration.kinematics.bodies import Box, Capsule
+from catseye.calibration.kinematics.chain import Chain
 
 Following = Literal["stops", "blended", "streamed"]
 """How the arm follows a reflector between two nodes: it stops at every sub-step, it passes the sub-steps without

@@ -4,7 +4,7 @@ from collections.abc import Awaitable, Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Literal, Protocol
 
-from procedures.devices import Air, BeamStatus, Joints
+from catseye.procedures.devices import Air, BeamStatus, Joints
 
 Json = None | bool | int | float | str | list["Json"] | dict[str, "Json"]
 """Anything that JSON can carry."""

@@ -2,7 +2,7 @@
 
 import math
 
-from procedures.context import Row
+from catseye.procedures.context import Row
 
 
 def integer(value: object) -> int:

@@ -2,8 +2,8 @@
 
 from dataclasses import dataclass
 
-from simulators.bench.air import AirSample
-from simulators.bench.bench import Bench
+from catseye.simulators.bench.air import AirSample
+from catseye.simulators.bench.bench import Bench
 
 
 @dataclass(frozen=True)

@@ -22,14 +22,14 @@ from typing import Literal
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
-from simulators.air_probe import AirFault
-from simulators.errors import EmulatorError
-from simulators.lossy import Lossy
-from simulators.ports.port import Port
-from simulators.serving import Answer, Session
-from simulators.tracker import Tracker
-from simulators.truth import truth_document
-from simulators.world import World
+from catseye.simulators.air_probe import AirFault
+from catseye.simulators.errors import EmulatorError
+from catseye.simulators.lossy import Lossy
+from catseye.simulators.ports.port import Port
+from catseye.simulators.serving import Answer, Session
+from catseye.simulators.tracker import Tracker
+from catseye.simulators.truth import truth_document
+from catseye.simulators.world import World
 
 LONGEST_BYTES = 65_536
 

@@ -3,9 +3,9 @@
 import asyncio
 from typing import Protocol
 
-from simulators.lossy import Lossy
-from simulators.serving import Answer, Pending, Session
-from simulators.timekeeper import TimeKeeper
+from catseye.simulators.lossy import Lossy
+from catseye.simulators.serving import Answer, Pending, Session
+from catseye.simulators.timekeeper import TimeKeeper
 
 _BACKLOG_BYTES = 65_536
 

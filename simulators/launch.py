@@ -3,20 +3,20 @@
 from dataclasses import dataclass
 from types import TracebackType
 
-from simulators.air_probe import AirProbe
-from simulators.bench.bench import Bench
-from simulators.config import EmulatedDevice, EmulationConfig, ErrorBudget, ReflectorPlace
-from simulators.control import ControlSession, Desk
-from simulators.errors import EmulatorError
-from simulators.journal import Journal
-from simulators.melfa.controller import Controller
-from simulators.options import whole
-from simulators.ports.port import Port
-from simulators.protocols import session_maker
-from simulators.timekeeper import TimeKeeper
-from simulators.tracker import Tracker
-from simulators.truth import TrueArm, draw_truth, true_arm, truth_document
-from simulators.world import World
+from catseye.simulators.air_probe import AirProbe
+from catseye.simulators.bench.bench import Bench
+from catseye.simulators.config import EmulatedDevice, EmulationConfig, ErrorBudget, ReflectorPlace
+from catseye.simulators.control import ControlSession, Desk
+from catseye.simulators.errors import EmulatorError
+from catseye.simulators.journal import Journal
+from catseye.simulators.melfa.controller import Controller
+from catseye.simulators.options import whole
+from catseye.simulators.ports.port import Port
+from catseye.simulators.protocols import session_maker
+from catseye.simulators.timekeeper import TimeKeeper
+from catseye.simulators.tracker import Tracker
+from catseye.simulators.truth import TrueArm, draw_truth, true_arm, truth_document
+from catseye.simulators.world import World
 
 __all__ = [
     "EmulatedBench",

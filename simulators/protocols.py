@@ -2,23 +2,23 @@
 
 from collections.abc import Callable
 
-from simulators.attocube.device import Ids, IdsOptions
-from simulators.attocube.session import IdsSession
-from simulators.config import EmulatedDevice
-from simulators.counter.session import CounterSession
-from simulators.errors import EmulatorError
-from simulators.heidenhain.session import Display, NdSession
-from simulators.lasertex.session import Hpi, HpiSession
-from simulators.melfa.choices import Choices
-from simulators.melfa.datalink import NUMBER_FORMATS, Datalink, DatalinkSession
-from simulators.melfa.mxt import MODES, Mxt, MxtOptions, MxtSession
-from simulators.melfa.session import MelfaSession
-from simulators.modbus.devices import air_registers, io_block, modbus_sessions
-from simulators.options import LengthOptions, choice, flag, number, whole
-from simulators.serving import Session
-from simulators.umd.session import Umd, UmdOptions, UmdSession
-from simulators.vaisala.session import Ptu300, Ptu300Session
-from simulators.world import World
+from catseye.simulators.attocube.device import Ids, IdsOptions
+from catseye.simulators.attocube.session import IdsSession
+from catseye.simulators.config import EmulatedDevice
+from catseye.simulators.counter.session import CounterSession
+from catseye.simulators.errors import EmulatorError
+from catseye.simulators.heidenhain.session import Display, NdSession
+from catseye.simulators.lasertex.session import Hpi, HpiSession
+from catseye.simulators.melfa.choices import Choices
+from catseye.simulators.melfa.datalink import NUMBER_FORMATS, Datalink, DatalinkSession
+from catseye.simulators.melfa.mxt import MODES, Mxt, MxtOptions, MxtSession
+from catseye.simulators.melfa.session import MelfaSession
+from catseye.simulators.modbus.devices import air_registers, io_block, modbus_sessions
+from catseye.simulators.options import LengthOptions, choice, flag, number, whole
+from catseye.simulators.serving import Session
+from catseye.simulators.umd.session import Umd, UmdOptions, UmdSession
+from catseye.simulators.vaisala.session import Ptu300, Ptu300Session
+from catseye.simulators.world import World
 
 Note = Callable[[str], None]
 """Is told each request of a client."""

@@ -4,7 +4,7 @@ import asyncio
 import time
 from collections.abc import Callable
 
-from simulators.bench.bench import Bench
+from catseye.simulators.bench.bench import Bench
 
 _TIMER_STEP_S = 0.002
 """Timers of the event loop wake up to a millisecond late; the last stretch is waited for without one."""

@@ -12,10 +12,10 @@ from typing import Literal
 import numpy as np
 from pydantic import BaseModel, ConfigDict, ValidationError
 
-from calibration.error_map import BidirectionalMap
-from calibration.types import Floats
-from simulators.config import EmulationConfig, Range, TruthText
-from simulators.errors import TruthFileError
+from catseye.calibration.error_map import BidirectionalMap
+from catseye.calibration.types import Floats
+from catseye.simulators.config import EmulationConfig, Range, TruthText
+from catseye.simulators.errors import TruthFileError
 
 FORMAT = "catseye-result/1"
 

@@ -2,13 +2,13 @@
 
 from dataclasses import dataclass, field
 
-from simulators.air_probe import AirProbe
-from simulators.bench.bench import Bench, Instrument
-from simulators.config import EmulationConfig
-from simulators.journal import Journal
-from simulators.melfa.controller import Controller
-from simulators.modbus.remote_io import Door, RemoteIo
-from simulators.timekeeper import TimeKeeper
+from catseye.simulators.air_probe import AirProbe
+from catseye.simulators.bench.bench import Bench, Instrument
+from catseye.simulators.config import EmulationConfig
+from catseye.simulators.journal import Journal
+from catseye.simulators.melfa.controller import Controller
+from catseye.simulators.modbus.remote_io import Door, RemoteIo
+from catseye.simulators.timekeeper import TimeKeeper
 
 
 @dataclass(frozen=True)

@@ -5,17 +5,17 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from app.errors import LimitError
-from app.files.path_csv import CommandPath, directions_of
-from calibration.compensation import Compensation, compensate
-from calibration.identification import IdentifiedArm
-from calibration.kinematics import forward
-from calibration.points import Commands
-from calibration.prediction import predict
-from calibration.types import Bools, Floats, Ints
-from procedures.bench import Bench
-from procedures.motion.approach import Command, Waypoint, with_take_up
-from procedures.motion.clear_way import refused_target
+from catseye.app.errors import LimitError
+from catseye.app.files.path_csv import CommandPath, directions_of
+from catseye.calibration.compensation import Compensation, compensate
+from catseye.calibration.identification import IdentifiedArm
+from catseye.calibration.kinematics import forward
+from catseye.calibration.points import Commands
+from catseye.calibration.prediction import predict
+from catseye.calibration.types import Bools, Floats, Ints
+from catseye.procedures.bench import Bench
+from catseye.procedures.motion.approach import Command, Waypoint, with_take_up
+from catseye.procedures.motion.clear_way import refused_target
 
 STEP_DEG = 0.001
 """What the controller sets J1 and J2 by."""

@@ -4,14 +4,14 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from app.analysis.design_layouts import Layout
-from app.analysis.design_problem import with_reflectors
-from app.analysis.design_time import BenchCost, bench_cost
-from app.errors import UsageError
-from calibration.design.command_choice import CommandPool, choose_commands
-from calibration.design.criteria import CriterionName, covariances
-from calibration.design.information import Information
-from calibration.types import Bools
+from catseye.app.analysis.design_layouts import Layout
+from catseye.app.analysis.design_problem import with_reflectors
+from catseye.app.analysis.design_time import BenchCost, bench_cost
+from catseye.app.errors import UsageError
+from catseye.calibration.design.command_choice import CommandPool, choose_commands
+from catseye.calibration.design.criteria import CriterionName, covariances
+from catseye.calibration.design.information import Information
+from catseye.calibration.types import Bools
 
 _NEAR_ENOUGH = 4
 """Commands by which a choice for a bench time may stay below what would just fit."""

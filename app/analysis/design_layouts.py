@@ -7,17 +7,17 @@ from functools import cached_property
 
 import numpy as np
 
-from app.analysis.design_problem import PAPER_MM, Problem, with_reflectors
-from app.analysis.design_time import BenchCost, bench_cost
-from app.cluster.sharing import Share
-from app.errors import UsageError
-from calibration.design.candidates import apart, grid
-from calibration.design.criteria import CriterionName, covariances
-from calibration.design.exchange import Chosen, Pool, exchange, greedy_start, random_start
-from calibration.design.information import Information
-from calibration.design.refinement import refine
-from calibration.design.sight import Reason, Sight
-from calibration.types import Floats, Ints
+from catseye.app.analysis.design_problem import PAPER_MM, Problem, with_reflectors
+from catseye.app.analysis.design_time import BenchCost, bench_cost
+from catseye.app.cluster.sharing import Share
+from catseye.app.errors import UsageError
+from catseye.calibration.design.candidates import apart, grid
+from catseye.calibration.design.criteria import CriterionName, covariances
+from catseye.calibration.design.exchange import Chosen, Pool, exchange, greedy_start, random_start
+from catseye.calibration.design.information import Information
+from catseye.calibration.design.refinement import refine
+from catseye.calibration.design.sight import Reason, Sight
+from catseye.calibration.types import Floats, Ints
 
 _STARTS = 12
 """Random starts of the exchange, beside the greedy one and the layouts that are known."""

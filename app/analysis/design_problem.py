@@ -5,22 +5,22 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from app.errors import UsageError
-from calibration.arm import arm_design
-from calibration.design.candidates import Floor
-from calibration.design.criteria import Criterion, CriterionName
-from calibration.design.information import Study
-from calibration.design.sight import Rules, Sight, Way, sight_of
-from calibration.errors import OutOfReachError
-from calibration.kinematics import forward
-from calibration.layout import Layout
-from calibration.points import Commands
-from calibration.prediction import inside_range
-from calibration.types import Floats
-from calibration.uncertainty.budget import Budget
-from procedures.bench import Bench, Reflector
-from procedures.motion.approach import Command, Waypoint, bidirectional_sequence, with_take_up
-from procedures.path.path_plan import path_points
+from catseye.app.errors import UsageError
+from catseye.calibration.arm import arm_design
+from catseye.calibration.design.candidates import Floor
+from catseye.calibration.design.criteria import Criterion, CriterionName
+from catseye.calibration.design.information import Study
+from catseye.calibration.design.sight import Rules, Sight, Way, sight_of
+from catseye.calibration.errors import OutOfReachError
+from catseye.calibration.kinematics import forward
+from catseye.calibration.layout import Layout
+from catseye.calibration.points import Commands
+from catseye.calibration.prediction import inside_range
+from catseye.calibration.types import Floats
+from catseye.calibration.uncertainty.budget import Budget
+from catseye.procedures.bench import Bench, Reflector
+from catseye.procedures.motion.approach import Command, Waypoint, bidirectional_sequence, with_take_up
+from catseye.procedures.path.path_plan import path_points
 
 PAPER_MM = ((650.0, -400.0), (680.0, 0.0), (640.0, 380.0))
 """Reflectors of the SCARA paper."""

@@ -5,8 +5,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from app.analysis.design_commands import CommandChoice, choose, choose_for_time
-from app.analysis.design_layouts import (
+from catseye.app.analysis.design_commands import CommandChoice, choose, choose_for_time
+from catseye.app.analysis.design_layouts import (
     Layout,
     Places,
     best_layouts,
@@ -14,15 +14,15 @@ from app.analysis.design_layouts import (
     known_layouts,
     layout_of,
 )
-from app.analysis.design_problem import Problem
-from app.cluster.sharing import Share
-from calibration.arm import arm_design
-from calibration.design.criteria import covariances
-from calibration.design.exchange import Pool
-from calibration.design.front import pareto_front
-from calibration.design.information import Information
-from calibration.points import Commands
-from calibration.types import Floats
+from catseye.app.analysis.design_problem import Problem
+from catseye.app.cluster.sharing import Share
+from catseye.calibration.arm import arm_design
+from catseye.calibration.design.criteria import covariances
+from catseye.calibration.design.exchange import Pool
+from catseye.calibration.design.front import pareto_front
+from catseye.calibration.design.information import Information
+from catseye.calibration.points import Commands
+from catseye.calibration.types import Floats
 
 Done = Callable[[float, float, str], None]
 """Is told how much of how much is done, and what is under way."""

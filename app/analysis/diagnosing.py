@@ -6,16 +6,16 @@ from typing import Any
 
 import numpy as np
 
-from app.analysis.diagnosis_words import distance_text, findings, outlier_limit, outlying
-from app.analysis.distance_source import DistanceSource
-from app.analysis.identifying import problem_of_rows
-from app.files.result_json import term_unit
-from calibration.diagnostics.cross_validation import CrossValidation
-from calibration.diagnostics.diagnosis import Diagnosis, diagnose
-from calibration.diagnostics.harmonics import HarmonicSeries
-from calibration.diagnostics.joint_angles import AnglePattern
-from calibration.diagnostics.nested_models import ComparedModel
-from calibration.diagnostics.node_spacing import Grid, NodeSpacing
+from catseye.app.analysis.diagnosis_words import distance_text, findings, outlier_limit, outlying
+from catseye.app.analysis.distance_source import DistanceSource
+from catseye.app.analysis.identifying import problem_of_rows
+from catseye.app.files.result_json import term_unit
+from catseye.calibration.diagnostics.cross_validation import CrossValidation
+from catseye.calibration.diagnostics.diagnosis import Diagnosis, diagnose
+from catseye.calibration.diagnostics.harmonics import HarmonicSeries
+from catseye.calibration.diagnostics.joint_angles import AnglePattern
+from catseye.calibration.diagnostics.nested_models import ComparedModel
+from catseye.calibration.diagnostics.node_spacing import Grid, NodeSpacing
 
 _MDEG = 1e3 * math.degrees(1.0)
 

@@ -3,18 +3,18 @@
 from dataclasses import dataclass
 from pathlib import Path
 
-from app.analysis.distance_unit import require_millimetres
-from app.analysis.identifying import bench_of_runs, cell_of_run, error_budget, run_rows
-from app.cell.bench import bench_of
-from app.cell.load import load_cell
-from app.errors import UsageError
-from app.files.points_csv import PointRow, read_points_csv, to_points
-from app.runs_folder import runs_folder
-from app.store.catalog import resolve_run
-from app.store.reader import RunReader, accept
-from app.store.unverified import taken_as_it_is
-from calibration.uncertainty.budget import Budget
-from procedures.bench import Bench
+from catseye.app.analysis.distance_unit import require_millimetres
+from catseye.app.analysis.identifying import bench_of_runs, cell_of_run, error_budget, run_rows
+from catseye.app.cell.bench import bench_of
+from catseye.app.cell.load import load_cell
+from catseye.app.errors import UsageError
+from catseye.app.files.points_csv import PointRow, read_points_csv, to_points
+from catseye.app.runs_folder import runs_folder
+from catseye.app.store.catalog import resolve_run
+from catseye.app.store.reader import RunReader, accept
+from catseye.app.store.unverified import taken_as_it_is
+from catseye.calibration.uncertainty.budget import Budget
+from catseye.procedures.bench import Bench
 
 
 @dataclass(frozen=True)

@@ -4,14 +4,14 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from app.errors import UsageError
-from calibration.arm import arm_design
-from calibration.distance_model import DistanceModel
-from calibration.errors import InsufficientPointsError
-from calibration.identification import Identification, beam_turn_rad
-from calibration.points import Points
-from calibration.prediction import inside_range
-from calibration.types import Bools, Floats, Ints
+from catseye.app.errors import UsageError
+from catseye.calibration.arm import arm_design
+from catseye.calibration.distance_model import DistanceModel
+from catseye.calibration.errors import InsufficientPointsError
+from catseye.calibration.identification import Identification, beam_turn_rad
+from catseye.calibration.points import Points
+from catseye.calibration.prediction import inside_range
+from catseye.calibration.types import Bools, Floats, Ints
 
 _FEWEST = 3
 """Distances of a segment: its dead path is fitted, so that one alone agrees with any model, and two with most."""

@@ -5,14 +5,14 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
-from app.analysis.identifying import cell_of_run, run_rows
-from app.analysis.path_rows import holds_distances
-from app.errors import UsageError
-from app.files.points_csv import PointRow, points_csv
-from app.files.result_json import Estimate, MapTable, Result, read_result
-from app.files.tabular import Row, table_csv
-from app.store.reader import RunReader
-from calibration.extension import Term
+from catseye.app.analysis.identifying import cell_of_run, run_rows
+from catseye.app.analysis.path_rows import holds_distances
+from catseye.app.errors import UsageError
+from catseye.app.files.points_csv import PointRow, points_csv
+from catseye.app.files.result_json import Estimate, MapTable, Result, read_result
+from catseye.app.files.tabular import Row, table_csv
+from catseye.app.store.reader import RunReader
+from catseye.calibration.extension import Term
 
 _MEASURED = ("theta1_deg", "theta2_deg", "direction1", "direction2", "x_meas_mm", "y_meas_mm", "u_mm")
 

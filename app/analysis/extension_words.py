@@ -3,8 +3,8 @@
 import re
 from collections.abc import Sequence
 
-from app.errors import UsageError
-from calibration.extension import Term, crosstalk, j4_map, periodic, thermal_drift
+from catseye.app.errors import UsageError
+from catseye.calibration.extension import Term, crosstalk, j4_map, periodic, thermal_drift
 
 _PERIODIC = re.compile(r"periodic([12]):([0-9]{1,4})")
 _HIGHEST_ORDER = 2000

@@ -6,19 +6,19 @@ from pathlib import Path
 
 import numpy as np
 
-from app.analysis.joint_maps import JointMap, joint_maps
-from app.analysis.measured_file import measured_path
-from app.analysis.mirrored import mirrored_text
-from app.analysis.path_range import lines_text, outside_text
-from app.analysis.repeated_poses import RepeatedPoses, repeated_poses
-from app.analysis.validation import TAKE_UP_DEG, PathValidation, validate_on_path
-from app.errors import UsageError
-from app.files.identified_arm import arm_of, arm_remarks, nominal_of
-from app.files.path_csv import start_states
-from app.files.result_json import Result, read_result
-from calibration.identification import IdentifiedArm
-from calibration.kinematics import Hand
-from calibration.types import Floats
+from catseye.app.analysis.joint_maps import JointMap, joint_maps
+from catseye.app.analysis.measured_file import measured_path
+from catseye.app.analysis.mirrored import mirrored_text
+from catseye.app.analysis.path_range import lines_text, outside_text
+from catseye.app.analysis.repeated_poses import RepeatedPoses, repeated_poses
+from catseye.app.analysis.validation import TAKE_UP_DEG, PathValidation, validate_on_path
+from catseye.app.errors import UsageError
+from catseye.app.files.identified_arm import arm_of, arm_remarks, nominal_of
+from catseye.app.files.path_csv import start_states
+from catseye.app.files.result_json import Result, read_result
+from catseye.calibration.identification import IdentifiedArm
+from catseye.calibration.kinematics import Hand
+from catseye.calibration.types import Floats
 
 
 @dataclass(frozen=True)

@@ -6,10 +6,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from app.cluster.sharing import Share
-from app.errors import UsageError
-from app.files.result_json import term_unit
-from app.files.uncertainty_part import (
+from catseye.app.cluster.sharing import Share
+from catseye.app.errors import UsageError
+from catseye.app.files.result_json import term_unit
+from catseye.app.files.uncertainty_part import (
     ContributionRow,
     ContributionTable,
     CorrelationPair,
@@ -18,13 +18,13 @@ from app.files.uncertainty_part import (
     UncertaintyPart,
     ValidationRow,
 )
-from calibration.identification import Identification
-from calibration.layout import Layout
-from calibration.types import Floats
-from calibration.uncertainty.arm_draws import CHUNK, chunks, joined, solve_chunk, with_draws
-from calibration.uncertainty.contributions import Contributions, contributions
-from calibration.uncertainty.coverage import Interval, fewest_draws, shortest_interval, validate
-from calibration.uncertainty.gum import correlation, coverage_factor
+from catseye.calibration.identification import Identification
+from catseye.calibration.layout import Layout
+from catseye.calibration.types import Floats
+from catseye.calibration.uncertainty.arm_draws import CHUNK, chunks, joined, solve_chunk, with_draws
+from catseye.calibration.uncertainty.contributions import Contributions, contributions
+from catseye.calibration.uncertainty.coverage import Interval, fewest_draws, shortest_interval, validate
+from catseye.calibration.uncertainty.gum import correlation, coverage_factor
 
 COVERAGE = 0.95
 """Probability that an interval of the result holds its parameter."""

@@ -3,11 +3,11 @@
 from collections.abc import Sequence
 from statistics import fmean
 
-from app.analysis.identifying import cell_of_run
-from app.cell.model import Material as MaterialSection
-from app.files.result_json import Estimate, Result
-from app.store.reader import RunReader
-from calibration.expansion import Material, at_reference
+from catseye.app.analysis.identifying import cell_of_run
+from catseye.app.cell.model import Material as MaterialSection
+from catseye.app.files.result_json import Estimate, Result
+from catseye.app.store.reader import RunReader
+from catseye.calibration.expansion import Material, at_reference
 
 
 def with_reference_links(result: Result, readers: Sequence[RunReader]) -> Result:

@@ -5,16 +5,16 @@ from pathlib import Path
 
 import numpy as np
 
-from app.analysis.path_start import against_start, start_text
-from app.analysis.validation import FEWEST_ROWS, TAKE_UP_DEG, PathMeasurement, established_rows
-from app.errors import UsageError
-from app.files.measured_csv import read_measured_csv
-from app.files.path_csv import cartesian_commands, require_reach
-from calibration.kinematics import Hand, forward
-from calibration.points import Commands
-from calibration.types import Floats, Ints
-from procedures.context import MeasuredPoint
-from procedures.path.measured_path import misplaced, uncertainty_fault
+from catseye.app.analysis.path_start import against_start, start_text
+from catseye.app.analysis.validation import FEWEST_ROWS, TAKE_UP_DEG, PathMeasurement, established_rows
+from catseye.app.errors import UsageError
+from catseye.app.files.measured_csv import read_measured_csv
+from catseye.app.files.path_csv import cartesian_commands, require_reach
+from catseye.calibration.kinematics import Hand, forward
+from catseye.calibration.points import Commands
+from catseye.calibration.types import Floats, Ints
+from catseye.procedures.context import MeasuredPoint
+from catseye.procedures.path.measured_path import misplaced, uncertainty_fault
 
 _ANGLE_UNITS = {"rad": 180.0 / np.pi, "mdeg": 1e-3}
 """What makes degrees of other units."""

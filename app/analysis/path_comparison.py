@@ -3,8 +3,8 @@
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from app.analysis.distance_validation import DistanceValidation, validate_on_distances
-from app.analysis.identifying import (
+from catseye.app.analysis.distance_validation import DistanceValidation, validate_on_distances
+from catseye.app.analysis.identifying import (
     MODELS,
     are_simulated,
     bench_of_runs,
@@ -14,17 +14,17 @@ from app.analysis.identifying import (
     identify_rows,
     run_rows,
 )
-from app.analysis.material import with_reference_links
-from app.analysis.mirrored import mirrored_text
-from app.analysis.path_rows import distance_path, holds_distances, path_measurement
-from app.analysis.validation import PathValidation, validate_on_path
-from app.errors import UsageError
-from app.files.result_json import Result
-from app.store.catalog import list_runs
-from app.store.reader import Accept, RunReader
-from calibration.errors import CalibrationError
-from calibration.identification import Identification
-from procedures.bench import Bench
+from catseye.app.analysis.material import with_reference_links
+from catseye.app.analysis.mirrored import mirrored_text
+from catseye.app.analysis.path_rows import distance_path, holds_distances, path_measurement
+from catseye.app.analysis.validation import PathValidation, validate_on_path
+from catseye.app.errors import UsageError
+from catseye.app.files.result_json import Result
+from catseye.app.store.catalog import list_runs
+from catseye.app.store.reader import Accept, RunReader
+from catseye.calibration.errors import CalibrationError
+from catseye.calibration.identification import Identification
+from catseye.procedures.bench import Bench
 
 
 @dataclass(frozen=True)

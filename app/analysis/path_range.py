@@ -4,10 +4,10 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from calibration.identification import IdentifiedArm
-from calibration.points import Commands
-from calibration.prediction import inside_nodes, inside_range
-from calibration.types import Bools
+from catseye.calibration.identification import IdentifiedArm
+from catseye.calibration.points import Commands
+from catseye.calibration.prediction import inside_nodes, inside_range
+from catseye.calibration.types import Bools
 
 _FEW = 8
 """Stretches of lines that a sentence lists."""

@@ -5,12 +5,12 @@ from typing import Any
 
 import numpy as np
 
-from app.analysis.distance_validation import DistancePath
-from app.analysis.validation import PathMeasurement, established_rows
-from app.errors import UsageError
-from app.store.reader import RunReader
-from calibration.points import Commands, Points
-from calibration.types import Bools, Floats, Ints
+from catseye.app.analysis.distance_validation import DistancePath
+from catseye.app.analysis.validation import PathMeasurement, established_rows
+from catseye.app.errors import UsageError
+from catseye.app.store.reader import RunReader
+from catseye.calibration.points import Commands, Points
+from catseye.calibration.types import Bools, Floats, Ints
 
 
 def path_measurement(reader: RunReader, take_up_deg: float) -> PathMeasurement:

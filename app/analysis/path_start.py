@@ -2,9 +2,9 @@
 
 import numpy as np
 
-from app.files.path_csv import STANDS_STILL_RAD
-from calibration.points import Commands
-from calibration.types import Bools, Floats, Ints
+from catseye.app.files.path_csv import STANDS_STILL_RAD
+from catseye.calibration.points import Commands
+from catseye.calibration.types import Bools, Floats, Ints
 
 
 def against_start(commands: Commands) -> Bools:

@@ -4,9 +4,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from app.analysis.validation import ModelOnPath, PathMeasurement
-from calibration.standards.iso9283 import PoseQuantities, pose
-from calibration.types import Floats
+from catseye.app.analysis.validation import ModelOnPath, PathMeasurement
+from catseye.calibration.standards.iso9283 import PoseQuantities, pose
+from catseye.calibration.types import Floats
 
 _SAME_RAD = 1e-7
 """Commands that differ by less are one and the same pose."""

@@ -10,9 +10,9 @@ from typing import Any
 
 import numpy as np
 
-from app.aim import search_result
-from app.analysis.identified_uncertainty import by_jacobian
-from app.analysis.identifying import (
+from catseye.app.aim import search_result
+from catseye.app.analysis.identified_uncertainty import by_jacobian
+from catseye.app.analysis.identifying import (
     MODELS,
     aimed_bench,
     are_simulated,
@@ -24,17 +24,17 @@ from app.analysis.identifying import (
     problem_of_rows,
     run_rows,
 )
-from app.analysis.material import with_reference_links
-from app.analysis.path_comparison import compare_path
-from app.analysis.path_rows import holds_distances
-from app.analysis.truth import gauge_turn_rad, turned_places
-from app.cell.model import Cell
-from app.demo import DemoResult
-from app.errors import UsageError
-from app.files.atomic import write_atomically
-from app.files.documents import LARGEST_RESULT_BYTES, read_document, read_truth
-from app.files.result_json import Result, read_result
-from app.report.content import (
+from catseye.app.analysis.material import with_reference_links
+from catseye.app.analysis.path_comparison import compare_path
+from catseye.app.analysis.path_rows import holds_distances
+from catseye.app.analysis.truth import gauge_turn_rad, turned_places
+from catseye.app.cell.model import Cell
+from catseye.app.demo import DemoResult
+from catseye.app.errors import UsageError
+from catseye.app.files.atomic import write_atomically
+from catseye.app.files.documents import LARGEST_RESULT_BYTES, read_document, read_truth
+from catseye.app.files.result_json import Result, read_result
+from catseye.app.report.content import (
     DeviceRecord,
     EnvironmentSummary,
     ReportContent,
@@ -43,13 +43,13 @@ from app.report.content import (
     TruthMap,
     TruthTables,
 )
-from app.report.page import render_html
-from app.store.reader import RunReader
-from app.store.seal import read_manifest
-from app.version import SOFTWARE
-from calibration.diagnostics.diagnosis import Diagnosis, diagnose
-from calibration.errors import CalibrationError
-from calibration.identification import Identification
+from catseye.app.report.page import render_html
+from catseye.app.store.reader import RunReader
+from catseye.app.store.seal import read_manifest
+from catseye.app.version import SOFTWARE
+from catseye.calibration.diagnostics.diagnosis import Diagnosis, diagnose
+from catseye.calibration.errors import CalibrationError
+from catseye.calibration.identification import Identification
 
 _MEASURED_WITH = ("python", "numpy", "sqlite", "platform")
 

@@ -6,12 +6,12 @@ from typing import Literal
 
 import numpy as np
 
-from app.errors import UsageError
-from app.files.identified_arm import arm_of, unverified_texts
-from app.files.result_json import Estimate, MapTable, Result
-from calibration.error_map import interpolate
-from calibration.identification import IdentifiedArm
-from calibration.types import Floats
+from catseye.app.errors import UsageError
+from catseye.app.files.identified_arm import arm_of, unverified_texts
+from catseye.app.files.result_json import Estimate, MapTable, Result
+from catseye.calibration.error_map import interpolate
+from catseye.calibration.identification import IdentifiedArm
+from catseye.calibration.types import Floats
 
 _MDEG = 1e3 * math.degrees(1.0)
 _RANGE_DEG = 1e-6

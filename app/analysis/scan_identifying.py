@@ -5,15 +5,15 @@ from pathlib import Path
 
 import numpy as np
 
-from app.analysis.distance_unit import require_millimetres
-from app.analysis.identifying import identified_result
-from app.files.result_json import Result
-from app.files.scan_part import scan_part
-from app.files.spooled_points import spooled_points
-from calibration.extension import Term
-from calibration.layout import ModelName
-from calibration.scans.scan_identification import identify_scan
-from procedures.bench import Bench
+from catseye.app.analysis.distance_unit import require_millimetres
+from catseye.app.analysis.identifying import identified_result
+from catseye.app.files.result_json import Result
+from catseye.app.files.scan_part import scan_part
+from catseye.app.files.spooled_points import spooled_points
+from catseye.calibration.extension import Term
+from catseye.calibration.layout import ModelName
+from catseye.calibration.scans.scan_identification import identify_scan
+from catseye.procedures.bench import Bench
 
 SCAN_ROWS = 100_000
 """Longer points files are streamed."""

@@ -5,8 +5,8 @@ from typing import Any
 
 import numpy as np
 
-from calibration.identification import Identification
-from calibration.types import Floats
+from catseye.calibration.identification import Identification
+from catseye.calibration.types import Floats
 
 
 @dataclass(frozen=True)

@@ -5,13 +5,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from calibration.agreement import Agreement, agreement
-from calibration.comparison import Comparison, compare
-from calibration.errors import InsufficientPointsError
-from calibration.identification import IdentifiedArm
-from calibration.points import Commands
-from calibration.prediction import Prediction, position_effects, predict
-from calibration.types import Bools, Floats, Ints
+from catseye.calibration.agreement import Agreement, agreement
+from catseye.calibration.comparison import Comparison, compare
+from catseye.calibration.errors import InsufficientPointsError
+from catseye.calibration.identification import IdentifiedArm
+from catseye.calibration.points import Commands
+from catseye.calibration.prediction import Prediction, position_effects, predict
+from catseye.calibration.types import Bools, Floats, Ints
 
 
 @dataclass(frozen=True)

@@ -4,14 +4,14 @@ import math
 
 import numpy as np
 
-from app.bench.facts import BenchFacts
-from app.bench.gauges import Gauges, LinkGauge, Stamped
-from app.engine.compensation import AirRule
-from calibration.kinematics import forward
-from calibration.pointing import beam_miss
-from calibration.refractive_index import refractive_index
-from procedures.context import Json
-from procedures.devices import Air, DeviceIdentity, Joints
+from catseye.app.bench.facts import BenchFacts
+from catseye.app.bench.gauges import Gauges, LinkGauge, Stamped
+from catseye.app.engine.compensation import AirRule
+from catseye.calibration.kinematics import forward
+from catseye.calibration.pointing import beam_miss
+from catseye.calibration.refractive_index import refractive_index
+from catseye.procedures.context import Json
+from catseye.procedures.devices import Air, DeviceIdentity, Joints
 
 _AIMED_AT_MM = 25.0
 """A beam that passes a reflector's place nearer than this is meant for it; rough places are no better known."""

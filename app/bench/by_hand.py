@@ -4,12 +4,12 @@ import asyncio
 from collections.abc import Callable, Coroutine
 from typing import Any
 
-from app.bench.jogging import Jogging
-from app.bench.lending import HandBench
-from app.bench.raw_link import RawLink
-from app.service.errors import RefusedError
-from app.service.hub import Hub, Member
-from app.service.messages import JogHold, JogMode, JogStep, Message, Raw, Send
+from catseye.app.bench.jogging import Jogging
+from catseye.app.bench.lending import HandBench
+from catseye.app.bench.raw_link import RawLink
+from catseye.app.service.errors import RefusedError
+from catseye.app.service.hub import Hub, Member
+from catseye.app.service.messages import JogHold, JogMode, JogStep, Message, Raw, Send
 
 
 class ByHand:

@@ -2,14 +2,14 @@
 
 from typing import Any
 
-from app.bench.gauges import Gauges
-from app.bench.idle import CellDevices
-from app.bench.observed import ObservedDevice, ObservedSensor, observed
-from app.cell.model import Cell
-from app.engine.devices import WireRecorder
-from app.instruments import device_builder, further_device
-from drivers.clock import Clock
-from procedures.devices import Environment
+from catseye.app.bench.gauges import Gauges
+from catseye.app.bench.idle import CellDevices
+from catseye.app.bench.observed import ObservedDevice, ObservedSensor, observed
+from catseye.app.cell.model import Cell
+from catseye.app.engine.devices import WireRecorder
+from catseye.app.instruments import device_builder, further_device
+from catseye.drivers.clock import Clock
+from catseye.procedures.devices import Environment
 
 
 def cell_devices(cell: Cell, gauges: Gauges, clock: Clock, record: WireRecorder) -> CellDevices:

@@ -6,13 +6,13 @@ from contextlib import AbstractAsyncContextManager
 from datetime import timedelta
 from typing import Final, Protocol
 
-from app.bench.lending import Lender, Tell
-from app.engine.drives import leave_drives
-from app.engine.waiting import cancel
-from app.errors import CatseyeError
-from drivers.clock import Clock
-from drivers.errors import DeviceError
-from procedures.context import Json
+from catseye.app.bench.lending import Lender, Tell
+from catseye.app.engine.drives import leave_drives
+from catseye.app.engine.waiting import cancel
+from catseye.app.errors import CatseyeError
+from catseye.drivers.clock import Clock
+from catseye.drivers.errors import DeviceError
+from catseye.procedures.context import Json
 
 _TICK_S: Final = 0.5
 _LIMIT_S: Final = 6.0

@@ -4,10 +4,10 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
-from app.cell.bench import air_rule
-from app.cell.model import Cell
-from app.engine.compensation import AirRule
-from procedures.bench import Bench
+from catseye.app.cell.bench import air_rule
+from catseye.app.cell.model import Cell
+from catseye.app.engine.compensation import AirRule
+from catseye.procedures.bench import Bench
 
 
 @dataclass(frozen=True)

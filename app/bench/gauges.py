@@ -4,9 +4,9 @@ import math
 from dataclasses import dataclass
 from typing import Generic, Literal, TypeVar
 
-from app.bench.columns import Columns
-from drivers.clock import Clock
-from procedures.devices import Air, BeamStatus, ControllerStatus, DeviceIdentity, Joints
+from catseye.app.bench.columns import Columns
+from catseye.drivers.clock import Clock
+from catseye.procedures.devices import Air, BeamStatus, ControllerStatus, DeviceIdentity, Joints
 
 T = TypeVar("T")
 T_co = TypeVar("T_co", covariant=True)

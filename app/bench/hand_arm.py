@@ -4,19 +4,19 @@ import asyncio
 from collections.abc import Callable, Coroutine
 from typing import Any, Final, Literal, Protocol
 
-from app.bench.approach import Approach
-from app.bench.hand_motion import HandMotion
-from app.bench.hold import Hold, Sight
-from app.bench.jog_gate import JogGate
-from app.bench.steps import step_target
-from app.engine.halt import HaltLimits
-from app.errors import InterruptedRunError, SafetyError
-from app.exitcode import ExitCode
-from app.service.errors import RefusedError, refusal_of
-from app.service.messages import JogHold, JogStep, Message
-from drivers.clock import Clock
-from procedures.bench import Bench
-from procedures.devices import JogRobot, Joints, Robot
+from catseye.app.bench.approach import Approach
+from catseye.app.bench.hand_motion import HandMotion
+from catseye.app.bench.hold import Hold, Sight
+from catseye.app.bench.jog_gate import JogGate
+from catseye.app.bench.steps import step_target
+from catseye.app.engine.halt import HaltLimits
+from catseye.app.errors import InterruptedRunError, SafetyError
+from catseye.app.exitcode import ExitCode
+from catseye.app.service.errors import RefusedError, refusal_of
+from catseye.app.service.messages import JogHold, JogStep, Message
+from catseye.drivers.clock import Clock
+from catseye.procedures.bench import Bench
+from catseye.procedures.devices import JogRobot, Joints, Robot
 
 SILENCE_S: Final = 0.5
 """A step whose client gives no sign of life for so long is stopped, real s."""

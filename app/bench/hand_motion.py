@@ -4,15 +4,15 @@ import asyncio
 from collections.abc import Awaitable, Callable, Coroutine
 from typing import Any
 
-from app.bench.hold import Hold
-from app.engine.control import RunControl
-from app.engine.ending import DeviceFaultError, react
-from app.engine.halt import HaltLimits
-from app.engine.states import State
-from app.engine.waiting import cancel
-from app.errors import SafetyError
-from drivers.clock import Clock
-from procedures.devices import Robot
+from catseye.app.bench.hold import Hold
+from catseye.app.engine.control import RunControl
+from catseye.app.engine.ending import DeviceFaultError, react
+from catseye.app.engine.halt import HaltLimits
+from catseye.app.engine.states import State
+from catseye.app.engine.waiting import cancel
+from catseye.app.errors import SafetyError
+from catseye.drivers.clock import Clock
+from catseye.procedures.devices import Robot
 
 Watch = Callable[[], Awaitable[None]]
 """Goes on until the motion ends; what it raises breaks the motion off."""

@@ -5,11 +5,11 @@ from collections.abc import Awaitable, Callable
 from dataclasses import dataclass
 from typing import Final, Literal
 
-from app.bench.approach import MARGIN_DEG, Approach
-from app.engine.waiting import cancel
-from app.errors import LimitError
-from drivers.clock import Clock
-from procedures.devices import JogFeed, JogRobot, Joints
+from catseye.app.bench.approach import MARGIN_DEG, Approach
+from catseye.app.engine.waiting import cancel
+from catseye.app.errors import LimitError
+from catseye.drivers.clock import Clock
+from catseye.procedures.devices import JogFeed, JogRobot, Joints
 
 HoldJoint = Literal["j1", "j2", "j4"]
 

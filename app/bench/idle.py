@@ -5,15 +5,15 @@ from collections.abc import AsyncIterator, Awaitable, Callable
 from contextlib import asynccontextmanager
 from dataclasses import dataclass
 
-from app.bench.gauges import Gauges
-from app.bench.keeper import Keeper
-from app.bench.observed import ObservedDevice
-from app.engine.devices import Devices
-from app.engine.waiting import cancel, uncancelled
-from app.exitcode import ExitCode
-from app.service.errors import RefusedError
-from drivers.clock import Clock
-from procedures.devices import Robot
+from catseye.app.bench.gauges import Gauges
+from catseye.app.bench.keeper import Keeper
+from catseye.app.bench.observed import ObservedDevice
+from catseye.app.engine.devices import Devices
+from catseye.app.engine.waiting import cancel, uncancelled
+from catseye.app.exitcode import ExitCode
+from catseye.app.service.errors import RefusedError
+from catseye.drivers.clock import Clock
+from catseye.procedures.devices import Robot
 
 _MOVED_BY_HAND = ("robot", "interferometer")
 """What has to be connected before the arm is moved by hand."""

@@ -3,14 +3,14 @@
 from collections.abc import Callable
 from dataclasses import replace
 
-from app.bench.facts import BenchFacts
-from app.engine.devices import Devices
-from app.engine.door_watch import DoorWatch
-from app.engine.gate import JointLimits, MotionGate, require_ready
-from app.running import joint_limits
-from procedures.bench import Bench
-from procedures.devices import Joints
-from procedures.motion.clear_way import clear_part, way_check
+from catseye.app.bench.facts import BenchFacts
+from catseye.app.engine.devices import Devices
+from catseye.app.engine.door_watch import DoorWatch
+from catseye.app.engine.gate import JointLimits, MotionGate, require_ready
+from catseye.app.running import joint_limits
+from catseye.procedures.bench import Bench
+from catseye.procedures.devices import Joints
+from catseye.procedures.motion.clear_way import clear_part, way_check
 
 _HEIGHT_ROUNDING_MM = 0.1
 """J3 is not moved by hand; a controller reports it in steps of 0.01 mm."""

@@ -5,22 +5,22 @@ from collections.abc import Callable
 from contextlib import nullcontext
 from typing import Final
 
-from app.bench.facts import BenchFacts
-from app.bench.hand_arm import HandArm
-from app.bench.jog_gate import JogGate
-from app.bench.lending import HandBench
-from app.engine.before_motion import unconfirmed_text
-from app.engine.devices import Devices, require_permission
-from app.engine.door_watch import DoorWatch
-from app.engine.gate import WHOLE_PERCENT, require_ready
-from app.engine.halt import HaltLimits, halt
-from app.engine.waiting import uncancelled, within
-from app.errors import InterruptedRunError, SafetyError, text_of
-from app.exitcode import ExitCode
-from app.guard.client import ArmGuard
-from app.service.errors import RefusedError, refusal_of
-from app.service.messages import JogHold, JogMode, JogStep, Message
-from procedures.devices import DeviceIdentity, Robot
+from catseye.app.bench.facts import BenchFacts
+from catseye.app.bench.hand_arm import HandArm
+from catseye.app.bench.jog_gate import JogGate
+from catseye.app.bench.lending import HandBench
+from catseye.app.engine.before_motion import unconfirmed_text
+from catseye.app.engine.devices import Devices, require_permission
+from catseye.app.engine.door_watch import DoorWatch
+from catseye.app.engine.gate import WHOLE_PERCENT, require_ready
+from catseye.app.engine.halt import HaltLimits, halt
+from catseye.app.engine.waiting import uncancelled, within
+from catseye.app.errors import InterruptedRunError, SafetyError, text_of
+from catseye.app.exitcode import ExitCode
+from catseye.app.guard.client import ArmGuard
+from catseye.app.service.errors import RefusedError, refusal_of
+from catseye.app.service.messages import JogHold, JogMode, JogStep, Message
+from catseye.procedures.devices import DeviceIdentity, Robot
 
 _LOOK_S: Final = 0.25
 """Between two looks at an arm that stands."""

@@ -4,12 +4,12 @@ import asyncio
 import logging
 from contextlib import suppress
 
-from app.bench.gauges import Gauges
-from app.bench.observed import ObservedDevice
-from app.bench.questions import round_for
-from app.engine.waiting import cancel, within
-from drivers.clock import Clock
-from drivers.errors import DeviceError, LinkError, ProtocolError
+from catseye.app.bench.gauges import Gauges
+from catseye.app.bench.observed import ObservedDevice
+from catseye.app.bench.questions import round_for
+from catseye.app.engine.waiting import cancel, within
+from catseye.drivers.clock import Clock
+from catseye.drivers.errors import DeviceError, LinkError, ProtocolError
 
 _log = logging.getLogger(__name__)
 

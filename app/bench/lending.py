@@ -6,16 +6,16 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Protocol
 
-from app.bench.facts import BenchFacts
-from app.engine.devices import Devices, WireRecorder
-from app.engine.interlock import RemoteIo
-from drivers.clock import Clock
-from procedures.context import Json
-from procedures.devices import DeviceIdentity, Robot
+from catseye.app.bench.facts import BenchFacts
+from catseye.app.engine.devices import Devices, WireRecorder
+from catseye.app.engine.interlock import RemoteIo
+from catseye.drivers.clock import Clock
+from catseye.procedures.context import Json
+from catseye.procedures.devices import DeviceIdentity, Robot
 
 
 class Lender(Protocol):
-    """Holds the links of the devices between runs; `app.bench.idle.IdleBench` fits."""
+    """Holds the links of the devices between runs; `catseye.app.bench.idle.IdleBench` fits."""
 
     def lent(self) -> AbstractAsyncContextManager[Devices]:
         """Lend the connected devices; nobody else asks the robot anything meanwhile.

@@ -3,11 +3,11 @@
 from collections.abc import Awaitable, Callable, Sequence
 from typing import Any, Literal, Protocol, TypeVar, runtime_checkable
 
-from app.bench.gauges import Gauges
-from app.engine.devices import Devices
-from app.engine.interlock import Light, RemoteIo
-from drivers.errors import DeviceError, LinkError, ProtocolError
-from procedures.devices import (
+from catseye.app.bench.gauges import Gauges
+from catseye.app.engine.devices import Devices
+from catseye.app.engine.interlock import Light, RemoteIo
+from catseye.drivers.errors import DeviceError, LinkError, ProtocolError
+from catseye.procedures.devices import (
     Air,
     BeamStatus,
     ControllerStatus,

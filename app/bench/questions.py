@@ -3,7 +3,7 @@
 from collections.abc import Awaitable, Callable
 from dataclasses import dataclass
 
-from app.bench.observed import (
+from catseye.app.bench.observed import (
     ObservedDevice,
     ObservedInterferometer,
     ObservedIo,

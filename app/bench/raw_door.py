@@ -3,13 +3,13 @@
 from collections.abc import AsyncIterator, Callable
 from contextlib import asynccontextmanager
 
-from app.engine.door_watch import DoorWatch
-from app.engine.interlock import RemoteIo
-from app.errors import SafetyError
-from drivers.clock import Clock
-from drivers.errors import DeviceError
-from drivers.melfa.codec import encode
-from drivers.transport import Transport
+from catseye.app.engine.door_watch import DoorWatch
+from catseye.app.engine.interlock import RemoteIo
+from catseye.app.errors import SafetyError
+from catseye.drivers.clock import Clock
+from catseye.drivers.errors import DeviceError
+from catseye.drivers.melfa.codec import encode
+from catseye.drivers.transport import Transport
 
 _STOP = b"\r" + encode("STOP")
 """After what may be half a request, in a request of its own."""

@@ -6,18 +6,18 @@ from contextlib import AbstractAsyncContextManager, AsyncExitStack
 from functools import partial
 from typing import Final
 
-from app.bench.facts import BenchFacts, DeviceFacts
-from app.bench.lending import HandBench
-from app.bench.raw_door import RawDoor, raw_door
-from app.cell.bench import may_move_an_arm
-from app.engine.halt import HaltLimits, halt
-from app.errors import InterruptedRunError, SafetyError, UsageError, exit_code_of
-from app.guard.raw import plain_connection, raw_connection, raw_guard
-from app.instruments import stop_request
-from app.service.errors import RefusedError, refusal_of
-from app.service.messages import Message, Raw
-from drivers.errors import DeviceError
-from drivers.transport import Transport
+from catseye.app.bench.facts import BenchFacts, DeviceFacts
+from catseye.app.bench.lending import HandBench
+from catseye.app.bench.raw_door import RawDoor, raw_door
+from catseye.app.cell.bench import may_move_an_arm
+from catseye.app.engine.halt import HaltLimits, halt
+from catseye.app.errors import InterruptedRunError, SafetyError, UsageError, exit_code_of
+from catseye.app.guard.raw import plain_connection, raw_connection, raw_guard
+from catseye.app.instruments import stop_request
+from catseye.app.service.errors import RefusedError, refusal_of
+from catseye.app.service.messages import Message, Raw
+from catseye.drivers.errors import DeviceError
+from catseye.drivers.transport import Transport
 
 _WRITE_S: Final = 2.0
 

@@ -5,13 +5,13 @@ import logging
 from collections.abc import Coroutine
 from typing import Any
 
-from app.bench.gauges import Gauges, Stamped
-from app.bench.observed import ObservedDevice
-from app.engine.control import RunControl
-from app.engine.devices import Devices
-from app.engine.states import State
-from drivers.clock import Clock
-from drivers.errors import DeviceError
+from catseye.app.bench.gauges import Gauges, Stamped
+from catseye.app.bench.observed import ObservedDevice
+from catseye.app.engine.control import RunControl
+from catseye.app.engine.devices import Devices
+from catseye.app.engine.states import State
+from catseye.drivers.clock import Clock
+from catseye.drivers.errors import DeviceError
 
 _log = logging.getLogger(__name__)
 

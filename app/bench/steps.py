@@ -5,13 +5,13 @@ from typing import Literal
 
 import numpy as np
 
-from app.errors import UsageError
-from calibration.kinematics import forward, wrap_rad
-from calibration.pointing import aim as aimed_j4_rad
-from calibration.pointing import beam_direction, nearest_branch
-from calibration.types import Floats
-from procedures.bench import Bench, Reflector
-from procedures.devices import Joints
+from catseye.app.errors import UsageError
+from catseye.calibration.kinematics import forward, wrap_rad
+from catseye.calibration.pointing import aim as aimed_j4_rad
+from catseye.calibration.pointing import beam_direction, nearest_branch
+from catseye.calibration.types import Floats
+from catseye.procedures.bench import Bench, Reflector
+from catseye.procedures.devices import Joints
 
 StepJoint = Literal["j1", "j2", "j4", "beam"]
 

@@ -7,17 +7,17 @@ from collections.abc import Awaitable, Callable
 from pathlib import Path
 from typing import Literal, Protocol
 
-from app.bench.bench_message import bench_message
-from app.bench.facts import BenchFacts
-from app.bench.gauges import Gauges
-from app.bench.observed import observed
-from app.bench.run_sampler import RunSampler
-from app.bench.traffic import Traffic
-from app.engine.devices import DeviceBuilder, Devices, WireRecorder
-from app.engine.handle import RunHandle
-from app.engine.waiting import cancel
-from drivers.clock import Clock
-from procedures.context import Json
+from catseye.app.bench.bench_message import bench_message
+from catseye.app.bench.facts import BenchFacts
+from catseye.app.bench.gauges import Gauges
+from catseye.app.bench.observed import observed
+from catseye.app.bench.run_sampler import RunSampler
+from catseye.app.bench.traffic import Traffic
+from catseye.app.engine.devices import DeviceBuilder, Devices, WireRecorder
+from catseye.app.engine.handle import RunHandle
+from catseye.app.engine.waiting import cancel
+from catseye.drivers.clock import Clock
+from catseye.procedures.context import Json
 
 _log = logging.getLogger(__name__)
 

@@ -7,9 +7,9 @@ from typing import Annotated, Literal
 
 from pydantic import Field
 
-from app.cell.section import Finite, Positive, Section
+from catseye.app.cell.section import Finite, Positive, Section
 
-_SHIPPED = files("app.cell") / "arms"
+_SHIPPED = files("catseye.app.cell") / "arms"
 
 Triple = Annotated[list[Finite], Field(min_length=3, max_length=3)]
 

@@ -2,13 +2,13 @@
 
 import math
 
-from app.cell.bodies import workspace_of
-from app.cell.model import Cell
-from app.engine.compensation import AirRule
-from app.engine.conditions import AirLimits
-from app.errors import ConfigError
-from drivers.registry import load_driver
-from procedures.bench import Alignment, Arm, Bench, Following, Noise, Optics, Reflector, Timing
+from catseye.app.cell.bodies import workspace_of
+from catseye.app.cell.model import Cell
+from catseye.app.engine.compensation import AirRule
+from catseye.app.engine.conditions import AirLimits
+from catseye.app.errors import ConfigError
+from catseye.drivers.registry import load_driver
+from catseye.procedures.bench import Alignment, Arm, Bench, Following, Noise, Optics, Reflector, Timing
 
 
 def bench_of(cell: Cell) -> Bench:

@@ -1,11 +1,11 @@
 """Bodies and boxes of a cell file as procedures need them, and which of their dimensions are only estimates."""
 
-from app.cell.arm import ArmDescription, Body, RevoluteJoint, shipped_arm
-from app.cell.model import Cell
-from app.cell.workspace import Box as BoxSection
-from calibration.kinematics.bodies import Box, Capsule, Point
-from calibration.kinematics.chain import Chain, Joint
-from procedures.bench import Workspace
+from catseye.app.cell.arm import ArmDescription, Body, RevoluteJoint, shipped_arm
+from catseye.app.cell.model import Cell
+from catseye.app.cell.workspace import Box as BoxSection
+from catseye.calibration.kinematics.bodies import Box, Capsule, Point
+from catseye.calibration.kinematics.chain import Chain, Joint
+from catseye.procedures.bench import Workspace
 
 
 def workspace_of(cell: Cell) -> Workspace:

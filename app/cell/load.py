@@ -10,9 +10,9 @@ from typing import Any, get_args
 from pydantic import BaseModel, ValidationError
 from pydantic_core import ErrorDetails
 
-from app.cell.model import Cell
-from app.errors import ConfigError
-from app.files.documents import document_text, parse_toml, read_document
+from catseye.app.cell.model import Cell
+from catseye.app.errors import ConfigError
+from catseye.app.files.documents import document_text, parse_toml, read_document
 
 Place = tuple[int | str, ...]
 

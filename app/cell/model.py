@@ -5,11 +5,11 @@ from typing import Annotated, Any, Final, Literal, Self
 
 from pydantic import Field, ValidationInfo, field_validator, model_validator
 
-from app.cell.arm import Body, shipped_arm
-from app.cell.section import Finite, Name, NotNegative, Positive, Section
-from app.cell.uncertainty import Uncertainty
-from app.cell.workspace import Workspace
-from drivers.endpoint import parse_endpoint
+from catseye.app.cell.arm import Body, shipped_arm
+from catseye.app.cell.section import Finite, Name, NotNegative, Positive, Section
+from catseye.app.cell.uncertainty import Uncertainty
+from catseye.app.cell.workspace import Workspace
+from catseye.drivers.endpoint import parse_endpoint
 
 Triple = Annotated[list[Positive], Field(min_length=3, max_length=3)]
 Range = Annotated[list[Finite], Field(min_length=2, max_length=2)]

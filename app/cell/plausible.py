@@ -3,8 +3,8 @@
 import math
 from collections.abc import Iterator
 
-from app.cell.arm import shipped_arm
-from app.cell.model import Cell
+from catseye.app.cell.arm import shipped_arm
+from catseye.app.cell.model import Cell
 
 _LONGEST_WAIT_S = 30.0
 _LONGEST_REACH_MM = 2000.0

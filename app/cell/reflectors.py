@@ -3,8 +3,8 @@
 import re
 from pathlib import Path
 
-from app.errors import ConfigError
-from app.files.documents import read_text
+from catseye.app.errors import ConfigError
+from catseye.app.files.documents import read_text
 
 _HEADER = re.compile(r"\s*\[")
 _REFLECTOR = re.compile(r"\s*\[\[\s*reflector\s*\]\]")

@@ -4,8 +4,8 @@ from typing import Annotated, Self
 
 from pydantic import Field, model_validator
 
-from app.cell.arm import Triple
-from app.cell.section import Finite, Name, NotNegative, Positive, Section
+from catseye.app.cell.arm import Triple
+from catseye.app.cell.section import Finite, Name, NotNegative, Positive, Section
 
 
 class Box(Section):

@@ -1,6 +1,6 @@
 """What can go wrong with shared work."""
 
-from app.errors import CatseyeError
+from catseye.app.errors import CatseyeError
 
 
 class WorkerLostError(CatseyeError):

@@ -7,9 +7,9 @@ from contextlib import contextmanager
 from importlib import metadata
 from typing import TypeVar
 
-from app.cluster.errors import WorkerLostError
-from app.cluster.sharing import name_item
-from app.errors import ConfigError
+from catseye.app.cluster.errors import WorkerLostError
+from catseye.app.cluster.sharing import name_item
+from catseye.app.errors import ConfigError
 
 try:
     from distributed import Client, Future, KilledWorker, wait

@@ -12,8 +12,8 @@ from contextlib import contextmanager
 from multiprocessing.connection import Connection
 from typing import TypeVar
 
-from app.cluster.errors import WorkerLostError
-from app.cluster.sharing import name_item
+from catseye.app.cluster.errors import WorkerLostError
+from catseye.app.cluster.sharing import name_item
 
 A = TypeVar("A")
 B = TypeVar("B")

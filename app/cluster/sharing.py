@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from typing import Protocol, TypeVar
 
-from app.cluster.trust import require_trusted
+from catseye.app.cluster.trust import require_trusted
 
 A = TypeVar("A")
 B = TypeVar("B")
@@ -73,14 +73,14 @@ def sharing(workers: int, dask: str | None, *, insecure: bool = False) -> Iterat
     # Both are imported only when they are asked for: most commands share nothing.
     if dask is not None:
         require_trusted(dask, insecure=insecure)
-        from app.cluster.machines import machines
+        from catseye.app.cluster.machines import machines
 
         with machines(dask) as share:
             yield share
     elif workers == 1:
         yield InThisProcess()
     else:
-        from app.cluster.processes import processes
+        from catseye.app.cluster.processes import processes
 
         with processes(workers or cores()) as share:
             yield share

@@ -3,7 +3,7 @@
 import ipaddress
 from urllib.parse import urlsplit
 
-from app.errors import ConfigError
+from catseye.app.errors import ConfigError
 
 _ENCRYPTED = frozenset({"tls", "wss"})
 

@@ -4,14 +4,14 @@ import asyncio
 import sys
 from pathlib import Path
 
-from app.commands.attached import PROGRAM, People, Programs
-from app.errors import UsageError
-from app.runs_folder import runs_folder
-from app.service.address import all_sockets, find_socket
-from app.service.client import connect
-from app.service.errors import RefusedError, ServiceError
-from app.store.catalog import resolve_run
-from app.store.reader import Accept, RunReader
+from catseye.app.commands.attached import PROGRAM, People, Programs
+from catseye.app.errors import UsageError
+from catseye.app.runs_folder import runs_folder
+from catseye.app.service.address import all_sockets, find_socket
+from catseye.app.service.client import connect
+from catseye.app.service.errors import RefusedError, ServiceError
+from catseye.app.store.catalog import resolve_run
+from catseye.app.store.reader import Accept, RunReader
 
 
 def attach_command(run: str | None, runs: Path | None, *, control: bool, force: bool, as_json: bool) -> None:

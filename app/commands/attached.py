@@ -6,18 +6,18 @@ import sys
 from contextlib import ExitStack
 from typing import Any
 
-from app.commands.narrator import Narrator
-from app.commands.output import emit_json, say
-from app.engine.waiting import cancel
-from app.errors import OutputError, exit_code_of
-from app.exitcode import ExitCode
-from app.service.client import EngineClient
-from app.service.console import KEYS, SLASH, command_of
-from app.service.errors import BadMessageError, RefusedError, ServiceError
-from app.service.lines import Lines
-from app.service.messages import VERSION, Message, decode_object
-from app.service.questions import answer_of, prompt_of
-from procedures.context import Json, Prompt
+from catseye.app.commands.narrator import Narrator
+from catseye.app.commands.output import emit_json, say
+from catseye.app.engine.waiting import cancel
+from catseye.app.errors import OutputError, exit_code_of
+from catseye.app.exitcode import ExitCode
+from catseye.app.service.client import EngineClient
+from catseye.app.service.console import KEYS, SLASH, command_of
+from catseye.app.service.errors import BadMessageError, RefusedError, ServiceError
+from catseye.app.service.lines import Lines
+from catseye.app.service.messages import VERSION, Message, decode_object
+from catseye.app.service.questions import answer_of, prompt_of
+from catseye.procedures.context import Json, Prompt
 
 PROGRAM = "attach"
 _LADDER = ("hold", "stop", "abort")

@@ -3,9 +3,14 @@
 from pathlib import Path
 from typing import Any
 
-from app.analysis.result_comparison import Difference, MapDifference, ResultComparison, compare_results
-from app.commands.output import emit, emit_json, say, table
-from app.files.result_json import read_result
+from catseye.app.analysis.result_comparison import (
+    Difference,
+    MapDifference,
+    ResultComparison,
+    compare_results,
+)
+from catseye.app.commands.output import emit, emit_json, say, table
+from catseye.app.files.result_json import read_result
 
 _SIGNS = ("+", "−")
 

@@ -6,25 +6,25 @@ from typing import Any
 
 import numpy as np
 
-from app.analysis.compensating import CompensatedPath, compensate_path, require_clear, require_limits
-from app.analysis.path_range import lines_text
-from app.analysis.validation import TAKE_UP_DEG
-from app.cell.bench import bench_of
-from app.cell.load import load_cell
-from app.cell.model import Cell
-from app.commands.output import emit, emit_json, say, table
-from app.errors import LimitError, MeasurementRejectedError, UsageError
-from app.files.atomic import require_other_file, write_atomically
-from app.files.compensated_path import Origin, write_compensated_csv, write_compensated_json
-from app.files.identified_arm import arm_of, arm_remarks, nominal_of
-from app.files.melfa_program import MelfaSettings, melfa_program
-from app.files.path_csv import read_path_csv, start_states
-from app.files.result_json import Result, read_result
-from app.files.ssfk_table import maps_of, ssfk_table
-from app.report.numbers import counted
-from app.version import SOFTWARE
-from calibration.identification import IdentifiedArm
-from calibration.kinematics import Hand
+from catseye.app.analysis.compensating import CompensatedPath, compensate_path, require_clear, require_limits
+from catseye.app.analysis.path_range import lines_text
+from catseye.app.analysis.validation import TAKE_UP_DEG
+from catseye.app.cell.bench import bench_of
+from catseye.app.cell.load import load_cell
+from catseye.app.cell.model import Cell
+from catseye.app.commands.output import emit, emit_json, say, table
+from catseye.app.errors import LimitError, MeasurementRejectedError, UsageError
+from catseye.app.files.atomic import require_other_file, write_atomically
+from catseye.app.files.compensated_path import Origin, write_compensated_csv, write_compensated_json
+from catseye.app.files.identified_arm import arm_of, arm_remarks, nominal_of
+from catseye.app.files.melfa_program import MelfaSettings, melfa_program
+from catseye.app.files.path_csv import read_path_csv, start_states
+from catseye.app.files.result_json import Result, read_result
+from catseye.app.files.ssfk_table import maps_of, ssfk_table
+from catseye.app.report.numbers import counted
+from catseye.app.version import SOFTWARE
+from catseye.calibration.identification import IdentifiedArm
+from catseye.calibration.kinematics import Hand
 
 _LARGE_DEG = 0.2
 """No joint of a sound arm needs such a correction; a stretched arm pays for its reach with it."""

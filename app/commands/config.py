@@ -3,17 +3,17 @@
 import json
 from pathlib import Path
 
-from app.cell.load import load_cell
-from app.cell.model import Cell
-from app.cell.plausible import implausible
-from app.cell.template import TEMPLATE
-from app.commands.output import emit, emit_json, say
-from app.engine.interlock import NO_DOOR
-from app.errors import ConfigError, UsageError
-from app.files.atomic import write_atomically
-from app.instruments import device_builder
-from drivers.clock import SystemClock
-from drivers.endpoint import TcpEndpoint, parse_endpoint
+from catseye.app.cell.load import load_cell
+from catseye.app.cell.model import Cell
+from catseye.app.cell.plausible import implausible
+from catseye.app.cell.template import TEMPLATE
+from catseye.app.commands.output import emit, emit_json, say
+from catseye.app.engine.interlock import NO_DOOR
+from catseye.app.errors import ConfigError, UsageError
+from catseye.app.files.atomic import write_atomically
+from catseye.app.instruments import device_builder
+from catseye.drivers.clock import SystemClock
+from catseye.drivers.endpoint import TcpEndpoint, parse_endpoint
 
 _LOOPBACK = {"127.0.0.1", "localhost", "::1"}
 

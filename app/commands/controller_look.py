@@ -2,10 +2,10 @@
 
 from collections.abc import Awaitable, Callable
 
-from app.engine.before_motion import beyond
-from app.engine.gate import JointLimits
-from drivers.errors import ProtocolError, RefusedError
-from drivers.melfa.controller import MelfaController
+from catseye.app.engine.before_motion import beyond
+from catseye.app.engine.gate import JointLimits
+from catseye.drivers.errors import ProtocolError, RefusedError
+from catseye.drivers.melfa.controller import MelfaController
 
 Look = tuple[list[str], list[str]]
 """Facts and advice."""

@@ -6,22 +6,22 @@ from pathlib import Path
 
 import numpy as np
 
-from app.analysis.design_problem import Wish, problem_of
-from app.analysis.designing import Design, Wanted, design
-from app.cell.bench import bench_of
-from app.cell.load import LoadedCell, load_cell
-from app.cell.reflectors import with_reflector_tables
-from app.cluster.sharing import sharing
-from app.commands.design_words import tell_design
-from app.commands.output import say
-from app.commands.progress import ProgressBar
-from app.errors import UsageError
-from app.files.atomic import write_atomically
-from app.files.csv_text import csv_text
-from app.files.path_csv import DIRECTIONS, JOINTS, read_path_csv
-from app.report.design_page import render_design
-from calibration.design.criteria import CriterionName
-from calibration.points import Commands
+from catseye.app.analysis.design_problem import Wish, problem_of
+from catseye.app.analysis.designing import Design, Wanted, design
+from catseye.app.cell.bench import bench_of
+from catseye.app.cell.load import LoadedCell, load_cell
+from catseye.app.cell.reflectors import with_reflector_tables
+from catseye.app.cluster.sharing import sharing
+from catseye.app.commands.design_words import tell_design
+from catseye.app.commands.output import say
+from catseye.app.commands.progress import ProgressBar
+from catseye.app.errors import UsageError
+from catseye.app.files.atomic import write_atomically
+from catseye.app.files.csv_text import csv_text
+from catseye.app.files.path_csv import DIRECTIONS, JOINTS, read_path_csv
+from catseye.app.report.design_page import render_design
+from catseye.calibration.design.criteria import CriterionName
+from catseye.calibration.points import Commands
 
 
 @dataclass(frozen=True)

@@ -4,13 +4,13 @@ import math
 
 import numpy as np
 
-from app.analysis.design_commands import CommandChoice
-from app.analysis.design_layouts import Layout
-from app.analysis.designing import Design, NodeUncertainty, node_uncertainties, weakest
-from app.commands.output import emit, emit_json, say, table
-from app.commands.progress import duration_text
-from calibration.design.criteria import CriterionName
-from procedures.context import Json
+from catseye.app.analysis.design_commands import CommandChoice
+from catseye.app.analysis.design_layouts import Layout
+from catseye.app.analysis.designing import Design, NodeUncertainty, node_uncertainties, weakest
+from catseye.app.commands.output import emit, emit_json, say, table
+from catseye.app.commands.progress import duration_text
+from catseye.calibration.design.criteria import CriterionName
+from catseye.procedures.context import Json
 
 _CRITERIA: tuple[CriterionName, ...] = ("A", "D", "E", "path")
 

@@ -5,13 +5,13 @@ from pathlib import Path
 
 import numpy as np
 
-from app.analysis.diagnosing import diagnose_distances, diagnosis_json
-from app.analysis.diagnosis_words import coefficient_text, findings
-from app.analysis.distance_source import load_distances
-from app.commands.output import emit, emit_json, say, table
-from app.commands.progress import ProgressBar
-from calibration.diagnostics.diagnosis import Diagnosis
-from calibration.diagnostics.nested_models import ComparedModel
+from catseye.app.analysis.diagnosing import diagnose_distances, diagnosis_json
+from catseye.app.analysis.diagnosis_words import coefficient_text, findings
+from catseye.app.analysis.distance_source import load_distances
+from catseye.app.commands.output import emit, emit_json, say, table
+from catseye.app.commands.progress import ProgressBar
+from catseye.calibration.diagnostics.diagnosis import Diagnosis
+from catseye.calibration.diagnostics.nested_models import ComparedModel
 
 _SIGNS = {"good": "ok   ", "bad": "LOOK ", "note": "note "}
 

@@ -6,23 +6,23 @@ from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import Any
 
-from app.cell.bench import air_rule, bench_of
-from app.cell.load import load_cell
-from app.cell.model import Cell
-from app.cell.plausible import implausible
-from app.commands.controller_look import look_at_controller
-from app.commands.output import emit, emit_json, say
-from app.engine.compensation import AirRule, Compensation
-from app.engine.gate import JointLimits
-from app.engine.interlock import NO_DOOR, RemoteIo
-from app.engine.stopping_distance import stopping_text
-from app.errors import LinkFailedError, UsageError
-from app.instruments import device_builder, further_device
-from app.running import joint_limits
-from drivers.clock import SystemClock
-from drivers.errors import DeviceError
-from drivers.melfa.controller import MelfaController
-from procedures.devices import DeviceIdentity, Environment, Interferometer, Robot, Tracker
+from catseye.app.cell.bench import air_rule, bench_of
+from catseye.app.cell.load import load_cell
+from catseye.app.cell.model import Cell
+from catseye.app.cell.plausible import implausible
+from catseye.app.commands.controller_look import look_at_controller
+from catseye.app.commands.output import emit, emit_json, say
+from catseye.app.engine.compensation import AirRule, Compensation
+from catseye.app.engine.gate import JointLimits
+from catseye.app.engine.interlock import NO_DOOR, RemoteIo
+from catseye.app.engine.stopping_distance import stopping_text
+from catseye.app.errors import LinkFailedError, UsageError
+from catseye.app.instruments import device_builder, further_device
+from catseye.app.running import joint_limits
+from catseye.drivers.clock import SystemClock
+from catseye.drivers.errors import DeviceError
+from catseye.drivers.melfa.controller import MelfaController
+from catseye.procedures.devices import DeviceIdentity, Environment, Interferometer, Robot, Tracker
 
 Look = Callable[[], Awaitable[tuple[list[str], list[str]]]]
 """Returns facts and advice about a connected device."""

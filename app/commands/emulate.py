@@ -7,12 +7,12 @@ import sys
 from dataclasses import replace
 from pathlib import Path
 
-from app.cell.load import load_cell
-from app.commands.output import emit_json, say
-from app.emulation import emulation_config
-from app.errors import ConfigError
-from simulators.config import EmulationConfig
-from simulators.launch import EmulatedBench
+from catseye.app.cell.load import load_cell
+from catseye.app.commands.output import emit_json, say
+from catseye.app.emulation import emulation_config
+from catseye.app.errors import ConfigError
+from catseye.simulators.config import EmulationConfig
+from catseye.simulators.launch import EmulatedBench
 
 SUFFIXES = {"none": "", "cr": "\r", "crlf": "\r\n"}
 """What the emulated controller may end its answers with on TCP."""

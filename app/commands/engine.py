@@ -11,16 +11,16 @@ from contextlib import suppress
 from pathlib import Path
 from typing import IO, Any, NoReturn, cast
 
-from app.commands.output import emit, emit_json, say
-from app.errors import OutputError, exit_code_of, text_of
-from app.exitcode import ExitCode
-from app.failure import SEE_WHERE, trace_of
-from app.runs_folder import runs_folder
-from app.service.address import socket_folder, socket_name
-from app.service.engine_process import EngineProcess
-from app.service.errors import RefusedError
-from app.service.messages import AnyRequest, Resume, Start, decode_request, encode
-from procedures.context import Json
+from catseye.app.commands.output import emit, emit_json, say
+from catseye.app.errors import OutputError, exit_code_of, text_of
+from catseye.app.exitcode import ExitCode
+from catseye.app.failure import SEE_WHERE, trace_of
+from catseye.app.runs_folder import runs_folder
+from catseye.app.service.address import socket_folder, socket_name
+from catseye.app.service.engine_process import EngineProcess
+from catseye.app.service.errors import RefusedError
+from catseye.app.service.messages import AnyRequest, Resume, Start, decode_request, encode
+from catseye.procedures.context import Json
 
 
 def engine_command(cell: Path, runs: Path | None, wait_for_client_s: float | None, once: bool) -> None:
@@ -89,7 +89,7 @@ def detach(request: dict[str, Json], cell: Path, root: Path, *, as_json: bool) -
     arguments = ["engine", "--cell", str(cell.resolve()), "--runs", str(root.resolve()), "--once"]
     with tempfile.TemporaryFile() as talk:
         process = subprocess.Popen(
-            [sys.executable, "-m", "app", *arguments],
+            [sys.executable, "-P", "-m", "catseye", *arguments],
             stdin=subprocess.PIPE,
             stdout=subprocess.PIPE,
             stderr=talk,

@@ -4,16 +4,16 @@ import json
 from pathlib import Path
 from typing import Literal
 
-from app.analysis.exporting import Export, result_export, run_export
-from app.commands.output import say
-from app.errors import UsageError
-from app.files.atomic import write_atomically
-from app.files.csv_text import comment_lines
-from app.files.tabular import table_parquet
-from app.runs_folder import runs_folder
-from app.store.catalog import resolve_run
-from app.store.reader import RunReader, accept
-from app.store.unverified import taken_as_it_is
+from catseye.app.analysis.exporting import Export, result_export, run_export
+from catseye.app.commands.output import say
+from catseye.app.errors import UsageError
+from catseye.app.files.atomic import write_atomically
+from catseye.app.files.csv_text import comment_lines
+from catseye.app.files.tabular import table_parquet
+from catseye.app.runs_folder import runs_folder
+from catseye.app.store.catalog import resolve_run
+from catseye.app.store.reader import RunReader, accept
+from catseye.app.store.unverified import taken_as_it_is
 
 Format = Literal["csv", "json", "parquet"]
 

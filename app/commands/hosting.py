@@ -6,17 +6,17 @@ from contextlib import ExitStack
 from functools import partial
 from pathlib import Path
 
-from app.bench.facts import facts_of
-from app.commands.drive import DriveOptions
-from app.commands.narrator import Narrator
-from app.commands.walk_keys import HINT, WalkKeys
-from app.engine.announcer import Publish
-from app.engine.request import RunOutcome
-from app.running import PlannedRun, carry_out
-from app.service.console import KEYS, Console
-from app.service.lines import Lines, in_foreground
-from app.service.run_service import RunService
-from drivers.clock import SystemClock
+from catseye.app.bench.facts import facts_of
+from catseye.app.commands.drive import DriveOptions
+from catseye.app.commands.narrator import Narrator
+from catseye.app.commands.walk_keys import HINT, WalkKeys
+from catseye.app.engine.announcer import Publish
+from catseye.app.engine.request import RunOutcome
+from catseye.app.running import PlannedRun, carry_out
+from catseye.app.service.console import KEYS, Console
+from catseye.app.service.lines import Lines, in_foreground
+from catseye.app.service.run_service import RunService
+from catseye.drivers.clock import SystemClock
 
 
 async def serve_and_run(planned: PlannedRun, root: Path, options: DriveOptions) -> RunOutcome:

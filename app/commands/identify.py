@@ -4,37 +4,37 @@ import math
 from dataclasses import dataclass
 from pathlib import Path
 
-from app.analysis.distance_source import DistanceSource, load_distances
-from app.analysis.extension_words import parse_extensions
-from app.analysis.identified_uncertainty import (
+from catseye.app.analysis.distance_source import DistanceSource, load_distances
+from catseye.app.analysis.extension_words import parse_extensions
+from catseye.app.analysis.identified_uncertainty import (
     Propagated,
     by_jacobian,
     by_monte_carlo,
     require_draws,
     sentences,
 )
-from app.analysis.identifying import (
+from catseye.app.analysis.identifying import (
     are_simulated,
     identified_result,
     problem_of_rows,
     with_what_speaks_against,
 )
-from app.analysis.material import with_reference_links
-from app.analysis.robust_identifying import identify_robustly, robust_text
-from app.analysis.scan_identifying import is_scan
-from app.cluster.sharing import sharing
-from app.commands.identify_scan import identified_scan, say_scan, without_maps
-from app.commands.output import emit, emit_json, say, table
-from app.commands.progress import ProgressBar
-from app.errors import UsageError
-from app.files.result_json import Fit, LackOfFitPart, Result, write_result
-from app.store.unverified import taken_as_it_is
-from calibration.extension import Term
-from calibration.fit_statistics import SIGNIFICANCE
-from calibration.identification import Identification
-from calibration.layout import ModelName
-from calibration.uncertainty.contributions import Contributions
-from procedures.bench import Bench
+from catseye.app.analysis.material import with_reference_links
+from catseye.app.analysis.robust_identifying import identify_robustly, robust_text
+from catseye.app.analysis.scan_identifying import is_scan
+from catseye.app.cluster.sharing import sharing
+from catseye.app.commands.identify_scan import identified_scan, say_scan, without_maps
+from catseye.app.commands.output import emit, emit_json, say, table
+from catseye.app.commands.progress import ProgressBar
+from catseye.app.errors import UsageError
+from catseye.app.files.result_json import Fit, LackOfFitPart, Result, write_result
+from catseye.app.store.unverified import taken_as_it_is
+from catseye.calibration.extension import Term
+from catseye.calibration.fit_statistics import SIGNIFICANCE
+from catseye.calibration.identification import Identification
+from catseye.calibration.layout import ModelName
+from catseye.calibration.uncertainty.contributions import Contributions
+from catseye.procedures.bench import Bench
 
 
 @dataclass(frozen=True)

@@ -3,18 +3,18 @@
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from app.analysis.extension_words import parse_extensions
-from app.analysis.scan_identifying import SCAN_ROWS, identify_scan_file
-from app.cell.bench import bench_of
-from app.cell.load import load_cell
-from app.commands.output import say
-from app.commands.progress import ProgressBar
-from app.errors import UsageError
-from app.files.result_json import Result
-from procedures.bench import Bench
+from catseye.app.analysis.extension_words import parse_extensions
+from catseye.app.analysis.scan_identifying import SCAN_ROWS, identify_scan_file
+from catseye.app.cell.bench import bench_of
+from catseye.app.cell.load import load_cell
+from catseye.app.commands.output import say
+from catseye.app.commands.progress import ProgressBar
+from catseye.app.errors import UsageError
+from catseye.app.files.result_json import Result
+from catseye.procedures.bench import Bench
 
 if TYPE_CHECKING:
-    from app.commands.identify import IdentifyOptions
+    from catseye.app.commands.identify import IdentifyOptions
 
 
 def identified_scan(points: Path, cell: Path, options: "IdentifyOptions") -> tuple[Result, Bench]:

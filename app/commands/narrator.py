@@ -3,12 +3,12 @@
 import os
 import sys
 
-from app.commands.output import emit_json, say
-from app.commands.progress import ProgressBar
-from app.commands.question_line import QuestionLine, live_text
-from app.service.questions import prompt_of
-from app.story.words import first_motion_text
-from procedures.context import Json
+from catseye.app.commands.output import emit_json, say
+from catseye.app.commands.progress import ProgressBar
+from catseye.app.commands.question_line import QuestionLine, live_text
+from catseye.app.service.questions import prompt_of
+from catseye.app.story.words import first_motion_text
+from catseye.procedures.context import Json
 
 _ENDING = {"STOPPING", "ABORTING"}
 _STATES_WORTH_TELLING = {

@@ -5,8 +5,8 @@ import os
 import sys
 from collections.abc import Iterable, Sequence
 
-from app.errors import OutputError, ReaderGoneError
-from drivers.device_text import harmless_lines
+from catseye.app.errors import OutputError, ReaderGoneError
+from catseye.drivers.device_text import harmless_lines
 
 
 def emit(text: str) -> None:

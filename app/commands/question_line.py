@@ -4,8 +4,8 @@ import shutil
 import sys
 from collections.abc import Mapping
 
-from app.service.questions import hint
-from procedures.context import Json, Prompt
+from catseye.app.service.questions import hint
+from catseye.procedures.context import Json, Prompt
 
 _INPUT = "> "
 # What a technician can act on; more digits only flicker.

@@ -1,12 +1,12 @@
 """What a rehearsal found, as a step table or as data."""
 
-from app.commands.output import emit, emit_json, say, table
-from app.commands.progress import duration_text
-from app.engine.arm_model import AT_REST, Speeds
-from app.engine.dry_run import DryRunContext, DryStep
-from app.running import PlannedRun
-from procedures.bench import Arm
-from procedures.context import Json
+from catseye.app.commands.output import emit, emit_json, say, table
+from catseye.app.commands.progress import duration_text
+from catseye.app.engine.arm_model import AT_REST, Speeds
+from catseye.app.engine.dry_run import DryRunContext, DryStep
+from catseye.app.running import PlannedRun
+from catseye.procedures.bench import Arm
+from catseye.procedures.context import Json
 
 _HEADER = [
     "step",

@@ -2,13 +2,13 @@
 
 from pathlib import Path
 
-from app.analysis.reporting import require_html, result_report, run_report
-from app.commands.output import say
-from app.errors import UsageError
-from app.runs_folder import runs_folder
-from app.store.catalog import resolve_run
-from app.store.reader import RunReader, accept
-from app.store.unverified import taken_as_it_is
+from catseye.app.analysis.reporting import require_html, result_report, run_report
+from catseye.app.commands.output import say
+from catseye.app.errors import UsageError
+from catseye.app.runs_folder import runs_folder
+from catseye.app.store.catalog import resolve_run
+from catseye.app.store.reader import RunReader, accept
+from catseye.app.store.unverified import taken_as_it_is
 
 
 def report_command(source: str, output: Path, runs: Path | None, unverified: bool = False) -> None:

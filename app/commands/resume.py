@@ -3,17 +3,17 @@
 import os
 from pathlib import Path
 
-from app.cell.load import load_cell
-from app.commands.drive import DriveOptions
-from app.commands.output import say
-from app.commands.run import conduct
-from app.engine.crash_points import arm as arm_crash_point
-from app.resuming import plan_resume
-from app.runs_folder import runs_folder
-from app.store.catalog import resolve_run
-from app.store.mend import seal_late
-from app.store.reader import RunReader
-from drivers.clock import SystemClock
+from catseye.app.cell.load import load_cell
+from catseye.app.commands.drive import DriveOptions
+from catseye.app.commands.output import say
+from catseye.app.commands.run import conduct
+from catseye.app.engine.crash_points import arm as arm_crash_point
+from catseye.app.resuming import plan_resume
+from catseye.app.runs_folder import runs_folder
+from catseye.app.store.catalog import resolve_run
+from catseye.app.store.mend import seal_late
+from catseye.app.store.reader import RunReader
+from catseye.drivers.clock import SystemClock
 
 
 def resume_command(

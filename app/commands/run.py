@@ -6,19 +6,19 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import NoReturn
 
-from app.cell.load import load_cell
-from app.commands.drive import DriveOptions
-from app.commands.engine import detach
-from app.commands.hosting import serve_and_run
-from app.commands.output import emit, say
-from app.commands.rehearsal import tell_rehearsal
-from app.engine.heap import settled_heap
-from app.errors import UsageError
-from app.procedure_list import load_procedure, parse_params
-from app.running import PlannedRun, plan_run, rehearse
-from app.runs_folder import runs_folder
-from app.walk.planning import as_walk
-from procedures.context import Json
+from catseye.app.cell.load import load_cell
+from catseye.app.commands.drive import DriveOptions
+from catseye.app.commands.engine import detach
+from catseye.app.commands.hosting import serve_and_run
+from catseye.app.commands.output import emit, say
+from catseye.app.commands.rehearsal import tell_rehearsal
+from catseye.app.engine.heap import settled_heap
+from catseye.app.errors import UsageError
+from catseye.app.procedure_list import load_procedure, parse_params
+from catseye.app.running import PlannedRun, plan_run, rehearse
+from catseye.app.runs_folder import runs_folder
+from catseye.app.walk.planning import as_walk
+from catseye.procedures.context import Json
 
 
 @dataclass(frozen=True)

@@ -4,16 +4,16 @@ import textwrap
 from datetime import datetime
 from pathlib import Path
 
-from app.commands.output import emit, emit_json, say, table
-from app.errors import StorageError
-from app.runs_folder import runs_folder
-from app.store.catalog import RunSummary, list_runs, resolve_run
-from app.store.reader import Accept, RunReader, accept
-from app.store.resumable import why_not_resumable
-from app.store.unverified import taken_as_it_is
-from app.store.verify import Verification, verify
-from app.story.summary import summary
-from app.story.timeline import timeline
+from catseye.app.commands.output import emit, emit_json, say, table
+from catseye.app.errors import StorageError
+from catseye.app.runs_folder import runs_folder
+from catseye.app.store.catalog import RunSummary, list_runs, resolve_run
+from catseye.app.store.reader import Accept, RunReader, accept
+from catseye.app.store.resumable import why_not_resumable
+from catseye.app.store.unverified import taken_as_it_is
+from catseye.app.store.verify import Verification, verify
+from catseye.app.story.summary import summary
+from catseye.app.story.timeline import timeline
 
 _WIDTH = 116
 _MARGIN = " " * 14

@@ -13,19 +13,19 @@ from functools import partial
 from pathlib import Path
 from typing import BinaryIO, Literal
 
-from app.bench.raw_door import RawDoor, raw_door
-from app.cell.bench import may_move_an_arm
-from app.cell.load import load_cell
-from app.cell.model import Cell
-from app.commands.output import emit, say
-from app.engine.interlock import RemoteIo
-from app.errors import SafetyError, UsageError
-from app.guard.raw import plain_connection, raw_connection, raw_guard
-from app.instruments import device_builder, stop_request
-from app.runs_folder import runs_folder
-from drivers.clock import SystemClock
-from drivers.record import Direction
-from drivers.transport import Transport
+from catseye.app.bench.raw_door import RawDoor, raw_door
+from catseye.app.cell.bench import may_move_an_arm
+from catseye.app.cell.load import load_cell
+from catseye.app.cell.model import Cell
+from catseye.app.commands.output import emit, say
+from catseye.app.engine.interlock import RemoteIo
+from catseye.app.errors import SafetyError, UsageError
+from catseye.app.guard.raw import plain_connection, raw_connection, raw_guard
+from catseye.app.instruments import device_builder, stop_request
+from catseye.app.runs_folder import runs_folder
+from catseye.drivers.clock import SystemClock
+from catseye.drivers.record import Direction
+from catseye.drivers.transport import Transport
 
 LineEnd = Literal["cr", "lf", "crlf", "none"]
 

@@ -5,24 +5,24 @@ import sys
 from contextlib import suppress
 from pathlib import Path
 
-from app.commands.output import say
-from app.errors import ConfigError, UsageError
-from app.exitcode import ExitCode
-from app.files.documents import read_toml
-from app.runs_folder import runs_folder
+from catseye.app.commands.output import say
+from catseye.app.errors import ConfigError, UsageError
+from catseye.app.exitcode import ExitCode
+from catseye.app.files.documents import read_toml
+from catseye.app.runs_folder import runs_folder
 
 
 def tui_command(cell: Path | None, runs: Path | None, speed: float) -> None:
     """Show the interface until the user quits."""
     _require_terminal()
     _give_way()
-    from app.tui.app import CatseyeApp
-    from app.tui.keys import keys_file, read_keymap
-    from app.tui.link import EngineLink
-    from app.tui.session import Session
-    from app.tui.way_out import ends_on_signals
-    from app.tui.work import Commands
-    from drivers.clock import SystemClock
+    from catseye.app.tui.app import CatseyeApp
+    from catseye.app.tui.keys import keys_file, read_keymap
+    from catseye.app.tui.link import EngineLink
+    from catseye.app.tui.session import Session
+    from catseye.app.tui.way_out import ends_on_signals
+    from catseye.app.tui.work import Commands
+    from catseye.drivers.clock import SystemClock
 
     keymap: dict[str, str] = {}
     trouble: tuple[str, str] | None = None

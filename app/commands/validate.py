@@ -2,18 +2,18 @@
 
 from pathlib import Path
 
-from app.analysis.file_validation import FileValidation, validate_files
-from app.analysis.joint_maps import ARCSEC_PER_MDEG
-from app.analysis.reporting import require_html
-from app.analysis.validation import ModelOnPath
-from app.commands.output import emit, emit_json, say, table
-from app.errors import MeasurementRejectedError
-from app.report.agreement_text import agreement_text
-from app.report.numbers import probability
-from app.report.path_view import model_title
-from app.report.validation_facts import model_facts, validation_facts
-from app.report.validation_page import write_validation_page
-from calibration.kinematics import Hand
+from catseye.app.analysis.file_validation import FileValidation, validate_files
+from catseye.app.analysis.joint_maps import ARCSEC_PER_MDEG
+from catseye.app.analysis.reporting import require_html
+from catseye.app.analysis.validation import ModelOnPath
+from catseye.app.commands.output import emit, emit_json, say, table
+from catseye.app.errors import MeasurementRejectedError
+from catseye.app.report.agreement_text import agreement_text
+from catseye.app.report.numbers import probability
+from catseye.app.report.path_view import model_title
+from catseye.app.report.validation_facts import model_facts, validation_facts
+from catseye.app.report.validation_page import write_validation_page
+from catseye.calibration.kinematics import Hand
 
 
 def validate_command(

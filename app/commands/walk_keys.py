@@ -8,11 +8,11 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from typing import Final
 
-from app.engine.announcer import Publish
-from app.tui.dead_man import DeadMan
-from app.walk.feed import Feed
-from drivers.clock import Clock
-from procedures.context import Json
+from catseye.app.engine.announcer import Publish
+from catseye.app.tui.dead_man import DeadMan
+from catseye.app.walk.feed import Feed
+from catseye.drivers.clock import Clock
+from catseye.procedures.context import Json
 
 HINT: Final = (
     "hold the space bar to walk; let it go and the arm is stopped. h hold · g go on · s stop · a abort, without "

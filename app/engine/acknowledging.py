@@ -3,12 +3,12 @@
 from collections.abc import Awaitable, Callable
 from typing import Final
 
-from app.engine.control import RunControl
-from app.engine.gate import MotionGate
-from app.errors import InterruptionError, NotAcknowledgedError, PromptUnansweredError, SafetyError
-from app.guard.client import ArmGuard
-from drivers.clock import Clock
-from procedures.context import Prompt
+from catseye.app.engine.control import RunControl
+from catseye.app.engine.gate import MotionGate
+from catseye.app.errors import InterruptionError, NotAcknowledgedError, PromptUnansweredError, SafetyError
+from catseye.app.guard.client import ArmGuard
+from catseye.drivers.clock import Clock
+from catseye.procedures.context import Prompt
 
 ACKNOWLEDGE_PROMPT: Final = "acknowledge"
 

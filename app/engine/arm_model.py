@@ -10,8 +10,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from procedures.bench import Arm, Bench, Reflector
-from procedures.devices import Joints
+from catseye.procedures.bench import Arm, Bench, Reflector
+from catseye.procedures.devices import Joints
 
 Floats = NDArray[np.float64]
 Bools = NDArray[np.bool_]

@@ -3,10 +3,10 @@
 from collections.abc import Sequence
 from typing import Protocol, runtime_checkable
 
-from app.engine.gate import JointLimits
-from app.errors import LimitError
-from drivers.errors import ProtocolError, RefusedError
-from procedures.devices import Robot
+from catseye.app.engine.gate import JointLimits
+from catseye.app.errors import LimitError
+from catseye.drivers.errors import ProtocolError, RefusedError
+from catseye.procedures.devices import Robot
 
 _SAME = 0.01
 """Controllers tell their limits with two decimals, deg or mm."""

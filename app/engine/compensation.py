@@ -3,11 +3,16 @@
 from dataclasses import dataclass
 from typing import Literal
 
-from app.errors import MeasurementRejectedError
-from calibration.counted_length import compensated_mm
-from calibration.refractive_index import HE_NE_VACUUM_NM, Formula, outside_nist_range, refractive_index
-from procedures.context import Json
-from procedures.devices import Air
+from catseye.app.errors import MeasurementRejectedError
+from catseye.calibration.counted_length import compensated_mm
+from catseye.calibration.refractive_index import (
+    HE_NE_VACUUM_NM,
+    Formula,
+    outside_nist_range,
+    refractive_index,
+)
+from catseye.procedures.context import Json
+from catseye.procedures.devices import Air
 
 CompensatedBy = Literal["none", "instrument"]
 """Who corrects before the program sees a length: nobody, or the instrument."""

@@ -5,13 +5,13 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Protocol
 
-from app.engine.control import RunControl
-from app.engine.measuring import AirCache
-from app.engine.states import RUNNING, State
-from app.errors import InterruptionError, SafetyError
-from drivers.clock import Clock
-from drivers.errors import DeviceError
-from procedures.devices import ControllerStatus, Robot
+from catseye.app.engine.control import RunControl
+from catseye.app.engine.measuring import AirCache
+from catseye.app.engine.states import RUNNING, State
+from catseye.app.errors import InterruptionError, SafetyError
+from catseye.drivers.clock import Clock
+from catseye.drivers.errors import DeviceError
+from catseye.procedures.devices import ControllerStatus, Robot
 
 _log = logging.getLogger(__name__)
 

@@ -5,26 +5,26 @@ from collections.abc import Awaitable, Callable, Sequence
 from dataclasses import dataclass, field, replace
 from typing import TypeVar
 
-from app.engine.acknowledging import Acknowledging
-from app.engine.announcer import Announcer
-from app.engine.compensation import AirRule, Compensation, missing_quantities
-from app.engine.control import RunControl
-from app.engine.crash_points import crash_point
-from app.engine.devices import Devices
-from app.engine.gate import MotionGate
-from app.engine.measuring import AirCache, measure, unless_dark
-from app.engine.mover import Mover
-from app.engine.operator import Answer, Operator
-from app.engine.timekeeping import Progress, StepTime
-from app.engine.waiting import cancel, uncancelled
-from app.errors import ConfigError, UnwalkedError, UsageError
-from app.files.measured_csv import read_typed_csv
-from app.store.rows import encode
-from app.store.run_store import RunStore
-from drivers.clock import Clock
-from procedures.context import Json, Live, Location, MeasuredPoint, Measurement, Prompt, Row, Table
-from procedures.devices import Air, BeamStatus, Joints, Tracker, WayRobot
-from procedures.errors import MeasuredFileError
+from catseye.app.engine.acknowledging import Acknowledging
+from catseye.app.engine.announcer import Announcer
+from catseye.app.engine.compensation import AirRule, Compensation, missing_quantities
+from catseye.app.engine.control import RunControl
+from catseye.app.engine.crash_points import crash_point
+from catseye.app.engine.devices import Devices
+from catseye.app.engine.gate import MotionGate
+from catseye.app.engine.measuring import AirCache, measure, unless_dark
+from catseye.app.engine.mover import Mover
+from catseye.app.engine.operator import Answer, Operator
+from catseye.app.engine.timekeeping import Progress, StepTime
+from catseye.app.engine.waiting import cancel, uncancelled
+from catseye.app.errors import ConfigError, UnwalkedError, UsageError
+from catseye.app.files.measured_csv import read_typed_csv
+from catseye.app.store.rows import encode
+from catseye.app.store.run_store import RunStore
+from catseye.drivers.clock import Clock
+from catseye.procedures.context import Json, Live, Location, MeasuredPoint, Measurement, Prompt, Row, Table
+from catseye.procedures.devices import Air, BeamStatus, Joints, Tracker, WayRobot
+from catseye.procedures.errors import MeasuredFileError
 
 _DEFAULT_AIR = AirRule()
 
@@ -48,7 +48,7 @@ class _OpenStep:
 
 
 class RunContext:
-    """Implements `procedures.context.Context` with real or emulated instruments.
+    """Implements `catseye.procedures.context.Context` with real or emulated instruments.
 
     Args:
         devices: connected instruments.

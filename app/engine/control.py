@@ -6,19 +6,19 @@ import signal
 from collections.abc import Awaitable, Callable, Coroutine, Mapping
 from typing import Any, Final, TypeVar
 
-from app.engine.halt import HaltLimits, HaltReport, halt
-from app.engine.states import ENDED, INTERRUPTED, Effect, Event, State, transition
-from app.engine.waiting import cancel, uncancelled
-from app.errors import (
+from catseye.app.engine.halt import HaltLimits, HaltReport, halt
+from catseye.app.engine.states import ENDED, INTERRUPTED, Effect, Event, State, transition
+from catseye.app.engine.waiting import cancel, uncancelled
+from catseye.app.errors import (
     CatseyeError,
     InterruptedRunError,
     SafetyError,
     TerminatedRunError,
 )
-from drivers.clock import Clock
-from drivers.errors import AlarmError, NotArrivedError, NotReadyError, RefusedError
-from drivers.guarding import GuardError
-from procedures.devices import Robot
+from catseye.drivers.clock import Clock
+from catseye.drivers.errors import AlarmError, NotArrivedError, NotReadyError, RefusedError
+from catseye.drivers.guarding import GuardError
+from catseye.procedures.devices import Robot
 
 T = TypeVar("T")
 

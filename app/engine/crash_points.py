@@ -8,7 +8,7 @@ import os
 import signal
 from collections.abc import Mapping
 
-from app.errors import UsageError
+from catseye.app.errors import UsageError
 
 VARIABLE = "CATSEYE_CRASHPOINT"
 

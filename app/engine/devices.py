@@ -5,13 +5,13 @@ from collections.abc import Callable, Coroutine
 from dataclasses import dataclass
 from typing import Any
 
-from app.engine.interlock import RemoteIo
-from app.engine.waiting import cancel
-from app.errors import LinkFailedError, SafetyError, UsageError
-from app.guard.client import ArmGuard
-from drivers.errors import DeviceError
-from procedures.context import Json
-from procedures.devices import DeviceIdentity, Environment, Interferometer, Robot, Tracker
+from catseye.app.engine.interlock import RemoteIo
+from catseye.app.engine.waiting import cancel
+from catseye.app.errors import LinkFailedError, SafetyError, UsageError
+from catseye.app.guard.client import ArmGuard
+from catseye.drivers.errors import DeviceError
+from catseye.procedures.context import Json
+from catseye.procedures.devices import DeviceIdentity, Environment, Interferometer, Robot, Tracker
 
 WireRecorder = Callable[[str, str, bytes], None]
 """Takes device name, direction ("tx" or "rx") and the bytes that passed."""

@@ -5,10 +5,10 @@ from collections.abc import AsyncIterator, Callable
 from contextlib import asynccontextmanager
 from typing import Final
 
-from app.engine.interlock import RemoteIo
-from app.engine.waiting import cancel
-from drivers.clock import Clock
-from drivers.errors import DeviceError
+from catseye.app.engine.interlock import RemoteIo
+from catseye.app.engine.waiting import cancel
+from catseye.drivers.clock import Clock
+from catseye.drivers.errors import DeviceError
 
 TICK_S: Final = 0.06
 """Between two questions, real s."""

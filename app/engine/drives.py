@@ -2,10 +2,10 @@
 
 from dataclasses import dataclass
 
-from app.engine.halt import FAILURES
-from app.engine.waiting import within
-from drivers.clock import Clock
-from procedures.devices import Robot
+from catseye.app.engine.halt import FAILURES
+from catseye.app.engine.waiting import within
+from catseye.drivers.clock import Clock
+from catseye.procedures.devices import Robot
 
 
 @dataclass(frozen=True)

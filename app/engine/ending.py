@@ -3,11 +3,18 @@
 from dataclasses import dataclass
 from typing import Literal
 
-from app.engine.control import RunControl
-from app.engine.states import State
-from app.errors import CatseyeError, LimitError, NotAcknowledgedError, SafetyError, exit_code_of, text_of
-from app.exitcode import ExitCode
-from drivers.errors import AlarmError, NotArrivedError, NotReadyError
+from catseye.app.engine.control import RunControl
+from catseye.app.engine.states import State
+from catseye.app.errors import (
+    CatseyeError,
+    LimitError,
+    NotAcknowledgedError,
+    SafetyError,
+    exit_code_of,
+    text_of,
+)
+from catseye.app.exitcode import ExitCode
+from catseye.drivers.errors import AlarmError, NotArrivedError, NotReadyError
 
 _WHERE = "app.log of the run shows where"
 

@@ -3,9 +3,9 @@
 from collections.abc import Awaitable, Callable
 from typing import Final
 
-from app.errors import SafetyError
-from drivers.clock import Clock
-from procedures.devices import ControllerStatus, Joints, Robot
+from catseye.app.errors import SafetyError
+from catseye.drivers.clock import Clock
+from catseye.procedures.devices import ControllerStatus, Joints, Robot
 
 REST_S: Final = 0.3
 """For so long the joints have to stay the same, real s."""

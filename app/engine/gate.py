@@ -4,12 +4,12 @@ import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
-from app.engine.conditions import Condition
-from app.engine.door_watch import DoorWatch
-from app.errors import ConditionLostError, InterruptionError, LimitError, SafetyError, UnwalkedError
-from app.store.run_store import RunStore
-from app.walk.rule import Desk, WalkRule
-from procedures.devices import ControllerStatus, Joints, Robot
+from catseye.app.engine.conditions import Condition
+from catseye.app.engine.door_watch import DoorWatch
+from catseye.app.errors import ConditionLostError, InterruptionError, LimitError, SafetyError, UnwalkedError
+from catseye.app.store.run_store import RunStore
+from catseye.app.walk.rule import Desk, WalkRule
+from catseye.procedures.devices import ControllerStatus, Joints, Robot
 
 # Rounding of a controller that keeps the override as a whole number or as text.
 _OVERRIDE_TOLERANCE_PERCENT = 0.01

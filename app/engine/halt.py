@@ -4,10 +4,10 @@ import asyncio
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from app.engine.waiting import cancel, within
-from drivers.clock import Clock
-from drivers.errors import DeviceError
-from procedures.devices import Joints, Robot
+from catseye.app.engine.waiting import cancel, within
+from catseye.drivers.clock import Clock
+from catseye.drivers.errors import DeviceError
+from catseye.procedures.devices import Joints, Robot
 
 FAILURES = (DeviceError, OSError, TimeoutError)
 """What a device may raise on the way to a standstill; none of it ends the way."""

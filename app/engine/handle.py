@@ -5,10 +5,10 @@ from contextlib import AbstractAsyncContextManager
 from dataclasses import dataclass
 from pathlib import Path
 
-from app.engine.control import RunControl
-from app.engine.gate import MotionGate
-from app.errors import LimitError
-from procedures.context import Json
+from catseye.app.engine.control import RunControl
+from catseye.app.engine.gate import MotionGate
+from catseye.app.errors import LimitError
+from catseye.procedures.context import Json
 
 
 @dataclass

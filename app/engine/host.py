@@ -7,14 +7,14 @@ from collections.abc import Mapping, Sequence
 from contextlib import nullcontext
 from functools import partial
 
-from app.engine.announcer import Announcer, Publish
-from app.engine.before_motion import require_within_controller, unconfirmed_text
-from app.engine.compensation import Compensation
-from app.engine.conditions import AirInRange, Condition
-from app.engine.context import RunContext
-from app.engine.control import RunControl
-from app.engine.crash_points import arm, crash_point
-from app.engine.devices import (
+from catseye.app.engine.announcer import Announcer, Publish
+from catseye.app.engine.before_motion import require_within_controller, unconfirmed_text
+from catseye.app.engine.compensation import Compensation
+from catseye.app.engine.conditions import AirInRange, Condition
+from catseye.app.engine.context import RunContext
+from catseye.app.engine.control import RunControl
+from catseye.app.engine.crash_points import arm, crash_point
+from catseye.app.engine.devices import (
     DeviceBuilder,
     Devices,
     close_all,
@@ -22,29 +22,29 @@ from app.engine.devices import (
     identities_as_json,
     require_permission,
 )
-from app.engine.door_watch import DoorWatch
-from app.engine.drives import DrivesLeft, leave_drives
-from app.engine.ending import COMPLETE, Ending, ending_of, react
-from app.engine.first_motion import require_rest
-from app.engine.gate import WHOLE_PERCENT, MotionGate, require_ready
-from app.engine.halt import FAILURES
-from app.engine.handle import RunHandle
-from app.engine.interlock import NO_DOOR, StackLight
-from app.engine.measuring import AirCache
-from app.engine.operator import Operator
-from app.engine.reentry import Reentry
-from app.engine.request import RunOutcome, RunRequest
-from app.engine.signals import SignalInstaller, loop_signals
-from app.engine.states import State
-from app.engine.waiting import uncancelled, within
-from app.engine.watches import POLL_S, Watches
-from app.errors import SafetyError, StorageError, TerminatedRunError, UsageError
-from app.guard.client import ArmGuard
-from app.store.lines import LogHandler
-from app.store.reader import Accept, RunReader
-from app.store.run_store import RunStore
-from drivers.clock import Clock
-from procedures.context import Json
+from catseye.app.engine.door_watch import DoorWatch
+from catseye.app.engine.drives import DrivesLeft, leave_drives
+from catseye.app.engine.ending import COMPLETE, Ending, ending_of, react
+from catseye.app.engine.first_motion import require_rest
+from catseye.app.engine.gate import WHOLE_PERCENT, MotionGate, require_ready
+from catseye.app.engine.halt import FAILURES
+from catseye.app.engine.handle import RunHandle
+from catseye.app.engine.interlock import NO_DOOR, StackLight
+from catseye.app.engine.measuring import AirCache
+from catseye.app.engine.operator import Operator
+from catseye.app.engine.reentry import Reentry
+from catseye.app.engine.request import RunOutcome, RunRequest
+from catseye.app.engine.signals import SignalInstaller, loop_signals
+from catseye.app.engine.states import State
+from catseye.app.engine.waiting import uncancelled, within
+from catseye.app.engine.watches import POLL_S, Watches
+from catseye.app.errors import SafetyError, StorageError, TerminatedRunError, UsageError
+from catseye.app.guard.client import ArmGuard
+from catseye.app.store.lines import LogHandler
+from catseye.app.store.reader import Accept, RunReader
+from catseye.app.store.run_store import RunStore
+from catseye.drivers.clock import Clock
+from catseye.procedures.context import Json
 
 _log = logging.getLogger(__name__)
 

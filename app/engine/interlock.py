@@ -4,11 +4,11 @@ import asyncio
 from collections.abc import Callable
 from typing import Final, Literal, Protocol, runtime_checkable
 
-from app.engine.states import State
-from app.engine.waiting import cancel
-from drivers.errors import DeviceError
-from procedures.context import Json
-from procedures.devices import DeviceIdentity
+from catseye.app.engine.states import State
+from catseye.app.engine.waiting import cancel
+from catseye.drivers.errors import DeviceError
+from catseye.procedures.context import Json
+from catseye.procedures.devices import DeviceIdentity
 
 Light = Literal["green", "amber", "red", "off"]
 

@@ -5,14 +5,14 @@ from collections.abc import Callable, Coroutine
 from dataclasses import replace
 from typing import Any, TypeVar
 
-from app.engine.compensation import Compensation
-from app.engine.devices import Devices
-from app.engine.waiting import together
-from drivers.clock import Clock
-from drivers.errors import RefusedError
-from procedures.context import AirCorrection, Measurement
-from procedures.devices import Air, BeamStatus, Environment, Interferometer, Joints, LengthReading
-from procedures.errors import NoBeamError
+from catseye.app.engine.compensation import Compensation
+from catseye.app.engine.devices import Devices
+from catseye.app.engine.waiting import together
+from catseye.drivers.clock import Clock
+from catseye.drivers.errors import RefusedError
+from catseye.procedures.context import AirCorrection, Measurement
+from catseye.procedures.devices import Air, BeamStatus, Environment, Interferometer, Joints, LengthReading
+from catseye.procedures.errors import NoBeamError
 
 T = TypeVar("T")
 

@@ -2,14 +2,14 @@
 
 from collections.abc import Awaitable, Callable, Sequence
 
-from app.engine.control import RunControl
-from app.engine.crash_points import crash_point
-from app.engine.cut_short import rest_of_way
-from app.engine.gate import MotionGate
-from app.errors import ConditionLostError, InterruptionError, UnwalkedError
-from procedures.devices import Joints, Robot, WayRobot
-from procedures.errors import ArmMovedError
-from procedures.motion.entry import stands_at
+from catseye.app.engine.control import RunControl
+from catseye.app.engine.crash_points import crash_point
+from catseye.app.engine.cut_short import rest_of_way
+from catseye.app.engine.gate import MotionGate
+from catseye.app.errors import ConditionLostError, InterruptionError, UnwalkedError
+from catseye.procedures.devices import Joints, Robot, WayRobot
+from catseye.procedures.errors import ArmMovedError
+from catseye.procedures.motion.entry import stands_at
 
 
 class Mover:

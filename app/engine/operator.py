@@ -4,11 +4,11 @@ import math
 from collections.abc import Awaitable, Callable, Mapping
 from dataclasses import dataclass, replace
 
-from app.engine.hands import Hands
-from app.engine.waiting import within
-from app.errors import ConfigError, PromptUnansweredError
-from drivers.clock import Clock
-from procedures.context import Json, Prompt
+from catseye.app.engine.hands import Hands
+from catseye.app.engine.waiting import within
+from catseye.app.errors import ConfigError, PromptUnansweredError
+from catseye.drivers.clock import Clock
+from catseye.procedures.context import Json, Prompt
 
 
 @dataclass(frozen=True)

@@ -3,11 +3,11 @@
 from collections.abc import Awaitable, Callable, Mapping
 from typing import Any, Final
 
-from app.engine.states import Event, State, transition
-from app.errors import MeasurementRejectedError, SafetyError, UsageError
-from app.store.reader import RunReader, StoredEvent
-from app.store.resumable import MOVED
-from procedures.context import Json, Prompt
+from catseye.app.engine.states import Event, State, transition
+from catseye.app.errors import MeasurementRejectedError, SafetyError, UsageError
+from catseye.app.store.reader import RunReader, StoredEvent
+from catseye.app.store.resumable import MOVED
+from catseye.procedures.context import Json, Prompt
 
 REFLECTORS_PROMPT: Final = "resume/reflectors"
 CLEAR_PROMPT: Final = "clear"

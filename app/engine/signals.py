@@ -4,7 +4,7 @@ import asyncio
 from collections.abc import Callable, Iterator
 from contextlib import AbstractContextManager, contextmanager
 
-from app.engine.control import SIGNALS
+from catseye.app.engine.control import SIGNALS
 
 SignalInstaller = Callable[[Callable[[int], None]], AbstractContextManager[None]]
 """Delivers signals to a function, in the event loop, while the context manager is entered."""

@@ -2,8 +2,8 @@
 
 from dataclasses import dataclass
 
-from procedures.bench import Bench
-from procedures.motion.body_speed import top_speed_mm_s
+from catseye.procedures.bench import Bench
+from catseye.procedures.motion.body_speed import top_speed_mm_s
 
 
 @dataclass(frozen=True)

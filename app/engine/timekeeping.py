@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 
-from drivers.clock import Clock
+from catseye.drivers.clock import Clock
 
 
 @dataclass

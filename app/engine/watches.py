@@ -3,15 +3,15 @@
 import asyncio
 from collections.abc import Sequence
 
-from app.engine.conditions import Condition, Watchman
-from app.engine.control import RunControl
-from app.engine.devices import Devices
-from app.engine.door_watch import DoorWatch
-from app.engine.ending import DeviceFaultError
-from app.engine.gate import MotionGate, require_ready
-from app.engine.waiting import cancel
-from drivers.clock import Clock
-from procedures.devices import ControllerStatus
+from catseye.app.engine.conditions import Condition, Watchman
+from catseye.app.engine.control import RunControl
+from catseye.app.engine.devices import Devices
+from catseye.app.engine.door_watch import DoorWatch
+from catseye.app.engine.ending import DeviceFaultError
+from catseye.app.engine.gate import MotionGate, require_ready
+from catseye.app.engine.waiting import cancel
+from catseye.drivers.clock import Clock
+from catseye.procedures.devices import ControllerStatus
 
 POLL_S = 0.5
 """Real seconds between two looks at what is missing, or may be."""

@@ -5,7 +5,7 @@ import os
 import tempfile
 from pathlib import Path
 
-from app.errors import StorageError, UsageError
+from catseye.app.errors import StorageError, UsageError
 
 
 def require_other_file(output: Path, *inputs: Path | None) -> None:

@@ -10,9 +10,9 @@ from itertools import count
 from pathlib import Path
 from typing import Final, TypeVar
 
-from app.errors import UsageError
-from app.files.csv_text import unmarked
-from drivers.user_file import require_regular
+from catseye.app.errors import UsageError
+from catseye.app.files.csv_text import unmarked
+from catseye.drivers.user_file import require_regular
 
 T = TypeVar("T")
 

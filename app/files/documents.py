@@ -4,8 +4,8 @@ import json
 from pathlib import Path
 from typing import Any, Final
 
-from app.errors import ConfigError
-from drivers.user_file import LARGEST_BYTES, LARGEST_INTEGER, TOO_LONG, read_regular, toml_table
+from catseye.app.errors import ConfigError
+from catseye.drivers.user_file import LARGEST_BYTES, LARGEST_INTEGER, TOO_LONG, read_regular, toml_table
 
 MISSING: Final = "there is no such file"
 

@@ -4,12 +4,12 @@ import math
 
 import numpy as np
 
-from app.errors import UsageError
-from app.files.result_json import Covariance, Result, term_unit
-from calibration.extension import Term
-from calibration.identification import IdentifiedArm
-from calibration.layout import Layout
-from calibration.types import Floats
+from catseye.app.errors import UsageError
+from catseye.app.files.result_json import Covariance, Result, term_unit
+from catseye.calibration.extension import Term
+from catseye.calibration.identification import IdentifiedArm
+from catseye.calibration.layout import Layout
+from catseye.calibration.types import Floats
 
 CATALOGUE_MM = (325.0, 225.0)
 """Links of an RH-3FRH5515, the robot that the program is made for."""

@@ -3,9 +3,9 @@
 from functools import partial
 from pathlib import Path
 
-from app.errors import UsageError
-from app.files.compensated_path import JOINT_ROWS
-from app.files.csv_table import csv_rows
+from catseye.app.errors import UsageError
+from catseye.app.files.compensated_path import JOINT_ROWS
+from catseye.app.files.csv_table import csv_rows
 
 
 def read_joint_rows(path: Path) -> list[list[float]]:

@@ -3,9 +3,9 @@
 from functools import partial
 from pathlib import Path
 
-from app.errors import UsageError
-from app.files.csv_table import CsvRow, csv_rows, misnamed, require_file
-from procedures.context import MeasuredPoint
+from catseye.app.errors import UsageError
+from catseye.app.files.csv_table import CsvRow, csv_rows, misnamed, require_file
+from catseye.procedures.context import MeasuredPoint
 
 JOINTS = ("theta1_deg", "theta2_deg")
 DIRECTIONS = ("direction1", "direction2")

@@ -8,12 +8,12 @@ from pathlib import Path
 
 import numpy as np
 
-from app.errors import UsageError
-from app.files.csv_table import CsvRow, csv_rows, misnamed
-from calibration.errors import OutOfReachError
-from calibration.kinematics import Hand, forward, inverse
-from calibration.points import Commands
-from calibration.types import Floats, Ints
+from catseye.app.errors import UsageError
+from catseye.app.files.csv_table import CsvRow, csv_rows, misnamed
+from catseye.calibration.errors import OutOfReachError
+from catseye.calibration.kinematics import Hand, forward, inverse
+from catseye.calibration.points import Commands
+from catseye.calibration.types import Floats, Ints
 
 JOINTS = ("theta1_deg", "theta2_deg")
 DIRECTIONS = ("direction1", "direction2")

@@ -5,8 +5,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from app.files.points_csv import LARGEST_SEGMENT, LARGEST_SIGMA_MM, PointRow
-from calibration.types import Floats, Ints
+from catseye.app.files.points_csv import LARGEST_SEGMENT, LARGEST_SIGMA_MM, PointRow
+from catseye.calibration.types import Floats, Ints
 
 
 @dataclass(frozen=True)

@@ -8,8 +8,8 @@ from typing import Any, BinaryIO
 
 import numpy as np
 
-from app.errors import ConfigError, UsageError
-from app.files.csv_table import (
+from catseye.app.errors import ConfigError, UsageError
+from catseye.app.files.csv_table import (
     LONGEST_LINE,
     csv_row,
     header_of,
@@ -18,9 +18,9 @@ from app.files.csv_table import (
     require_file,
     require_line,
 )
-from app.files.point_columns import PointColumns, columns_of
-from app.files.points_csv import COLUMNS, LARGEST_SEGMENT, point_row, require_columns
-from calibration.types import Floats, Ints
+from catseye.app.files.point_columns import PointColumns, columns_of
+from catseye.app.files.points_csv import COLUMNS, LARGEST_SEGMENT, point_row, require_columns
+from catseye.calibration.types import Floats, Ints
 
 _CHUNK_BYTES = 4_000_000
 """Some 50 000 lines."""

@@ -4,11 +4,11 @@ from pathlib import Path
 
 import numpy as np
 
-from app.files.atomic import write_atomically
-from app.files.csv_text import csv_text
-from app.files.path_csv import CommandPath
-from calibration.prediction import Prediction
-from calibration.types import Floats
+from catseye.app.files.atomic import write_atomically
+from catseye.app.files.csv_text import csv_text
+from catseye.app.files.path_csv import CommandPath
+from catseye.calibration.prediction import Prediction
+from catseye.calibration.types import Floats
 
 ADDED = ("x_pred_mm", "y_pred_mm", "ex_um", "ey_um", "u_ex_um", "u_ey_um")
 

@@ -9,16 +9,16 @@ from typing import Annotated, Literal, Self
 import numpy as np
 from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
 
-from app.errors import UsageError
-from app.files.atomic import write_atomically
-from app.files.documents import LARGEST_RESULT_BYTES
-from app.files.scan_part import ScanPart
-from app.files.uncertainty_part import UncertaintyPart
-from calibration.extension import Part, Source, Target, Term
-from calibration.fit_statistics import FitStatistics, RobustLoss
-from calibration.identification import Identification
-from calibration.layout import GAUGE
-from drivers.user_file import read_regular
+from catseye.app.errors import UsageError
+from catseye.app.files.atomic import write_atomically
+from catseye.app.files.documents import LARGEST_RESULT_BYTES
+from catseye.app.files.scan_part import ScanPart
+from catseye.app.files.uncertainty_part import UncertaintyPart
+from catseye.calibration.extension import Part, Source, Target, Term
+from catseye.calibration.fit_statistics import FitStatistics, RobustLoss
+from catseye.calibration.identification import Identification
+from catseye.calibration.layout import GAUGE
+from catseye.drivers.user_file import read_regular
 
 Finite = Annotated[float, Field(allow_inf_nan=False)]
 Uncertainty = Annotated[float, Field(ge=0.0, allow_inf_nan=False)]

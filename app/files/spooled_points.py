@@ -13,11 +13,11 @@ from typing import IO
 
 import numpy as np
 
-from app.errors import UsageError
-from app.files.point_columns import PointColumns
-from app.files.points_blocks import points_blocks
-from calibration.points import Commands, Points
-from calibration.types import Ints
+from catseye.app.errors import UsageError
+from catseye.app.files.point_columns import PointColumns
+from catseye.app.files.points_blocks import points_blocks
+from catseye.calibration.points import Commands, Points
+from catseye.calibration.types import Ints
 
 _BLOCK_ROWS = 50_000
 

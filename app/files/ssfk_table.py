@@ -9,11 +9,11 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from app.errors import UsageError
-from app.files.compensated_path import Origin
-from calibration.error_map import BidirectionalMap
-from calibration.identification import IdentifiedArm
-from calibration.types import Floats
+from catseye.app.errors import UsageError
+from catseye.app.files.compensated_path import Origin
+from catseye.calibration.error_map import BidirectionalMap
+from catseye.calibration.identification import IdentifiedArm
+from catseye.calibration.types import Floats
 
 _PER_DEG = 10_000
 """Units of a rotary axis in a degree."""

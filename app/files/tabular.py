@@ -5,8 +5,8 @@ import io
 import json
 from collections.abc import Mapping, Sequence
 
-from app.errors import ConfigError
-from app.files.csv_text import csv_text
+from catseye.app.errors import ConfigError
+from catseye.app.files.csv_text import csv_text
 
 Row = Mapping[str, object]
 Cell = str | int | float | bool | None

@@ -11,11 +11,11 @@ from contextlib import asynccontextmanager
 from pathlib import Path
 from typing import Final
 
-from app.errors import SafetyError
-from app.guard.guard import FROZEN, FROZEN_S
-from app.guard.lock import Owner, OwnerLock
-from app.guard.process import GuardProcess
-from drivers.guarding import GuardError
+from catseye.app.errors import SafetyError
+from catseye.app.guard.guard import FROZEN, FROZEN_S
+from catseye.app.guard.lock import Owner, OwnerLock
+from catseye.app.guard.process import GuardProcess
+from catseye.drivers.guarding import GuardError
 
 LOG_NAME: Final = "guard.log"
 """In the folder of all runs: what guards have done."""
@@ -28,7 +28,7 @@ _NO_WORD = re.compile(r"[^!-~]+")
 
 
 class ArmGuard:
-    """Guards one arm: its lock, its guard process, and what the driver asks of both (`drivers.guarding.LinkGuard`).
+    """Guards one arm: its lock, its process, what the driver asks of both (`catseye.drivers.guarding.LinkGuard`).
 
     Args:
         endpoint: of the arm's controller.

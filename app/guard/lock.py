@@ -16,9 +16,9 @@ from hashlib import sha256
 from pathlib import Path
 from typing import Final, Self
 
-from app.errors import ArmInUseError
-from drivers.endpoint import SerialEndpoint, parse_endpoint
-from drivers.errors import LinkError
+from catseye.app.errors import ArmInUseError
+from catseye.drivers.endpoint import SerialEndpoint, parse_endpoint
+from catseye.drivers.errors import LinkError
 
 _FOLDERS: Final = (Path("/run/lock"), Path("/tmp"))
 _SHARED = stat.S_ISVTX | stat.S_IWOTH

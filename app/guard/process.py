@@ -10,7 +10,7 @@ import time
 from collections.abc import Callable, Sequence
 from pathlib import Path
 
-from app.guard.guard import boot_s
+from catseye.app.guard.guard import boot_s
 
 _PROGRAM = Path(__file__).with_name("guard.py")
 _MESSAGE_BYTES = 65_536

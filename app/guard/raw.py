@@ -4,11 +4,11 @@ from collections.abc import AsyncIterator, Callable
 from contextlib import asynccontextmanager
 from pathlib import Path
 
-from app.guard.client import ArmGuard
-from drivers.endpoint import open_transport
-from drivers.guarding import GuardedTransport
-from drivers.record import Sink
-from drivers.transport import Transport
+from catseye.app.guard.client import ArmGuard
+from catseye.drivers.endpoint import open_transport
+from catseye.drivers.guarding import GuardedTransport
+from catseye.drivers.record import Sink
+from catseye.drivers.transport import Transport
 
 
 class _Permitted(GuardedTransport):

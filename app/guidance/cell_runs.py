@@ -5,10 +5,10 @@ from datetime import datetime
 from pathlib import Path
 from typing import Literal
 
-from app.errors import StorageError
-from app.store.catalog import list_runs
-from app.store.reader import Accept, RunReader, Status
-from app.store.resumable import why_not_resumable
+from catseye.app.errors import StorageError
+from catseye.app.store.catalog import list_runs
+from catseye.app.store.reader import Accept, RunReader, Status
+from catseye.app.store.resumable import why_not_resumable
 
 
 @dataclass(frozen=True)

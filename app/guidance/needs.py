@@ -6,14 +6,14 @@ from typing import Final
 
 from pydantic import ValidationError
 
-from app.aim import find_aim
-from app.errors import StorageError, UsageError
-from app.guidance.cell_runs import CellRun, CellRuns
-from app.guidance.need import Need
-from app.guidance.words import age_text
-from app.procedure_list import Runnable
-from procedures.bench import Bench
-from procedures.errors import ProcedureError
+from catseye.app.aim import find_aim
+from catseye.app.errors import StorageError, UsageError
+from catseye.app.guidance.cell_runs import CellRun, CellRuns
+from catseye.app.guidance.need import Need
+from catseye.app.guidance.words import age_text
+from catseye.app.procedure_list import Runnable
+from catseye.procedures.bench import Bench
+from catseye.procedures.errors import ProcedureError
 
 LEVEL: Final = "beam-level"
 ALIGNMENT: Final = "beam-to-j4"

@@ -5,12 +5,12 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Literal
 
-from app.errors import ConfigError
-from app.files.documents import LARGEST_RESULT_BYTES, parse_json, read_document
-from app.guidance.cell_runs import CellRun, CellRuns
-from app.guidance.need import Need
-from app.guidance.needs import ALIGNMENT, LEVEL, MEASUREMENT, SEARCH, WARM_UP, is_warm
-from app.guidance.words import age_text
+from catseye.app.errors import ConfigError
+from catseye.app.files.documents import LARGEST_RESULT_BYTES, parse_json, read_document
+from catseye.app.guidance.cell_runs import CellRun, CellRuns
+from catseye.app.guidance.need import Need
+from catseye.app.guidance.needs import ALIGNMENT, LEVEL, MEASUREMENT, SEARCH, WARM_UP, is_warm
+from catseye.app.guidance.words import age_text
 
 _PATH = "validation-path"
 

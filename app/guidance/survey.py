@@ -4,13 +4,13 @@ from dataclasses import dataclass
 from datetime import datetime
 from pathlib import Path
 
-from app.cell.bench import bench_of
-from app.cell.load import load_cell
-from app.guidance.cell_runs import CellRuns, runs_of_cell
-from app.guidance.need import Need
-from app.guidance.needs import aim_of, needs_of
-from app.guidance.stages import Stage, results_in, stages_of
-from app.procedure_list import Runnable, load_procedure, procedure_names
+from catseye.app.cell.bench import bench_of
+from catseye.app.cell.load import load_cell
+from catseye.app.guidance.cell_runs import CellRuns, runs_of_cell
+from catseye.app.guidance.need import Need
+from catseye.app.guidance.needs import aim_of, needs_of
+from catseye.app.guidance.stages import Stage, results_in, stages_of
+from catseye.app.procedure_list import Runnable, load_procedure, procedure_names
 
 
 @dataclass(frozen=True)

@@ -3,9 +3,9 @@
 import math
 from dataclasses import dataclass
 
-from app.files.result_json import Estimate, MapTable, Result
-from app.report.content import TruthMap, TruthTables
-from app.report.numbers import plain
+from catseye.app.files.result_json import Estimate, MapTable, Result
+from catseye.app.report.content import TruthMap, TruthTables
+from catseye.app.report.numbers import plain
 
 LIMIT = 2.0
 """A normalised error within ±2 is expected of 95 in 100 estimates."""

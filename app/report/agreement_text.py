@@ -1,8 +1,8 @@
 """What the stated uncertainties account for, in a sentence."""
 
-from app.analysis.validation import ModelOnPath
-from app.report.numbers import probability
-from app.report.path_view import model_title
+from catseye.app.analysis.validation import ModelOnPath
+from catseye.app.report.numbers import probability
+from catseye.app.report.path_view import model_title
 
 
 def agreement_text(model: ModelOnPath) -> str:

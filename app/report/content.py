@@ -6,13 +6,13 @@ from typing import Any
 
 import numpy as np
 
-from app.analysis.distance_validation import DistanceValidation
-from app.analysis.validation import PathValidation
-from app.cell.model import Cell
-from app.files.result_json import Result
-from calibration.diagnostics.diagnosis import Diagnosis
-from calibration.types import Floats
-from procedures.bench import Bench
+from catseye.app.analysis.distance_validation import DistanceValidation
+from catseye.app.analysis.validation import PathValidation
+from catseye.app.cell.model import Cell
+from catseye.app.files.result_json import Result
+from catseye.calibration.diagnostics.diagnosis import Diagnosis
+from catseye.calibration.types import Floats
+from catseye.procedures.bench import Bench
 
 MODEL_TITLES = {"conventional": "conventional model", "error-map": "error map"}
 """What a reader calls the models."""

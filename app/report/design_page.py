@@ -4,16 +4,16 @@ from pathlib import Path
 
 import numpy as np
 
-from app.analysis.design_layouts import Layout
-from app.analysis.designing import Design, weakest
-from app.report.drawing import figure
-from app.report.figures.design_front import front_figure
-from app.report.figures.design_places import places_figure
-from app.report.figures.design_weakness import node_figure, position_figure
-from app.report.markup import Html, bullets, element, paragraphs, section, table
-from app.report.numbers import counted, duration, fixed, plain
-from app.version import SOFTWARE
-from calibration.design.criteria import CriterionName
+from catseye.app.analysis.design_layouts import Layout
+from catseye.app.analysis.designing import Design, weakest
+from catseye.app.report.drawing import figure
+from catseye.app.report.figures.design_front import front_figure
+from catseye.app.report.figures.design_places import places_figure
+from catseye.app.report.figures.design_weakness import node_figure, position_figure
+from catseye.app.report.markup import Html, bullets, element, paragraphs, section, table
+from catseye.app.report.numbers import counted, duration, fixed, plain
+from catseye.app.version import SOFTWARE
+from catseye.calibration.design.criteria import CriterionName
 
 _STYLE = Path(__file__).with_name("report.css")
 _CRITERIA: tuple[CriterionName, ...] = ("A", "D", "E", "path")

@@ -1,12 +1,12 @@
 """Section about what speaks for and against the fit."""
 
-from app.analysis.diagnosis_words import Finding, coefficient_text, findings
-from app.report.drawing import figure
-from app.report.figures.diagnosis import harmonic_figure, order_figure, pattern_figure
-from app.report.markup import Html, bullets, element, join, section, table
-from app.report.numbers import NOTHING, fixed, probability, unbroken
-from calibration.diagnostics.diagnosis import Diagnosis
-from calibration.diagnostics.nested_models import ComparedModel
+from catseye.app.analysis.diagnosis_words import Finding, coefficient_text, findings
+from catseye.app.report.drawing import figure
+from catseye.app.report.figures.diagnosis import harmonic_figure, order_figure, pattern_figure
+from catseye.app.report.markup import Html, bullets, element, join, section, table
+from catseye.app.report.numbers import NOTHING, fixed, probability, unbroken
+from catseye.calibration.diagnostics.diagnosis import Diagnosis
+from catseye.calibration.diagnostics.nested_models import ComparedModel
 
 _SIGNS = {"good": "✓", "bad": "✗", "note": "•"}
 

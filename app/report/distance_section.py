@@ -2,12 +2,12 @@
 
 import numpy as np
 
-from app.analysis.distance_validation import DistanceValidation
-from app.report.content import MODEL_TITLES, ReportContent
-from app.report.drawing import figure
-from app.report.figures.distance_deviation import distance_figure
-from app.report.markup import Html, bullets, paragraphs, section, table
-from app.report.numbers import counted, fixed, plain
+from catseye.app.analysis.distance_validation import DistanceValidation
+from catseye.app.report.content import MODEL_TITLES, ReportContent
+from catseye.app.report.drawing import figure
+from catseye.app.report.figures.distance_deviation import distance_figure
+from catseye.app.report.markup import Html, bullets, paragraphs, section, table
+from catseye.app.report.numbers import counted, fixed, plain
 
 
 def distance_section(content: ReportContent) -> Html:

@@ -2,8 +2,8 @@
 
 from matplotlib.figure import Figure
 
-from app.report.figures.canvas import svg
-from app.report.markup import Html, element
+from catseye.app.report.figures.canvas import svg
+from catseye.app.report.markup import Html, element
 
 
 def figure(drawn: Figure, name: str, label: str, caption: str) -> Html:

@@ -2,14 +2,14 @@
 
 from pathlib import Path
 
-from app.report.content import ReportContent
-from app.report.diagnosis_section import diagnosis_section
-from app.report.distance_section import distance_section
-from app.report.markup import Html, element, join
-from app.report.numbers import unbroken
-from app.report.path_section import path_section
-from app.report.result_sections import fit_section, map_section, parameter_section, reflector_section
-from app.report.run_sections import (
+from catseye.app.report.content import ReportContent
+from catseye.app.report.diagnosis_section import diagnosis_section
+from catseye.app.report.distance_section import distance_section
+from catseye.app.report.markup import Html, element, join
+from catseye.app.report.numbers import unbroken
+from catseye.app.report.path_section import path_section
+from catseye.app.report.result_sections import fit_section, map_section, parameter_section, reflector_section
+from catseye.app.report.run_sections import (
     configuration_section,
     convention_section,
     incident_section,
@@ -17,10 +17,10 @@ from app.report.run_sections import (
     run_section,
     search_section,
 )
-from app.report.standards_section import standards_section
-from app.report.trace_section import trace_section
-from app.report.uncertainty_section import uncertainty_section
-from app.report.verdict import Statement, verdict
+from catseye.app.report.standards_section import standards_section
+from catseye.app.report.trace_section import trace_section
+from catseye.app.report.uncertainty_section import uncertainty_section
+from catseye.app.report.verdict import Statement, verdict
 
 _STYLE = Path(__file__).with_name("report.css")
 

@@ -4,17 +4,17 @@ import math
 
 import numpy as np
 
-from app.analysis.validation import ModelOnPath, PathValidation
-from app.report.agreement_text import agreement_text
-from app.report.circle_table import circle_table
-from app.report.content import ReportContent
-from app.report.drawing import figure
-from app.report.figures.path_deviation import path_figure
-from app.report.markup import Html, bullets, paragraphs, section, table
-from app.report.numbers import fixed, probability, signed
-from app.report.path_view import Gap, PathAxis, gaps, model_title, path_axis
-from app.report.repeat_table import repeat_table
-from app.report.trajectory_section import trajectory_section
+from catseye.app.analysis.validation import ModelOnPath, PathValidation
+from catseye.app.report.agreement_text import agreement_text
+from catseye.app.report.circle_table import circle_table
+from catseye.app.report.content import ReportContent
+from catseye.app.report.drawing import figure
+from catseye.app.report.figures.path_deviation import path_figure
+from catseye.app.report.markup import Html, bullets, paragraphs, section, table
+from catseye.app.report.numbers import fixed, probability, signed
+from catseye.app.report.path_view import Gap, PathAxis, gaps, model_title, path_axis
+from catseye.app.report.repeat_table import repeat_table
+from catseye.app.report.trajectory_section import trajectory_section
 
 
 def path_section(content: ReportContent) -> Html:

@@ -4,11 +4,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from app.analysis.validation import ModelOnPath, PathMeasurement, PathValidation
-from app.files.result_json import MapTable, Result
-from app.report.content import MODEL_TITLES
-from app.report.numbers import plain
-from calibration.types import Bools, Floats
+from catseye.app.analysis.validation import ModelOnPath, PathMeasurement, PathValidation
+from catseye.app.files.result_json import MapTable, Result
+from catseye.app.report.content import MODEL_TITLES
+from catseye.app.report.numbers import plain
+from catseye.calibration.types import Bools, Floats
 
 _STRAIGHT = 0.01
 """A path that leaves a line by less than this share of its length counts as straight."""

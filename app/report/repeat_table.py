@@ -2,10 +2,10 @@
 
 import numpy as np
 
-from app.analysis.repeated_poses import repeated_poses
-from app.analysis.validation import PathValidation
-from app.report.markup import Html, paragraphs, table
-from app.report.numbers import fixed, plain
+from catseye.app.analysis.repeated_poses import repeated_poses
+from catseye.app.analysis.validation import PathValidation
+from catseye.app.report.markup import Html, paragraphs, table
+from catseye.app.report.numbers import fixed, plain
 
 _MOST = 40
 """Poses that a table lists."""

@@ -4,8 +4,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from app.files.result_json import Fit, Residuals
-from calibration.types import Floats
+from catseye.app.files.result_json import Fit, Residuals
+from catseye.calibration.types import Floats
 
 
 @dataclass(frozen=True)

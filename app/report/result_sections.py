@@ -3,18 +3,18 @@
 import math
 from collections.abc import Sequence
 
-from app.files.identified_arm import nominal_of
-from app.files.result_json import Estimate, MapTable, Result
-from app.report.agreement import normalised
-from app.report.content import MODEL_TITLES, ReportContent, TruthMap
-from app.report.drawing import figure
-from app.report.figures.error_maps import error_map_figure
-from app.report.figures.residuals import residual_figure
-from app.report.markup import Html, bullets, element, join, paragraphs, section, table
-from app.report.numbers import NOTHING, decimals_for, fixed, probability, signed, three_digits
-from app.report.residual_groups import reference
-from app.report.reversal import reversal_mdeg, u_reversal_mdeg
-from app.report.verdict import fit_verdict
+from catseye.app.files.identified_arm import nominal_of
+from catseye.app.files.result_json import Estimate, MapTable, Result
+from catseye.app.report.agreement import normalised
+from catseye.app.report.content import MODEL_TITLES, ReportContent, TruthMap
+from catseye.app.report.drawing import figure
+from catseye.app.report.figures.error_maps import error_map_figure
+from catseye.app.report.figures.residuals import residual_figure
+from catseye.app.report.markup import Html, bullets, element, join, paragraphs, section, table
+from catseye.app.report.numbers import NOTHING, decimals_for, fixed, probability, signed, three_digits
+from catseye.app.report.residual_groups import reference
+from catseye.app.report.reversal import reversal_mdeg, u_reversal_mdeg
+from catseye.app.report.verdict import fit_verdict
 
 
 def models_of(content: ReportContent) -> list[Result]:

@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 
-from app.files.result_json import MapTable, Result
+from catseye.app.files.result_json import MapTable, Result
 
 
 def reversal_mdeg(table: MapTable) -> list[float]:

@@ -3,13 +3,13 @@
 from collections.abc import Mapping
 from typing import Any
 
-from app.cell.model import Cell
-from app.report.content import EnvironmentSummary, ReportContent, Spread
-from app.report.drawing import figure
-from app.report.figures.layout import layout_figure
-from app.report.markup import Html, bullets, element, join, paragraphs, section, table
-from app.report.numbers import NOTHING, duration, fixed
-from app.report.scene import scene_of
+from catseye.app.cell.model import Cell
+from catseye.app.report.content import EnvironmentSummary, ReportContent, Spread
+from catseye.app.report.drawing import figure
+from catseye.app.report.figures.layout import layout_figure
+from catseye.app.report.markup import Html, bullets, element, join, paragraphs, section, table
+from catseye.app.report.numbers import NOTHING, duration, fixed
+from catseye.app.report.scene import scene_of
 
 
 def layout_section(content: ReportContent) -> Html:

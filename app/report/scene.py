@@ -4,13 +4,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from app.files.identified_arm import nominal_of
-from app.files.result_json import Residuals, Result
-from app.report.content import ReportContent
-from calibration.kinematics import forward
-from calibration.pointing import visible
-from calibration.types import Floats
-from procedures.bench import Bench, Reflector
+from catseye.app.files.identified_arm import nominal_of
+from catseye.app.files.result_json import Residuals, Result
+from catseye.app.report.content import ReportContent
+from catseye.calibration.kinematics import forward
+from catseye.calibration.pointing import visible
+from catseye.calibration.types import Floats
+from catseye.procedures.bench import Bench, Reflector
 
 
 @dataclass(frozen=True)

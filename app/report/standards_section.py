@@ -4,11 +4,11 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from app.analysis.joint_maps import ARCSEC_PER_MDEG, JointMap, joint_maps
-from app.files.identified_arm import arm_of
-from app.files.result_json import Result
-from app.report.markup import Html, paragraphs, section, table
-from app.report.numbers import decimals_for, fixed, plain, signed
+from catseye.app.analysis.joint_maps import ARCSEC_PER_MDEG, JointMap, joint_maps
+from catseye.app.files.identified_arm import arm_of
+from catseye.app.files.result_json import Result
+from catseye.app.report.markup import Html, paragraphs, section, table
+from catseye.app.report.numbers import decimals_for, fixed, plain, signed
 
 
 def standards_section(result: Result | None) -> Html:

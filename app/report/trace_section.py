@@ -2,8 +2,8 @@
 
 from collections.abc import Mapping
 
-from app.report.content import ReportContent, RunRecord
-from app.report.markup import Html, element, paragraphs, section, table
+from catseye.app.report.content import ReportContent, RunRecord
+from catseye.app.report.markup import Html, element, paragraphs, section, table
 
 
 def trace_section(content: ReportContent) -> Html:

@@ -1,9 +1,9 @@
 """Trajectories with magnified errors, as part of a report."""
 
-from app.analysis.validation import PathValidation
-from app.report.drawing import figure
-from app.report.figures.trajectories import magnification, trajectory_figure
-from app.report.markup import Html
+from catseye.app.analysis.validation import PathValidation
+from catseye.app.report.drawing import figure
+from catseye.app.report.figures.trajectories import magnification, trajectory_figure
+from catseye.app.report.markup import Html
 
 
 def trajectory_section(validation: PathValidation) -> Html:

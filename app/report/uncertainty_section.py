@@ -1,11 +1,16 @@
 """Section about where the uncertainties come from: the budget, contributions, correlations, intervals."""
 
-from app.cell.model import Cell
-from app.cell.uncertainty import ContributorEntry
-from app.files.result_json import Result
-from app.files.uncertainty_part import ContributionTable, CoverageInterval, MonteCarloPart, UncertaintyPart
-from app.report.markup import Html, join, paragraphs, section, table
-from app.report.numbers import NOTHING, fixed, signed
+from catseye.app.cell.model import Cell
+from catseye.app.cell.uncertainty import ContributorEntry
+from catseye.app.files.result_json import Result
+from catseye.app.files.uncertainty_part import (
+    ContributionTable,
+    CoverageInterval,
+    MonteCarloPart,
+    UncertaintyPart,
+)
+from catseye.app.report.markup import Html, join, paragraphs, section, table
+from catseye.app.report.numbers import NOTHING, fixed, signed
 
 _LEAST_SHARE = 0.0005
 """Shares below this round to nothing."""

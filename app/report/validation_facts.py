@@ -5,10 +5,10 @@ from typing import Any
 
 import numpy as np
 
-from app.analysis.file_validation import FileValidation, median_u_um
-from app.analysis.validation import ModelOnPath
-from app.report.agreement_text import agreement_text
-from app.report.path_view import model_title, path_axis, there
+from catseye.app.analysis.file_validation import FileValidation, median_u_um
+from catseye.app.analysis.validation import ModelOnPath
+from catseye.app.report.agreement_text import agreement_text
+from catseye.app.report.path_view import model_title, path_axis, there
 
 
 def validation_facts(found: FileValidation, limit_um: float | None) -> dict[str, Any]:

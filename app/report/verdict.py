@@ -6,17 +6,17 @@ from typing import Literal
 
 import numpy as np
 
-from app.analysis.distance_validation import DistanceValidation
-from app.analysis.robust_identifying import robust_text
-from app.analysis.validation import PathValidation
-from app.files.result_json import Fit, LackOfFitPart, MapTable, Result
-from app.report.agreement import LIMIT, normalised_errors
-from app.report.content import MODEL_TITLES, ReportContent, TruthTables
-from app.report.numbers import counted, decimals_for, fixed, probability, signed, three_digits
-from app.report.path_view import path_axis
-from app.report.residual_groups import reference
-from app.report.reversal import reversal_mdeg
-from calibration.fit_statistics import SIGNIFICANCE
+from catseye.app.analysis.distance_validation import DistanceValidation
+from catseye.app.analysis.robust_identifying import robust_text
+from catseye.app.analysis.validation import PathValidation
+from catseye.app.files.result_json import Fit, LackOfFitPart, MapTable, Result
+from catseye.app.report.agreement import LIMIT, normalised_errors
+from catseye.app.report.content import MODEL_TITLES, ReportContent, TruthTables
+from catseye.app.report.numbers import counted, decimals_for, fixed, probability, signed, three_digits
+from catseye.app.report.path_view import path_axis
+from catseye.app.report.residual_groups import reference
+from catseye.app.report.reversal import reversal_mdeg
+from catseye.calibration.fit_statistics import SIGNIFICANCE
 
 _BETTER = 0.8
 """An error map that leaves more than this share of the conventional model's error has not earned its keep."""

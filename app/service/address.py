@@ -9,7 +9,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
-from app.service.errors import ServiceError
+from catseye.app.service.errors import ServiceError
 
 _LONGEST_PATH_BYTES = 100
 """The kernel takes 107; every system takes this."""

@@ -7,13 +7,13 @@ from contextlib import asynccontextmanager, suppress
 from pathlib import Path
 from typing import Any
 
-from app.engine.waiting import cancel
-from app.exitcode import ExitCode
-from app.service.errors import BadMessageError, RefusedError, ServiceError
-from app.service.mailbox import Mailbox, MailboxFullError
-from app.service.messages import VERSION, Message, decode_message, encode
-from drivers.clock import Clock, SystemClock
-from procedures.context import Json
+from catseye.app.engine.waiting import cancel
+from catseye.app.exitcode import ExitCode
+from catseye.app.service.errors import BadMessageError, RefusedError, ServiceError
+from catseye.app.service.mailbox import Mailbox, MailboxFullError
+from catseye.app.service.messages import VERSION, Message, decode_message, encode
+from catseye.drivers.clock import Clock, SystemClock
+from catseye.procedures.context import Json
 
 _LONGEST_BYTES = 16 * 1024 * 1024
 """A snapshot or event is long when a run's title or a prompt is."""

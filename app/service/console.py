@@ -2,10 +2,10 @@
 
 from collections.abc import Callable
 
-from app.errors import InterruptedRunError
-from app.service.errors import RefusedError
-from app.service.hub import Hub
-from app.service.questions import answer_of
+from catseye.app.errors import InterruptedRunError
+from catseye.app.service.errors import RefusedError
+from catseye.app.service.hub import Hub
+from catseye.app.service.questions import answer_of
 
 KEYS = "h hold · g go on · s stop · a abort"
 SLASH = "/"

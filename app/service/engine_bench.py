@@ -5,24 +5,24 @@ from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager, suppress
 from pathlib import Path
 
-from app.aim import find_aim
-from app.bench.cell_devices import cell_devices
-from app.bench.facts import BenchFacts, facts_of
-from app.bench.idle import CellDevices, IdleBench
-from app.bench.lending import HandBench
-from app.bench.telemetry import Telemetry
-from app.cell.bench import bench_of
-from app.cell.load import load_cell
-from app.cell.model import Cell
-from app.engine.devices import DeviceBuilder
-from app.engine.interlock import RemoteIo
-from app.errors import CatseyeError, StorageError, UsageError
-from app.running import PlannedRun
-from app.service.errors import RefusedError
-from app.service.hub import Hub
-from drivers.clock import Clock
-from procedures.context import Json
-from procedures.devices import DeviceIdentity
+from catseye.app.aim import find_aim
+from catseye.app.bench.cell_devices import cell_devices
+from catseye.app.bench.facts import BenchFacts, facts_of
+from catseye.app.bench.idle import CellDevices, IdleBench
+from catseye.app.bench.lending import HandBench
+from catseye.app.bench.telemetry import Telemetry
+from catseye.app.cell.bench import bench_of
+from catseye.app.cell.load import load_cell
+from catseye.app.cell.model import Cell
+from catseye.app.engine.devices import DeviceBuilder
+from catseye.app.engine.interlock import RemoteIo
+from catseye.app.errors import CatseyeError, StorageError, UsageError
+from catseye.app.running import PlannedRun
+from catseye.app.service.errors import RefusedError
+from catseye.app.service.hub import Hub
+from catseye.drivers.clock import Clock
+from catseye.procedures.context import Json
+from catseye.procedures.devices import DeviceIdentity
 
 
 class EngineBench:

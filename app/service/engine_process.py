@@ -9,30 +9,30 @@ from contextlib import asynccontextmanager, contextmanager
 from functools import partial
 from pathlib import Path
 
-from app.bench.by_hand import ByHand
-from app.bench.drives import RestingDrives
-from app.cell.load import load_cell
-from app.engine.handle import RunHandle
-from app.engine.heap import settled_heap
-from app.engine.request import RunOutcome
-from app.engine.signals import loop_signals
-from app.engine.states import Event, State, transition
-from app.engine.waiting import uncancelled
-from app.errors import InterruptedRunError, exit_code_of, text_of
-from app.exitcode import ExitCode
-from app.procedure_list import load_procedure, parse_params
-from app.resuming import plan_resume
-from app.running import PlannedRun, carry_out, plan_run
-from app.service.address import socket_folder
-from app.service.engine_bench import EngineBench
-from app.service.errors import RefusedError, refusal_of
-from app.service.hub import Hub
-from app.service.messages import Message, Resume, Start
-from app.service.server import Server
-from app.service.sparse_log import SparseLog
-from app.walk.planning import as_walk
-from drivers.clock import SystemClock
-from procedures.context import Json
+from catseye.app.bench.by_hand import ByHand
+from catseye.app.bench.drives import RestingDrives
+from catseye.app.cell.load import load_cell
+from catseye.app.engine.handle import RunHandle
+from catseye.app.engine.heap import settled_heap
+from catseye.app.engine.request import RunOutcome
+from catseye.app.engine.signals import loop_signals
+from catseye.app.engine.states import Event, State, transition
+from catseye.app.engine.waiting import uncancelled
+from catseye.app.errors import InterruptedRunError, exit_code_of, text_of
+from catseye.app.exitcode import ExitCode
+from catseye.app.procedure_list import load_procedure, parse_params
+from catseye.app.resuming import plan_resume
+from catseye.app.running import PlannedRun, carry_out, plan_run
+from catseye.app.service.address import socket_folder
+from catseye.app.service.engine_bench import EngineBench
+from catseye.app.service.errors import RefusedError, refusal_of
+from catseye.app.service.hub import Hub
+from catseye.app.service.messages import Message, Resume, Start
+from catseye.app.service.server import Server
+from catseye.app.service.sparse_log import SparseLog
+from catseye.app.walk.planning import as_walk
+from catseye.drivers.clock import SystemClock
+from catseye.procedures.context import Json
 
 _log = logging.getLogger(__name__)
 

@@ -1,7 +1,7 @@
 """Why a request is refused, and why there is no service."""
 
-from app.errors import CatseyeError, exit_code_of, text_of
-from app.exitcode import ExitCode
+from catseye.app.errors import CatseyeError, exit_code_of, text_of
+from catseye.app.exitcode import ExitCode
 
 
 class RefusedError(CatseyeError):

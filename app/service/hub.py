@@ -8,18 +8,18 @@ from contextlib import contextmanager
 from dataclasses import dataclass, field
 from typing import Final, Literal
 
-from app.bench.telemetry import Topic
-from app.engine.announcer import Publish
-from app.engine.handle import RunHandle
-from app.engine.states import ENDED, State
-from app.service.errors import RefusedError
-from app.service.mailbox import Mailbox, MailboxFullError
-from app.service.messages import VERSION, Message
-from app.service.prompt_desk import PromptDesk
-from app.service.questions import prompt_of
-from app.version import SOFTWARE
-from drivers.clock import Clock
-from procedures.context import Json
+from catseye.app.bench.telemetry import Topic
+from catseye.app.engine.announcer import Publish
+from catseye.app.engine.handle import RunHandle
+from catseye.app.engine.states import ENDED, State
+from catseye.app.service.errors import RefusedError
+from catseye.app.service.mailbox import Mailbox, MailboxFullError
+from catseye.app.service.messages import VERSION, Message
+from catseye.app.service.prompt_desk import PromptDesk
+from catseye.app.service.questions import prompt_of
+from catseye.app.version import SOFTWARE
+from catseye.drivers.clock import Clock
+from catseye.procedures.context import Json
 
 _log = logging.getLogger(__name__)
 

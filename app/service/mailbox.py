@@ -4,9 +4,9 @@ import asyncio
 from collections import deque
 from dataclasses import dataclass
 
-from app.service.merging import MERGED, merged
-from app.service.messages import VERSION, Message
-from procedures.context import Json
+from catseye.app.service.merging import MERGED, merged
+from catseye.app.service.messages import VERSION, Message
+from catseye.procedures.context import Json
 
 _DROPPABLE = frozenset({"point", "step-started", "step-done"})
 

@@ -3,9 +3,9 @@
 from collections.abc import Callable
 from typing import Any
 
-from app.bench.columns import MOST_COLUMNS
-from app.bench.traffic import MOST_LINES
-from app.service.messages import Message
+from catseye.app.bench.columns import MOST_COLUMNS
+from catseye.app.bench.traffic import MOST_LINES
+from catseye.app.service.messages import Message
 
 _COLUMN_LISTS = ("low", "high", "count")
 

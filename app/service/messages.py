@@ -6,8 +6,8 @@ from typing import Annotated, Any, Final, Literal
 
 from pydantic import BaseModel, ConfigDict, Field, TypeAdapter, ValidationError
 
-from app.service.errors import BadMessageError
-from procedures.context import Json
+from catseye.app.service.errors import BadMessageError
+from catseye.procedures.context import Json
 
 VERSION: Final = 1
 

@@ -3,14 +3,14 @@
 import asyncio
 from typing import Protocol
 
-from app.bench.by_hand import ByHand
-from app.bench.telemetry import Telemetry
-from app.engine.handle import RunHandle
-from app.engine.states import RUNNING, State
-from app.errors import InterruptedRunError, LimitError
-from app.service.errors import RefusedError
-from app.service.hub import Hub, Member
-from app.service.messages import (
+from catseye.app.bench.by_hand import ByHand
+from catseye.app.bench.telemetry import Telemetry
+from catseye.app.engine.handle import RunHandle
+from catseye.app.engine.states import RUNNING, State
+from catseye.app.errors import InterruptedRunError, LimitError
+from catseye.app.service.errors import RefusedError
+from catseye.app.service.hub import Hub, Member
+from catseye.app.service.messages import (
     AnyRequest,
     Control,
     HandOver,

@@ -3,13 +3,13 @@
 import asyncio
 from collections.abc import Callable
 
-from app.engine.operator import Answer, fault_of
-from app.service.errors import RefusedError
-from procedures.context import Prompt
+from catseye.app.engine.operator import Answer, fault_of
+from catseye.app.service.errors import RefusedError
+from catseye.procedures.context import Prompt
 
 
 class PromptDesk:
-    """Implements `app.engine.operator.Answerer`: the answer comes from the console or a client with control.
+    """Implements `catseye.app.engine.operator.Answerer`: the answer comes from the console or a client with control.
 
     Args:
         attended: whether somebody is there to answer, now or later.

@@ -8,17 +8,17 @@ from contextlib import AsyncExitStack, asynccontextmanager, suppress
 from pathlib import Path
 from typing import Final
 
-from app.bench.telemetry import Telemetry
-from app.engine.handle import RunHandle
-from app.engine.waiting import cancel
-from app.service.address import listening
-from app.service.errors import ServiceError
-from app.service.hub import Hub
-from app.service.messages import MAX_LINE_BYTES
-from app.service.orders import Engine, Orders
-from app.service.session import Patience, Session
-from app.service.sparse_log import SparseLog
-from drivers.clock import Clock
+from catseye.app.bench.telemetry import Telemetry
+from catseye.app.engine.handle import RunHandle
+from catseye.app.engine.waiting import cancel
+from catseye.app.service.address import listening
+from catseye.app.service.errors import ServiceError
+from catseye.app.service.hub import Hub
+from catseye.app.service.messages import MAX_LINE_BYTES
+from catseye.app.service.orders import Engine, Orders
+from catseye.app.service.session import Patience, Session
+from catseye.app.service.sparse_log import SparseLog
+from catseye.drivers.clock import Clock
 
 _log = logging.getLogger(__name__)
 

@@ -5,14 +5,22 @@ from contextlib import suppress
 from dataclasses import dataclass
 from typing import Final
 
-from app.engine.waiting import cancel
-from app.exitcode import ExitCode
-from app.service.errors import BadMessageError, RefusedError, refusal_of
-from app.service.hub import Hub, Member, send
-from app.service.mailbox import Mailbox
-from app.service.messages import MAX_LINE_BYTES, VERSION, AnyRequest, Hello, Message, decode_request, encode
-from app.service.orders import Orders
-from drivers.clock import Clock
+from catseye.app.engine.waiting import cancel
+from catseye.app.exitcode import ExitCode
+from catseye.app.service.errors import BadMessageError, RefusedError, refusal_of
+from catseye.app.service.hub import Hub, Member, send
+from catseye.app.service.mailbox import Mailbox
+from catseye.app.service.messages import (
+    MAX_LINE_BYTES,
+    VERSION,
+    AnyRequest,
+    Hello,
+    Message,
+    decode_request,
+    encode,
+)
+from catseye.app.service.orders import Orders
+from catseye.drivers.clock import Clock
 
 _READING_TURNS: Final = 10
 """Of the event loop."""

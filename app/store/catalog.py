@@ -6,10 +6,10 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Literal
 
-from app.errors import StorageError, UsageError
-from app.store.reader import Accept, RunReader, Status
-from app.store.schema import is_file
-from app.store.seal import DATABASE
+from catseye.app.errors import StorageError, UsageError
+from catseye.app.store.reader import Accept, RunReader, Status
+from catseye.app.store.schema import is_file
+from catseye.app.store.seal import DATABASE
 
 _NAME = re.compile(r"(?P<started>\d{8}T\d{6}Z)_(?P<procedure>.+)_(?P<id>[0-9a-f]{6})")
 

@@ -4,9 +4,9 @@ import secrets
 import shutil
 from pathlib import Path
 
-from app.errors import StorageError
-from app.store.seal import mark_unsealed
-from drivers.clock import Clock
+from catseye.app.errors import StorageError
+from catseye.app.store.seal import mark_unsealed
+from catseye.drivers.clock import Clock
 
 
 def make_directory(root: Path, procedure: str, clock: Clock, reserve_bytes: int) -> Path:

@@ -10,12 +10,12 @@ from datetime import datetime
 from pathlib import Path
 from typing import Final, Literal
 
-from app.errors import StorageError
-from app.store.catalog import run_name
-from app.store.lock import is_being_written
-from app.store.reader import Status, ending
-from app.store.schema import LAST_OPENED_OR_ENDED, open_reader
-from app.store.seal import DATABASE
+from catseye.app.errors import StorageError
+from catseye.app.store.catalog import run_name
+from catseye.app.store.lock import is_being_written
+from catseye.app.store.reader import Status, ending
+from catseye.app.store.schema import LAST_OPENED_OR_ENDED, open_reader
+from catseye.app.store.seal import DATABASE
 
 _Stamp = tuple[tuple[int, int], ...]
 """Time of change and size of a run's files."""

@@ -6,9 +6,9 @@ from collections.abc import Callable, Mapping
 from io import FileIO
 from pathlib import Path
 
-from app.store.rows import to_json
-from drivers.clock import Clock
-from procedures.context import Json
+from catseye.app.store.rows import to_json
+from catseye.drivers.clock import Clock
+from catseye.procedures.context import Json
 
 DEFAULT_MAX_BYTES = 64 * 1024 * 1024
 

@@ -5,7 +5,7 @@ import os
 import time
 from pathlib import Path
 
-from app.errors import StorageError
+from catseye.app.errors import StorageError
 
 _LOOKS = 5
 _LOOK_S = 0.005

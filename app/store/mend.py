@@ -4,12 +4,12 @@ import sqlite3
 from contextlib import closing
 from pathlib import Path
 
-from app.errors import StorageError
-from app.store import seal
-from app.store.lock import RunLock
-from app.store.reader import RunReader
-from app.store.run_store import leave_one_file
-from app.store.schema import open_writer
+from catseye.app.errors import StorageError
+from catseye.app.store import seal
+from catseye.app.store.lock import RunLock
+from catseye.app.store.reader import RunReader
+from catseye.app.store.run_store import leave_one_file
+from catseye.app.store.schema import open_writer
 
 
 def seal_late(path: Path, now_utc: str) -> bool:

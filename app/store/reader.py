@@ -10,13 +10,13 @@ from enum import Enum, auto
 from pathlib import Path
 from typing import Any, Literal
 
-from app.errors import StorageError
-from app.store.lock import is_being_written
-from app.store.rows import row_crc32
-from app.store.schema import LAST_OPENED_OR_ENDED, RAW_TABLES, UNREADABLE, open_reader
-from app.store.seal import DATABASE
-from app.store.soundness import changes, damage
-from procedures.context import Json, Table
+from catseye.app.errors import StorageError
+from catseye.app.store.lock import is_being_written
+from catseye.app.store.rows import row_crc32
+from catseye.app.store.schema import LAST_OPENED_OR_ENDED, RAW_TABLES, UNREADABLE, open_reader
+from catseye.app.store.seal import DATABASE
+from catseye.app.store.soundness import changes, damage
+from catseye.procedures.context import Json, Table
 
 Status = Literal["complete", "stopped", "aborted", "failed", "running", "died"]
 _ENDINGS: tuple[Status, ...] = ("complete", "stopped", "aborted", "failed")

@@ -3,7 +3,7 @@
 from collections.abc import Mapping
 from typing import Any, Final
 
-from app.store.reader import RunReader
+from catseye.app.store.reader import RunReader
 
 MOVED: Final = "reflectors-moved"
 """Kind of the event that says that the bench is no longer the one of the points: the run never goes on."""

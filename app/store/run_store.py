@@ -13,18 +13,18 @@ from collections.abc import Callable, Iterable, Mapping
 from concurrent.futures import Future
 from pathlib import Path
 
-from app.engine.crash_points import crash_point
-from app.errors import StorageError, UsageError
-from app.store import seal
-from app.store.describe import clock_anchor, software
-from app.store.directory import make_directory, require_space
-from app.store.lines import DEFAULT_MAX_BYTES, JsonLines, WireLog
-from app.store.lock import RunLock
-from app.store.reader import Accept, RunReader
-from app.store.rows import Value, encode, insert, insert_data, to_json
-from app.store.writer import Writer
-from drivers.clock import Clock
-from procedures.context import Json, Row, Table
+from catseye.app.engine.crash_points import crash_point
+from catseye.app.errors import StorageError, UsageError
+from catseye.app.store import seal
+from catseye.app.store.describe import clock_anchor, software
+from catseye.app.store.directory import make_directory, require_space
+from catseye.app.store.lines import DEFAULT_MAX_BYTES, JsonLines, WireLog
+from catseye.app.store.lock import RunLock
+from catseye.app.store.reader import Accept, RunReader
+from catseye.app.store.rows import Value, encode, insert, insert_data, to_json
+from catseye.app.store.writer import Writer
+from catseye.drivers.clock import Clock
+from catseye.procedures.context import Json, Row, Table
 
 DEFAULT_RESERVE_BYTES = 200 * 1024 * 1024
 

@@ -5,7 +5,7 @@ import sqlite3
 from pathlib import Path
 from urllib.parse import quote
 
-from app.errors import StorageError
+from catseye.app.errors import StorageError
 
 _FIRST = """
 CREATE TABLE meta (

@@ -11,8 +11,8 @@ from pathlib import Path
 
 from pydantic import BaseModel, ValidationError
 
-from app.engine.crash_points import crash_point
-from app.errors import StorageError
+from catseye.app.engine.crash_points import crash_point
+from catseye.app.errors import StorageError
 
 MANIFEST = "manifest.json"
 DATABASE = "run.sqlite"

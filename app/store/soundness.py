@@ -7,11 +7,19 @@ from collections.abc import Callable
 from contextlib import closing
 from pathlib import Path
 
-from app.errors import StorageError
-from app.store.lock import is_being_written
-from app.store.schema import LAST_OPENED_OR_ENDED, UNREADABLE, open_reader
-from app.store.seal import DATABASE, MANIFEST, PROMISED, Manifest, digest, is_marked_unsealed, read_manifest
-from drivers.device_text import harmless
+from catseye.app.errors import StorageError
+from catseye.app.store.lock import is_being_written
+from catseye.app.store.schema import LAST_OPENED_OR_ENDED, UNREADABLE, open_reader
+from catseye.app.store.seal import (
+    DATABASE,
+    MANIFEST,
+    PROMISED,
+    Manifest,
+    digest,
+    is_marked_unsealed,
+    read_manifest,
+)
+from catseye.drivers.device_text import harmless
 
 _Stamp = tuple[tuple[str, int, int, int, int], ...]
 

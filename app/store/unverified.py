@@ -3,8 +3,8 @@
 from collections.abc import Iterator
 from contextlib import contextmanager
 
-from app.errors import StorageError, UsageError
-from app.store.reader import RunReader
+from catseye.app.errors import StorageError, UsageError
+from catseye.app.store.reader import RunReader
 
 _OF_WRONG_DATA = (ArithmeticError, AttributeError, LookupError, TypeError, ValueError, RecursionError)
 

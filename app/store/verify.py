@@ -4,12 +4,12 @@ from collections import Counter
 from dataclasses import dataclass
 from pathlib import Path
 
-from app.errors import StorageError
-from app.store.lock import is_being_written
-from app.store.reader import Accept, RunReader, Status
-from app.store.seal import APP_LOG, DATABASE, WIRE_LOG, Manifest
-from app.store.soundness import against_manifest, integrity
-from procedures.context import Json
+from catseye.app.errors import StorageError
+from catseye.app.store.lock import is_being_written
+from catseye.app.store.reader import Accept, RunReader, Status
+from catseye.app.store.seal import APP_LOG, DATABASE, WIRE_LOG, Manifest
+from catseye.app.store.soundness import against_manifest, integrity
+from catseye.procedures.context import Json
 
 
 @dataclass(frozen=True)

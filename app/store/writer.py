@@ -8,8 +8,8 @@ from concurrent.futures import Future, ThreadPoolExecutor
 from pathlib import Path
 from typing import Any, TypeVar
 
-from app.errors import StorageError
-from app.store.schema import open_writer
+from catseye.app.errors import StorageError
+from catseye.app.store.schema import open_writer
 
 T = TypeVar("T")
 Job = Callable[[sqlite3.Connection], T]

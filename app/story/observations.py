@@ -3,7 +3,7 @@
 from collections.abc import Callable, Mapping
 from typing import Any
 
-from app.story.words import plain
+from catseye.app.story.words import plain
 
 Row = Mapping[str, Any]
 

@@ -5,11 +5,11 @@ from collections import Counter
 from collections.abc import Sequence
 from typing import Any, Literal
 
-from app.store.reader import RunReader
-from app.store.resumable import why_not_resumable
-from app.story.timeline import last_signs
-from app.story.words import between_s, device_text, gap_text
-from procedures.context import Table
+from catseye.app.store.reader import RunReader
+from catseye.app.store.resumable import why_not_resumable
+from catseye.app.story.timeline import last_signs
+from catseye.app.story.words import between_s, device_text, gap_text
+from catseye.procedures.context import Table
 
 _TABLES: tuple[Table | Literal["steps"], ...] = ("steps", "points", "search", "path", "records")
 _RESULT = "solve"

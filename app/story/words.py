@@ -4,8 +4,8 @@ from collections.abc import Callable, Mapping
 from datetime import datetime
 from typing import Any
 
-from app.commands.progress import duration_text
-from app.store.reader import StoredEvent
+from catseye.app.commands.progress import duration_text
+from catseye.app.store.reader import StoredEvent
 
 Data = Mapping[str, Any]
 

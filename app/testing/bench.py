@@ -8,9 +8,15 @@ from contextlib import asynccontextmanager, contextmanager
 from dataclasses import dataclass
 from typing import Any
 
-from app.testing.loop_thread import LoopThread
-from simulators.config import CLASSIC_DEVICES, EmulatedDevice, EmulationConfig, ErrorBudget, ReflectorPlace
-from simulators.launch import EmulatedBench
+from catseye.app.testing.loop_thread import LoopThread
+from catseye.simulators.config import (
+    CLASSIC_DEVICES,
+    EmulatedDevice,
+    EmulationConfig,
+    ErrorBudget,
+    ReflectorPlace,
+)
+from catseye.simulators.launch import EmulatedBench
 
 _TIMEOUT_S = 10.0
 _LONGEST_ANSWER_BYTES = 1 << 22
@@ -174,7 +180,7 @@ def bench_config(
         speed: bench seconds in one real second.
         seed: of everything random; the same seed gives the same arm.
         budget: True makes measurements scatter as on a real bench; False leaves the arm's links, maps and play.
-        fields: further fields of `simulators.config.EmulationConfig`.
+        fields: further fields of `catseye.simulators.config.EmulationConfig`.
     """
     chosen = {
         "reflectors": _REFLECTORS,

@@ -5,9 +5,9 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any, Literal, get_args
 
-from drivers.registry import load_driver
-from simulators.config import Option
-from simulators.protocols import PROTOCOLS
+from catseye.drivers.registry import load_driver
+from catseye.simulators.config import Option
+from catseye.simulators.protocols import PROTOCOLS
 
 Kind = Literal["robot", "interferometer", "environment", "tracker", "io"]
 

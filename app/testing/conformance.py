@@ -1,4 +1,4 @@
-"""The conformance suite for drivers: `pytest --pyargs app.testing.conformance --driver NAME`.
+"""The conformance suite for drivers: `pytest --pyargs catseye.app.testing.conformance --driver NAME`.
 
 NAME is an entry point in `catseye.drivers`. Without `--endpoint` the driver talks to the built-in emulator of the
 same name; with it, to whatever is there. docs/write-a-driver.md tells more.
@@ -6,10 +6,10 @@ same name; with it, to whatever is there. docs/write-a-driver.md tells more.
 
 import pytest
 
-from app.testing.candidate import Candidate
-from app.testing.checks.catalogue import applicable
-from app.testing.checks.check import Check, run_check
-from app.testing.conformance_options import CANDIDATE
+from catseye.app.testing.candidate import Candidate
+from catseye.app.testing.checks.catalogue import applicable
+from catseye.app.testing.checks.check import Check, run_check
+from catseye.app.testing.conformance_options import CANDIDATE
 
 
 def pytest_generate_tests(metafunc: pytest.Metafunc) -> None:

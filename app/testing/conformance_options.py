@@ -2,8 +2,8 @@
 
 import pytest
 
-from app.testing.candidate import KINDS, Candidate, candidate_of, parse_setting
-from app.testing.checks.catalogue import not_applicable
+from catseye.app.testing.candidate import KINDS, Candidate, candidate_of, parse_setting
+from catseye.app.testing.checks.catalogue import not_applicable
 
 CANDIDATE = pytest.StashKey[Candidate]()
 """The driver under examination."""

@@ -11,8 +11,8 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import IO
 
-from app.cell.template import TEMPLATE
-from app.testing.bench import RunningBench, by_name
+from catseye.app.cell.template import TEMPLATE
+from catseye.app.testing.bench import RunningBench, by_name
 
 _READY_TIMEOUT_S = 60.0
 _END_TIMEOUT_S = 5.0
@@ -37,7 +37,7 @@ def bench_in_process(
         choices = ["--speed", f"{speed:g}", "--seed", str(seed), "--end-with-stdin"]
         process = subprocess.Popen(
             # -P: a folder named app in the host project is not taken for ours.
-            [sys.executable, "-P", "-m", "app", "emulate", str(file), *choices],
+            [sys.executable, "-P", "-m", "catseye", "emulate", str(file), *choices],
             # The pipe closes with this process, however it ends, and the emulator with the pipe.
             stdin=subprocess.PIPE,
             stdout=subprocess.PIPE,

@@ -5,8 +5,8 @@ import contextlib
 from collections.abc import AsyncIterator, Callable, Iterator
 from contextlib import asynccontextmanager, contextmanager
 
-from app.testing.closing import close_server
-from app.testing.loop_thread import LoopThread
+from catseye.app.testing.closing import close_server
+from catseye.app.testing.loop_thread import LoopThread
 
 _CHUNK_BYTES = 4096
 

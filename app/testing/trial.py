@@ -8,12 +8,12 @@ from dataclasses import dataclass
 from typing import Any
 from urllib.parse import urlsplit
 
-from app.testing.bench import RunningBench, bench_config, bench_in_thread
-from app.testing.candidate import QUESTIONS, Candidate
-from app.testing.proxy import Proxy, ProxyThread
-from drivers.clock import SystemClock
-from drivers.errors import DeviceError
-from simulators.config import ArmDynamics, EmulatedDevice
+from catseye.app.testing.bench import RunningBench, bench_config, bench_in_thread
+from catseye.app.testing.candidate import QUESTIONS, Candidate
+from catseye.app.testing.proxy import Proxy, ProxyThread
+from catseye.drivers.clock import SystemClock
+from catseye.drivers.errors import DeviceError
+from catseye.simulators.config import ArmDynamics, EmulatedDevice
 
 ROBOT = "robot"
 _SERVO_DELAY_S = 0.05

@@ -10,21 +10,21 @@ from textual.binding import Binding, BindingType
 from textual.notifications import SeverityLevel
 from textual.screen import Screen
 
-from app.tui.cell_change import look_at_cell
-from app.tui.dialogs.confirm_dialog import ConfirmDialog
-from app.tui.dialogs.error_dialog import ErrorDialog
-from app.tui.dialogs.motion_dialog import MotionDialog
-from app.tui.dialogs.quit_dialog import Choice, QuitDialog
-from app.tui.faults import fault_text
-from app.tui.places import PLACES, make_screen
-from app.tui.screens.base import MainScreen
-from app.tui.session import Session
-from app.tui.start_checks import tell_what_is_wrong
-from app.tui.stopping import StopOp
-from app.tui.themes import HIGH_CONTRAST, THEMES
+from catseye.app.tui.cell_change import look_at_cell
+from catseye.app.tui.dialogs.confirm_dialog import ConfirmDialog
+from catseye.app.tui.dialogs.error_dialog import ErrorDialog
+from catseye.app.tui.dialogs.motion_dialog import MotionDialog
+from catseye.app.tui.dialogs.quit_dialog import Choice, QuitDialog
+from catseye.app.tui.faults import fault_text
+from catseye.app.tui.places import PLACES, make_screen
+from catseye.app.tui.screens.base import MainScreen
+from catseye.app.tui.session import Session
+from catseye.app.tui.start_checks import tell_what_is_wrong
+from catseye.app.tui.stopping import StopOp
+from catseye.app.tui.themes import HIGH_CONTRAST, THEMES
 
 if TYPE_CHECKING:
-    from app.tui.palette import Actions
+    from catseye.app.tui.palette import Actions
 
 _REFRESH_S: Final = 0.2
 """Screens are painted anew at most so often."""
@@ -37,7 +37,7 @@ _STANDSTILL_S: Final = 15.0
 
 def _actions() -> "type[Actions]":
     # The first screen is painted before this is imported.
-    from app.tui.palette import Actions
+    from catseye.app.tui.palette import Actions
 
     return Actions
 
@@ -302,7 +302,7 @@ class CatseyeApp(App[int]):
             self.tell_fault(error)
 
     async def _stop(self, op: StopOp) -> None:
-        from app.service.errors import RefusedError, ServiceError
+        from catseye.app.service.errors import RefusedError, ServiceError
 
         try:
             await self.session.link.stop(op)
@@ -325,7 +325,7 @@ class CatseyeApp(App[int]):
         then: Callable[[dict[str, Any]], None] | None,
         **fields: Any,
     ) -> None:
-        from app.service.errors import RefusedError, ServiceError
+        from catseye.app.service.errors import RefusedError, ServiceError
 
         link = self.session.link
         try:
@@ -346,7 +346,7 @@ class CatseyeApp(App[int]):
             self.keep(self._end_run_and_leave(choice))
 
     async def _end_run_and_leave(self, choice: Choice) -> None:
-        from app.service.errors import RefusedError, ServiceError
+        from catseye.app.service.errors import RefusedError, ServiceError
 
         link = self.session.link
         try:
@@ -369,7 +369,7 @@ class CatseyeApp(App[int]):
         await self._leave(end_engine=choice == "stop")
 
     async def _stop_and_leave(self) -> None:
-        from app.service.errors import RefusedError, ServiceError
+        from catseye.app.service.errors import RefusedError, ServiceError
 
         try:
             await self.session.link.stop("stop")

@@ -4,10 +4,10 @@ from typing import Any, Final
 
 from textual.content import Content
 
-from app.tui.picture import Picture
-from app.tui.session import EMULATED_BENCH
-from app.tui.widgets.status_bar import STALE_S, age_style
-from app.tui.words import bytes_text, duration_text
+from catseye.app.tui.picture import Picture
+from catseye.app.tui.session import EMULATED_BENCH
+from catseye.app.tui.widgets.status_bar import STALE_S, age_style
+from catseye.app.tui.words import bytes_text, duration_text
 
 Part = dict[str, Any]
 
@@ -193,7 +193,7 @@ def length_text(length_mm: float) -> str:
 def _joint_lines(joints: list[float] | None, layout: Part | None) -> list[str]:
     if joints is None:
         return ["joints not known"]
-    from app.tui.widgets.plan_drawing import pose_of
+    from catseye.app.tui.widgets.plan_drawing import pose_of
 
     one, two, three, four = joints
     lines = [f"J1 {one:9.3f} deg   J2 {two:9.3f} deg", f"J3 {three:9.3f} mm    J4 {four:9.3f} deg"]

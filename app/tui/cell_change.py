@@ -3,11 +3,11 @@
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from app.tui.dialogs.confirm_dialog import ConfirmDialog
-from app.tui.picture import Picture
+from catseye.app.tui.dialogs.confirm_dialog import ConfirmDialog
+from catseye.app.tui.picture import Picture
 
 if TYPE_CHECKING:
-    from app.tui.app import CatseyeApp
+    from catseye.app.tui.app import CatseyeApp
 
 
 def use_cell(app: "CatseyeApp", path: Path) -> None:

@@ -13,7 +13,7 @@ def find_engine(root: Path) -> Path | None:
 
 def all_engines(root: Path) -> list[Path]:
     """Return the sockets that somebody listens at: of runs, the newest first, then of the folder."""
-    from app.service.address import find_socket, is_live
+    from catseye.app.service.address import find_socket, is_live
 
     folder = find_socket(root)
     # A process that was killed leaves its socket behind.
@@ -22,8 +22,8 @@ def all_engines(root: Path) -> list[Path]:
 
 def engines_of_runs(root: Path) -> list[Path]:
     """Return the sockets of runs under way, the newest run first, whichever process they are in."""
-    from app.service.address import all_sockets, is_live, socket_name
-    from app.store.catalog import run_name
+    from catseye.app.service.address import all_sockets, is_live, socket_name
+    from catseye.app.store.catalog import run_name
 
     sockets = {path.name: path for path in all_sockets()}
     if not sockets or not root.is_dir():

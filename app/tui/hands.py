@@ -5,9 +5,9 @@ from collections.abc import Callable, Coroutine, Sequence
 from dataclasses import dataclass
 from typing import Any, Final, Literal
 
-from app.tui.dead_man import DeadMan
-from app.tui.link import Link
-from app.tui.requests import Requests
+from catseye.app.tui.dead_man import DeadMan
+from catseye.app.tui.link import Link
+from catseye.app.tui.requests import Requests
 
 HoldJoint = Literal["j1", "j2", "j4"]
 Joint = Literal["j1", "j2", "j4", "beam"]
@@ -102,7 +102,7 @@ class Hands:
             self._requests.send("jog-hold", joint=joint, direction=0)
 
     async def _take(self, steps: Sequence[Step]) -> None:
-        from app.service.errors import RefusedError, ServiceError
+        from catseye.app.service.errors import RefusedError, ServiceError
 
         alive = asyncio.create_task(self._show_life())
         try:

@@ -9,7 +9,7 @@ from types import ModuleType
 
 from textual.binding import Binding
 
-import app.tui
+from catseye.app import tui
 
 _EVERYWHERE = "CatseyeApp"
 
@@ -47,7 +47,7 @@ def key_table_markdown() -> str:
 
 
 def _modules() -> Iterator[ModuleType]:
-    for found in pkgutil.walk_packages(app.tui.__path__, "app.tui."):
+    for found in pkgutil.walk_packages(tui.__path__, f"{tui.__name__}."):
         yield importlib.import_module(found.name)
 
 

@@ -8,8 +8,8 @@ import os
 from pathlib import Path
 from typing import Final
 
-from app.errors import ConfigError
-from app.files.documents import read_toml
+from catseye.app.errors import ConfigError
+from catseye.app.files.documents import read_toml
 
 STOP_KEYS = "f12"
 """Never taken away: a user's file may add keys to STOP, not remove this one."""

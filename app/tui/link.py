@@ -9,15 +9,15 @@ from contextlib import AsyncExitStack, asynccontextmanager, suppress
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Protocol
 
-from app.tui.engines import EngineProcess, engines_of_runs, find_engine
-from app.tui.picture import Picture
-from app.tui.run_picture import LogLine
-from app.tui.stopping import StopOp, stop_by_every_way
+from catseye.app.tui.engines import EngineProcess, engines_of_runs, find_engine
+from catseye.app.tui.picture import Picture
+from catseye.app.tui.run_picture import LogLine
+from catseye.app.tui.stopping import StopOp, stop_by_every_way
 
 if TYPE_CHECKING:
     # The first screen is painted before these are imported.
-    from app.service.client import EngineClient
-    from drivers.clock import Clock
+    from catseye.app.service.client import EngineClient
+    from catseye.drivers.clock import Clock
 
 PROGRAM = "tui"
 
@@ -106,7 +106,7 @@ class EngineLink:
 
     async def serve(self, changed: Callable[[], None]) -> None:
         """Keep the connection until cancelled; `changed` is called after each message."""
-        from app.service.errors import RefusedError, ServiceError
+        from catseye.app.service.errors import RefusedError, ServiceError
 
         while not self._left:
             try:
@@ -120,7 +120,7 @@ class EngineLink:
 
     async def request(self, op: str, **fields: Any) -> dict[str, Any]:
         """Ask, and return what the answer carries."""
-        from app.service.errors import ServiceError
+        from catseye.app.service.errors import ServiceError
 
         if self._client is None:
             raise ServiceError(f"no engine is connected: {self.picture.trouble or 'wait a moment'}")
@@ -149,7 +149,7 @@ class EngineLink:
 
     async def leave(self, *, end_engine: bool) -> None:
         """Give control back and go; an idle engine that nobody else uses may end."""
-        from app.service.errors import RefusedError, ServiceError
+        from catseye.app.service.errors import RefusedError, ServiceError
 
         self._left = True
         if self._client is None:
@@ -167,7 +167,7 @@ class EngineLink:
 
     async def _converse(self, changed: Callable[[], None]) -> str:
         """Be a client of an engine until it is gone, or until a run begins at another one; return which it is."""
-        from app.engine.waiting import cancel
+        from catseye.app.engine.waiting import cancel
 
         path = await asyncio.to_thread(find_engine, self._root) or await self._start_engine()
         async with self._connected(path) as client:
@@ -193,8 +193,8 @@ class EngineLink:
 
     @asynccontextmanager
     async def _connected(self, path: Path) -> AsyncIterator["EngineClient"]:
-        from app.service.client import connect
-        from app.service.errors import ServiceError
+        from catseye.app.service.client import connect
+        from catseye.app.service.errors import ServiceError
 
         async with AsyncExitStack() as stack:
             try:
@@ -224,7 +224,7 @@ class EngineLink:
             catching_up.cancel()
 
     def _take(self, event: dict[str, Any]) -> None:
-        from app.service.errors import ServiceError
+        from catseye.app.service.errors import ServiceError
 
         try:
             self.picture.take(event, self._clock.monotonic_s())
@@ -236,7 +236,7 @@ class EngineLink:
 
     async def _watch_life(self, client: "EngineClient", changed: Callable[[], None]) -> None:
         """Tell when the engine does not answer any more, and when it does again."""
-        from app.service.errors import RefusedError, ServiceError
+        from catseye.app.service.errors import RefusedError, ServiceError
 
         with suppress(RefusedError, ServiceError):
             while True:
@@ -278,8 +278,8 @@ class EngineLink:
 
     async def _catch_up(self, changed: Callable[[], None]) -> None:
         """Read from the record of a run under way what happened before this client came."""
-        from app.errors import StorageError
-        from app.tui.record import read_record
+        from catseye.app.errors import StorageError
+        from catseye.app.tui.record import read_record
 
         run = self.picture.run
         if run is None or not run.active:
@@ -295,7 +295,7 @@ class EngineLink:
 
     async def _take_what_is_free(self) -> None:
         """Ask to be told about the bench; control is taken by whoever wants to do something."""
-        from app.service.errors import RefusedError
+        from catseye.app.service.errors import RefusedError
 
         with suppress(RefusedError):
             answer = await self.request("watch", on=True)
@@ -308,7 +308,7 @@ class EngineLink:
         Raises:
             ServiceError: there is no cell file, or it does not come up; the text is what it said.
         """
-        from app.service.errors import ServiceError
+        from catseye.app.service.errors import ServiceError
 
         if self.cell is None:
             raise ServiceError("there is no cell file yet: set one up (F10), or try the demo")
@@ -318,8 +318,9 @@ class EngineLink:
         with tempfile.TemporaryFile() as said:
             process = await asyncio.create_subprocess_exec(
                 sys.executable,
+                "-P",
                 "-m",
-                "app",
+                "catseye",
                 *arguments,
                 stdin=subprocess.DEVNULL,
                 stdout=subprocess.DEVNULL,

@@ -4,12 +4,12 @@ from collections.abc import Iterable
 from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
-from app.tui.dialogs.form_dialog import Answers
-from app.tui.screens.working import is_file, typed_path
+from catseye.app.tui.dialogs.form_dialog import Answers
+from catseye.app.tui.screens.working import is_file, typed_path
 
 if TYPE_CHECKING:
     # The first screen is painted before files and mathematics are imported.
-    from app.files.result_files import ResultFile
+    from catseye.app.files.result_files import ResultFile
 
 _PATH_RUN: Final = "_validation-path_"
 

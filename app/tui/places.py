@@ -5,8 +5,8 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Final, cast
 
 if TYPE_CHECKING:
-    from app.tui.screens.base import MainScreen
-    from app.tui.session import Session
+    from catseye.app.tui.screens.base import MainScreen
+    from catseye.app.tui.session import Session
 
 
 @dataclass(frozen=True)
@@ -43,5 +43,5 @@ PLACES: Final = {
 def make_screen(name: str, session: "Session") -> "MainScreen":
     """Return a new screen."""
     module, _, screen = PLACES[name].where.partition(":")
-    made = getattr(import_module(f"app.tui.screens.{module}"), screen)
+    made = getattr(import_module(f"catseye.app.tui.screens.{module}"), screen)
     return cast("MainScreen", made(session))

@@ -5,9 +5,9 @@ from typing import Any
 
 import numpy as np
 
-from app.tui.hands import Step
-from app.tui.widgets.plan_drawing import pose_of
-from calibration.pointing import aim, beam_direction, nearest_branch
+from catseye.app.tui.hands import Step
+from catseye.app.tui.widgets.plan_drawing import pose_of
+from catseye.calibration.pointing import aim, beam_direction, nearest_branch
 
 _LONGEST_DEG = 90.0
 """The engine takes no longer step."""

@@ -4,7 +4,7 @@ import json
 from pathlib import Path
 from typing import Any, Final
 
-from app.tui.run_picture import UNTOLD, Event, LogLine, SoFar
+from catseye.app.tui.run_picture import UNTOLD, Event, LogLine, SoFar
 
 POINTS_KEPT: Final = 500
 
@@ -19,8 +19,8 @@ def read_record(path: Path) -> SoFar:
     Raises:
         StorageError: it cannot be read.
     """
-    from app.store.reader import RunReader
-    from app.story.words import event_text
+    from catseye.app.store.reader import RunReader
+    from catseye.app.story.words import event_text
 
     reader = RunReader(path)
     events, points = reader.events(), reader.points()

@@ -4,7 +4,7 @@ import asyncio
 from collections.abc import Callable
 from typing import Any, Final
 
-from app.tui.link import Link
+from catseye.app.tui.link import Link
 
 _UNANSWERED: Final = 60
 """Requests without an answer; the engine answers the first hold when the joint has been set going."""
@@ -45,7 +45,7 @@ class Requests:
         task.add_done_callback(self._sent.discard)
 
     async def _request(self, op: str, fields: dict[str, Any], *, needed: bool) -> None:
-        from app.service.errors import RefusedError, ServiceError
+        from catseye.app.service.errors import RefusedError, ServiceError
 
         try:
             await self._link.request(op, **fields)

@@ -7,15 +7,15 @@ from typing import Any, Final
 
 import numpy as np
 
-from app.analysis.exporting import result_rows
-from app.analysis.identified_uncertainty import sentences
-from app.analysis.result_comparison import MapDifference, ResultComparison
-from app.files.result_files import ResultFile
-from app.files.result_json import MapTable, Result
-from app.report.content import MODEL_TITLES
-from app.report.verdict import fit_verdict, identified
-from app.tui.widgets.result_charts import COVERAGE, MapColumns
-from app.tui.work import command_line
+from catseye.app.analysis.exporting import result_rows
+from catseye.app.analysis.identified_uncertainty import sentences
+from catseye.app.analysis.result_comparison import MapDifference, ResultComparison
+from catseye.app.files.result_files import ResultFile
+from catseye.app.files.result_json import MapTable, Result
+from catseye.app.report.content import MODEL_TITLES
+from catseye.app.report.verdict import fit_verdict, identified
+from catseye.app.tui.widgets.result_charts import COVERAGE, MapColumns
+from catseye.app.tui.work import command_line
 
 SIGNS: Final = {"good": "✓", "bad": "✗", "note": "·"}
 STYLES: Final = {"good": "$success", "bad": "$error", "note": ""}

@@ -4,7 +4,7 @@ from collections import deque
 from dataclasses import dataclass, field
 from typing import Any, Final, Literal
 
-from drivers.device_text import harmless_lines
+from catseye.drivers.device_text import harmless_lines
 
 Event = dict[str, Any]
 
@@ -279,8 +279,8 @@ class RunPicture:
         if event["kind"] in UNTOLD:
             return
         # The first screen is painted before this is imported.
-        from app.store.reader import StoredEvent
-        from app.story.words import event_text
+        from catseye.app.store.reader import StoredEvent
+        from catseye.app.story.words import event_text
 
         text = event_text(StoredEvent(0, str(event.get("t") or ""), str(event["kind"]), data))
         if text:

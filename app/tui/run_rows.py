@@ -6,7 +6,7 @@ from rich.text import Text
 
 if TYPE_CHECKING:
     # The first screen is painted before the store is imported.
-    from app.store.history import RunLine
+    from catseye.app.store.history import RunLine
 
 STATES: Final = {
     "complete": ("✓", "green"),

@@ -6,8 +6,8 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Final
 
-from app.tui.link import Link
-from app.tui.work import Work
+from catseye.app.tui.link import Link
+from catseye.app.tui.work import Work
 
 DEMO_FOLDER: Final = Path("catseye-demo")
 """Where the demo writes, in the present folder."""

@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from app.tui.app import CatseyeApp
+    from catseye.app.tui.app import CatseyeApp
 
 
 async def tell_what_is_wrong(app: "CatseyeApp", keymap: dict[str, str]) -> None:
@@ -29,7 +29,7 @@ async def tell_what_is_wrong(app: "CatseyeApp", keymap: dict[str, str]) -> None:
 
 def unknown_names(names: frozenset[str]) -> str:
     """Return a line for each name that no key of the program has; it imports all screens."""
-    from app.tui.key_table import key_table
+    from catseye.app.tui.key_table import key_table
 
     known = {key.name for key in key_table()}
     lines = []
@@ -41,7 +41,7 @@ def unknown_names(names: frozenset[str]) -> str:
 
 def key_clashes(keymap: dict[str, str]) -> str:
     """Return a line for each key that a user gave to one thing and that something else has in the same place."""
-    from app.tui.key_table import key_table
+    from catseye.app.tui.key_table import key_table
 
     lines = []
     for own in (key for key in key_table() if key.name in keymap):
@@ -58,8 +58,8 @@ def key_clashes(keymap: dict[str, str]) -> str:
 
 def cell_fault(path: Path) -> str:
     """Return why a cell file cannot be used; empty when it can, or when it is not there."""
-    from app.cell.load import load_cell
-    from app.errors import ConfigError
+    from catseye.app.cell.load import load_cell
+    from catseye.app.errors import ConfigError
 
     try:
         if path.is_file():

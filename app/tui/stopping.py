@@ -5,10 +5,10 @@ from collections.abc import Awaitable
 from pathlib import Path
 from typing import TYPE_CHECKING, Final, Literal, TypeVar
 
-from app.tui.engines import EngineProcess, all_engines
+from catseye.app.tui.engines import EngineProcess, all_engines
 
 if TYPE_CHECKING:
-    from app.service.client import EngineClient
+    from catseye.app.service.client import EngineClient
 
 T = TypeVar("T")
 
@@ -33,7 +33,7 @@ async def stop_by_every_way(
         RefusedError: whoever answers has nothing to stop.
         ServiceError: nobody answers; the text says what was done instead.
     """
-    from app.service.errors import RefusedError, ServiceError
+    from catseye.app.service.errors import RefusedError, ServiceError
 
     refusal = None
     try:
@@ -58,7 +58,7 @@ async def stop_by_every_way(
 
 async def _ask_alone(path: Path, op: StopOp) -> bool | None:
     """Ask on a connection of its own; return whether it was done, None when nobody answers."""
-    from app.service.messages import VERSION, decode_message, encode
+    from catseye.app.service.messages import VERSION, decode_message, encode
 
     async def ask() -> bool:
         reader, writer = await asyncio.open_unix_connection(path)
@@ -76,7 +76,7 @@ async def _ask_alone(path: Path, op: StopOp) -> bool | None:
 
 async def _within(answer: Awaitable[T]) -> T | None:
     """Return an answer; None when none comes in time, or the connection is closed."""
-    from app.service.errors import BadMessageError, ServiceError
+    from catseye.app.service.errors import BadMessageError, ServiceError
 
     try:
         async with asyncio.timeout(ANSWER_S):

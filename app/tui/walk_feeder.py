@@ -4,9 +4,9 @@ import asyncio
 from collections.abc import Callable, Coroutine
 from typing import Any, Final
 
-from app.tui.dead_man import DeadMan
-from app.tui.link import Link
-from app.tui.requests import Requests
+from catseye.app.tui.dead_man import DeadMan
+from catseye.app.tui.link import Link
+from catseye.app.tui.requests import Requests
 
 FEED_S: Final = 0.05
 """Between two feedings; the engine waits 0.3 s for them."""

@@ -67,8 +67,9 @@ class Commands:
         words = tuple(str(argument) for argument in arguments)
         process = await asyncio.create_subprocess_exec(
             sys.executable,
+            "-P",
             "-m",
-            "app",
+            "catseye",
             *words,
             stdin=asyncio.subprocess.DEVNULL,
             stdout=asyncio.subprocess.PIPE,

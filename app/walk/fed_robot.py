@@ -5,14 +5,14 @@ from collections.abc import Callable
 from dataclasses import replace
 from typing import Any
 
-from app.engine.devices import DeviceBuilder, Devices, WireRecorder
-from app.engine.halt import HaltLimits, halt
-from app.engine.waiting import cancel
-from app.errors import SafetyError
-from app.walk.feed import Feed, FeedLostError
-from app.walk.walk import Walk
-from drivers.clock import Clock, SystemClock
-from procedures.devices import ControllerStatus, DeviceIdentity, Joints, Robot
+from catseye.app.engine.devices import DeviceBuilder, Devices, WireRecorder
+from catseye.app.engine.halt import HaltLimits, halt
+from catseye.app.engine.waiting import cancel
+from catseye.app.errors import SafetyError
+from catseye.app.walk.feed import Feed, FeedLostError
+from catseye.app.walk.walk import Walk
+from catseye.drivers.clock import Clock, SystemClock
+from catseye.procedures.devices import ControllerStatus, DeviceIdentity, Joints, Robot
 
 
 class FedRobot:

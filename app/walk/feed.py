@@ -2,8 +2,8 @@
 
 from typing import Final
 
-from app.errors import CatseyeError
-from drivers.clock import Clock
+from catseye.app.errors import CatseyeError
+from catseye.drivers.clock import Clock
 
 FED_FOR_S: Final = 0.3
 """How long one feeding lasts, real s."""

@@ -5,12 +5,12 @@ from dataclasses import replace
 from functools import partial
 from pathlib import Path
 
-from app.running import PlannedRun, motions_from
-from app.walk.feed import Feed
-from app.walk.register import walked_legs
-from app.walk.tube import Leg
-from app.walk.walk import Walk
-from drivers.clock import SystemClock
+from catseye.app.running import PlannedRun, motions_from
+from catseye.app.walk.feed import Feed
+from catseye.app.walk.register import walked_legs
+from catseye.app.walk.tube import Leg
+from catseye.app.walk.walk import Walk
+from catseye.drivers.clock import SystemClock
 
 
 def as_walk(planned: PlannedRun, root: Path, walked: Iterable[Leg] = ()) -> PlannedRun:

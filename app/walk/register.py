@@ -7,16 +7,16 @@ from dataclasses import asdict, replace
 from pathlib import Path
 from typing import Any, Final
 
-from app.cell.bodies import workspace_of
-from app.cell.model import Cell
-from app.errors import StorageError
-from app.store.catalog import paths_of
-from app.store.reader import RunReader, StoredStep
-from app.store.seal import read_manifest
-from app.store.verify import verify
-from app.walk.tube import Leg
-from procedures.context import Json
-from procedures.devices import DeviceIdentity, Joints
+from catseye.app.cell.bodies import workspace_of
+from catseye.app.cell.model import Cell
+from catseye.app.errors import StorageError
+from catseye.app.store.catalog import paths_of
+from catseye.app.store.reader import RunReader, StoredStep
+from catseye.app.store.seal import read_manifest
+from catseye.app.store.verify import verify
+from catseye.app.walk.tube import Leg
+from catseye.procedures.context import Json
+from catseye.procedures.devices import DeviceIdentity, Joints
 
 WALK: Final = "walk"
 """Name of the procedure that a walk is stored as, and of what its record says about it."""

@@ -4,14 +4,14 @@ import asyncio
 from collections.abc import Awaitable, Callable, Sequence
 from typing import Final, Protocol
 
-from app.errors import PromptUnansweredError, UnwalkedError
-from app.store.reader import RunReader
-from app.store.run_store import RunStore
-from app.walk.register import as_row
-from app.walk.speed import place_text
-from app.walk.tube import TUBE_DEG, TUBE_MM, Leg, Tubes, legs_through, uncovered
-from procedures.context import Json, Prompt
-from procedures.devices import DeviceIdentity, Joints
+from catseye.app.errors import PromptUnansweredError, UnwalkedError
+from catseye.app.store.reader import RunReader
+from catseye.app.store.run_store import RunStore
+from catseye.app.walk.register import as_row
+from catseye.app.walk.speed import place_text
+from catseye.app.walk.tube import TUBE_DEG, TUBE_MM, Leg, Tubes, legs_through, uncovered
+from catseye.procedures.context import Json, Prompt
+from catseye.procedures.devices import DeviceIdentity, Joints
 
 WAIVER: Final = "walk_waiver"
 """What a run calls it in its record."""

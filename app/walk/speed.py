@@ -3,10 +3,10 @@
 import math
 from typing import Final
 
-from app.errors import SafetyError
-from app.walk.tube import Leg
-from procedures.bench import Bench
-from procedures.motion.body_speed import fastest_mm_s
+from catseye.app.errors import SafetyError
+from catseye.app.walk.tube import Leg
+from catseye.procedures.bench import Bench
+from catseye.procedures.motion.body_speed import fastest_mm_s
 
 FASTEST_MM_S: Final = 250.0
 """Of anything on the arm while it is walked."""

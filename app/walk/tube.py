@@ -13,8 +13,8 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from calibration.kinematics.sweep import cut_corners
-from procedures.devices import Joints
+from catseye.calibration.kinematics.sweep import cut_corners
+from catseye.procedures.devices import Joints
 
 Floats = NDArray[np.float64]
 

@@ -11,21 +11,21 @@ from typing import Any, Final
 import numpy as np
 from pydantic import BaseModel
 
-from app.engine.gate import WHOLE_PERCENT
-from app.engine.handle import OnOpen, RunHandle
-from app.errors import MeasurementRejectedError, UsageError
-from app.procedure_list import Runnable
-from app.walk.feed import Feed, FeedLostError
-from app.walk.register import WALK, as_row
-from app.walk.speed import FASTEST_MM_S, MOST_PERCENT, place_text, walking_percent
-from app.walk.tube import TUBE_DEG, TUBE_MM, Leg, Tubes, to_walk
-from procedures.bench import Bench
-from procedures.context import Context, Live, Row
-from procedures.devices import DeviceIdentity, Joints
-from procedures.errors import ArmMovedError
-from procedures.motion.body_speed import fastest_mm_s
-from procedures.motion.entry import stands_at, way_in
-from procedures.motion.motion_time import move_time_s
+from catseye.app.engine.gate import WHOLE_PERCENT
+from catseye.app.engine.handle import OnOpen, RunHandle
+from catseye.app.errors import MeasurementRejectedError, UsageError
+from catseye.app.procedure_list import Runnable
+from catseye.app.walk.feed import Feed, FeedLostError
+from catseye.app.walk.register import WALK, as_row
+from catseye.app.walk.speed import FASTEST_MM_S, MOST_PERCENT, place_text, walking_percent
+from catseye.app.walk.tube import TUBE_DEG, TUBE_MM, Leg, Tubes, to_walk
+from catseye.procedures.bench import Bench
+from catseye.procedures.context import Context, Live, Row
+from catseye.procedures.devices import DeviceIdentity, Joints
+from catseye.procedures.errors import ArmMovedError
+from catseye.procedures.motion.body_speed import fastest_mm_s
+from catseye.procedures.motion.entry import stands_at, way_in
+from catseye.procedures.motion.motion_time import move_time_s
 
 MotionsFrom = Callable[[Joints], Awaitable[Sequence[Leg]]]
 """Returns every motion of a plan that begins where the arm stands."""

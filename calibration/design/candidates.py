@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from calibration.types import Bools, Floats
+from catseye.calibration.types import Bools, Floats
 
 
 @dataclass(frozen=True)

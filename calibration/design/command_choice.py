@@ -10,9 +10,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from calibration.design.criteria import Criterion, covariances
-from calibration.design.information import Rows
-from calibration.types import Bools, Floats, Ints
+from catseye.calibration.design.criteria import Criterion, covariances
+from catseye.calibration.design.information import Rows
+from catseye.calibration.types import Bools, Floats, Ints
 
 _PRIOR_SHARE = 1e-10
 """Weight of a prior on the nuisances, as a share of their information: a dead path whose commands are all left out

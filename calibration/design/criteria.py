@@ -5,7 +5,7 @@ from typing import Literal
 
 import numpy as np
 
-from calibration.types import Floats
+from catseye.calibration.types import Floats
 
 CriterionName = Literal["A", "D", "E", "path"]
 

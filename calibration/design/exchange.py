@@ -9,9 +9,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from calibration.design.criteria import Criterion, covariances
-from calibration.design.information import Information
-from calibration.types import Bools, Floats, Ints
+from catseye.calibration.design.criteria import Criterion, covariances
+from catseye.calibration.design.information import Information
+from catseye.calibration.types import Bools, Floats, Ints
 
 _BATCH = 16
 """Places that are worked out at once; the bound is looked at again after each batch."""

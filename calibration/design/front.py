@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from calibration.types import Bools, Floats
+from catseye.calibration.types import Bools, Floats
 
 
 def pareto_front(costs: Floats) -> Bools:

@@ -12,14 +12,14 @@ from functools import cached_property
 import numpy as np
 from scipy import linalg
 
-from calibration.arm import ArmDesign, arm_design
-from calibration.design.sight import Sight
-from calibration.identification import IdentifiedArm
-from calibration.layout import Layout
-from calibration.observability import require_identifiable
-from calibration.points import Commands, Points
-from calibration.types import Bools, Floats
-from calibration.uncertainty.budget import Budget, Geometry, combined_white_mm, systematic_effects
+from catseye.calibration.arm import ArmDesign, arm_design
+from catseye.calibration.design.sight import Sight
+from catseye.calibration.identification import IdentifiedArm
+from catseye.calibration.layout import Layout
+from catseye.calibration.observability import require_identifiable
+from catseye.calibration.points import Commands, Points
+from catseye.calibration.types import Bools, Floats
+from catseye.calibration.uncertainty.budget import Budget, Geometry, combined_white_mm, systematic_effects
 
 
 @dataclass(frozen=True)

@@ -5,8 +5,8 @@ from typing import Literal
 
 import numpy as np
 
-from calibration.pointing import beam_direction, column_clearance, unwrap, visible
-from calibration.types import Bools, Floats, Ints
+from catseye.calibration.pointing import beam_direction, column_clearance, unwrap, visible
+from catseye.calibration.types import Bools, Floats, Ints
 
 Reason = Literal[
     "",

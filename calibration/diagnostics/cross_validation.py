@@ -12,10 +12,10 @@ from typing import Literal
 import numpy as np
 from scipy import special
 
-from calibration.diagnostics.projection import Projection
-from calibration.diagnostics.testing import adjusted
-from calibration.fit_statistics import SIGNIFICANCE
-from calibration.types import Floats, Ints
+from catseye.calibration.diagnostics.projection import Projection
+from catseye.calibration.diagnostics.testing import adjusted
+from catseye.calibration.fit_statistics import SIGNIFICANCE
+from catseye.calibration.types import Floats, Ints
 
 Way = Literal["reflector", "segment", "sweep"]
 

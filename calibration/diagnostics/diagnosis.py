@@ -3,17 +3,17 @@
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from calibration.diagnostics.cross_validation import CrossValidation, cross_validation
-from calibration.diagnostics.drift import Change, changes
-from calibration.diagnostics.harmonics import Harmonic, HarmonicSeries, harmonic_series
-from calibration.diagnostics.joint_angles import AnglePattern, angle_patterns
-from calibration.diagnostics.nested_models import ComparedModel, Extension, compare_models
-from calibration.diagnostics.node_spacing import NodeSpacing, node_spacing
-from calibration.diagnostics.problem import Problem
-from calibration.diagnostics.projection import projection_of
-from calibration.diagnostics.residuals import StudentisedResiduals, studentised
-from calibration.extension import crosstalk, j4_map, periodic, thermal_drift
-from calibration.identification import Identification
+from catseye.calibration.diagnostics.cross_validation import CrossValidation, cross_validation
+from catseye.calibration.diagnostics.drift import Change, changes
+from catseye.calibration.diagnostics.harmonics import Harmonic, HarmonicSeries, harmonic_series
+from catseye.calibration.diagnostics.joint_angles import AnglePattern, angle_patterns
+from catseye.calibration.diagnostics.nested_models import ComparedModel, Extension, compare_models
+from catseye.calibration.diagnostics.node_spacing import NodeSpacing, node_spacing
+from catseye.calibration.diagnostics.problem import Problem
+from catseye.calibration.diagnostics.projection import projection_of
+from catseye.calibration.diagnostics.residuals import StudentisedResiduals, studentised
+from catseye.calibration.extension import crosstalk, j4_map, periodic, thermal_drift
+from catseye.calibration.identification import Identification
 
 _MOST_ORDERS = 3
 """Harmonics of a joint that are tried as terms of a model."""

@@ -9,9 +9,9 @@ from dataclasses import dataclass
 import numpy as np
 from scipy import special
 
-from calibration.diagnostics.projection import Projection, addition
-from calibration.fit_statistics import SIGNIFICANCE
-from calibration.types import Bools, Floats, Ints
+from catseye.calibration.diagnostics.projection import Projection, addition
+from catseye.calibration.fit_statistics import SIGNIFICANCE
+from catseye.calibration.types import Bools, Floats, Ints
 
 _FEWEST = 8
 """Distances that a segment needs before its drift is judged."""

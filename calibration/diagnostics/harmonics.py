@@ -5,12 +5,12 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from calibration.diagnostics.projection import Projection, addition
-from calibration.diagnostics.testing import adjusted
-from calibration.extension import Source, Target
-from calibration.fit_statistics import SIGNIFICANCE
-from calibration.identification import beam_turn_rad
-from calibration.types import Bools, Floats
+from catseye.calibration.diagnostics.projection import Projection, addition
+from catseye.calibration.diagnostics.testing import adjusted
+from catseye.calibration.extension import Source, Target
+from catseye.calibration.fit_statistics import SIGNIFICANCE
+from catseye.calibration.identification import beam_turn_rad
+from catseye.calibration.types import Bools, Floats
 
 _SAME = 1.0 - 1e-9
 """Two orders whose waves at the commands correlate more than this are one."""

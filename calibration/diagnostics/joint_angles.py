@@ -4,10 +4,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from calibration.diagnostics.projection import Projection, addition
-from calibration.fit_statistics import SIGNIFICANCE
-from calibration.identification import beam_turn_rad
-from calibration.types import Floats, Ints
+from catseye.calibration.diagnostics.projection import Projection, addition
+from catseye.calibration.fit_statistics import SIGNIFICANCE
+from catseye.calibration.identification import beam_turn_rad
+from catseye.calibration.types import Floats, Ints
 
 _MOST_LEVELS = 40
 _BIN_RAD = np.deg2rad(10.0)

@@ -5,15 +5,15 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from calibration.diagnostics.information import aicc, bic
-from calibration.diagnostics.problem import Problem
-from calibration.diagnostics.projection import Projection, projection_of
-from calibration.diagnostics.testing import adjusted, f_test
-from calibration.errors import CalibrationError
-from calibration.extension import Term
-from calibration.fit_statistics import SIGNIFICANCE
-from calibration.identification import Identification
-from calibration.types import Floats
+from catseye.calibration.diagnostics.information import aicc, bic
+from catseye.calibration.diagnostics.problem import Problem
+from catseye.calibration.diagnostics.projection import Projection, projection_of
+from catseye.calibration.diagnostics.testing import adjusted, f_test
+from catseye.calibration.errors import CalibrationError
+from catseye.calibration.extension import Term
+from catseye.calibration.fit_statistics import SIGNIFICANCE
+from catseye.calibration.identification import Identification
+from catseye.calibration.types import Floats
 
 CONVENTIONAL, ERROR_MAP, TOGETHER = "conventional", "error map", "all together"
 

@@ -5,12 +5,12 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from calibration.diagnostics.cross_validation import predicted_residuals
-from calibration.diagnostics.information import aicc, bic
-from calibration.diagnostics.problem import Problem
-from calibration.diagnostics.projection import projection_of
-from calibration.errors import CalibrationError
-from calibration.types import Bools, Floats
+from catseye.calibration.diagnostics.cross_validation import predicted_residuals
+from catseye.calibration.diagnostics.information import aicc, bic
+from catseye.calibration.diagnostics.problem import Problem
+from catseye.calibration.diagnostics.projection import projection_of
+from catseye.calibration.errors import CalibrationError
+from catseye.calibration.types import Bools, Floats
 
 _COARSER = (1, 2, 3)
 """Every node, every second, every third."""

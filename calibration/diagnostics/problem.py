@@ -2,17 +2,17 @@
 
 from dataclasses import dataclass, replace
 
-from calibration.extension import Term
-from calibration.identification import Identification, identify
-from calibration.layout import ModelName
-from calibration.points import Points
-from calibration.types import Bools, Floats, Ints
-from calibration.uncertainty.budget import Budget
+from catseye.calibration.extension import Term
+from catseye.calibration.identification import Identification, identify
+from catseye.calibration.layout import ModelName
+from catseye.calibration.points import Points
+from catseye.calibration.types import Bools, Floats, Ints
+from catseye.calibration.uncertainty.budget import Budget
 
 
 @dataclass(frozen=True)
 class Problem:
-    """What `calibration.identification.identify` is asked.
+    """What `catseye.calibration.identification.identify` is asked.
 
     Attributes:
         points: measured distances.

@@ -10,13 +10,13 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy import linalg
 
-from calibration.diagnostics.testing import FTest, f_test
-from calibration.distance_model import distance_model
-from calibration.fit_statistics import SIGNIFICANCE, Expected, point_weights
-from calibration.identification import Identification
-from calibration.points import Points
-from calibration.types import Floats
-from calibration.uncertainty.budget import Geometry, geometry_of, systematic_effects
+from catseye.calibration.diagnostics.testing import FTest, f_test
+from catseye.calibration.distance_model import distance_model
+from catseye.calibration.fit_statistics import SIGNIFICANCE, Expected, point_weights
+from catseye.calibration.identification import Identification
+from catseye.calibration.points import Points
+from catseye.calibration.types import Floats
+from catseye.calibration.uncertainty.budget import Geometry, geometry_of, systematic_effects
 
 _ABSORBED = 1e-5
 """A function of which the model leaves less than this share is absorbed by the model."""

@@ -4,13 +4,13 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from calibration.diagnostics.problem import Problem
-from calibration.diagnostics.projection import Projection, projection_of
-from calibration.diagnostics.robust import robust_fit
-from calibration.errors import RejectionError
-from calibration.identification import Identification
-from calibration.points import Points, rows_of_long_segments
-from calibration.types import Bools, Floats, Ints
+from catseye.calibration.diagnostics.problem import Problem
+from catseye.calibration.diagnostics.projection import Projection, projection_of
+from catseye.calibration.diagnostics.robust import robust_fit
+from catseye.calibration.errors import RejectionError
+from catseye.calibration.identification import Identification
+from catseye.calibration.points import Points, rows_of_long_segments
+from catseye.calibration.types import Bools, Floats, Ints
 
 MOST_REJECTED = 0.05
 """Largest share of the distances that may go; beyond it the model is in doubt, not the distances."""

@@ -4,8 +4,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from calibration.diagnostics.projection import Projection
-from calibration.types import Floats
+from catseye.calibration.diagnostics.projection import Projection
+from catseye.calibration.types import Floats
 
 _DETERMINED = 1e-10
 """A distance whose leverage comes closer to 1 than this determines a parameter alone; nothing speaks about it."""

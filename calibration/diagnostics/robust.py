@@ -9,14 +9,14 @@ from typing import Literal
 
 import numpy as np
 
-from calibration.diagnostics.sandwich import sandwich
-from calibration.distance_model import DistanceModel, distance_model
-from calibration.errors import ConvergenceError
-from calibration.fit_statistics import FitStatistics, RobustLoss, point_weights
-from calibration.identification import Identification
-from calibration.least_squares import minimise
-from calibration.types import Floats
-from calibration.uncertainty.contributions import Contributions
+from catseye.calibration.diagnostics.sandwich import sandwich
+from catseye.calibration.distance_model import DistanceModel, distance_model
+from catseye.calibration.errors import ConvergenceError
+from catseye.calibration.fit_statistics import FitStatistics, RobustLoss, point_weights
+from catseye.calibration.identification import Identification
+from catseye.calibration.least_squares import minimise
+from catseye.calibration.types import Floats
+from catseye.calibration.uncertainty.contributions import Contributions
 
 Loss = Literal["huber", "soft-l1"]
 

@@ -5,13 +5,13 @@ import math
 import numpy as np
 from scipy import linalg
 
-from calibration.distance_model import DistanceModel
-from calibration.fit_statistics import point_weights
-from calibration.identification import Identification
-from calibration.types import Floats
-from calibration.uncertainty.budget import Budget, effects, geometry_of
-from calibration.uncertainty.contributions import Contributions
-from calibration.uncertainty.distance_errors import DistanceErrors, Shared, White
+from catseye.calibration.distance_model import DistanceModel
+from catseye.calibration.fit_statistics import point_weights
+from catseye.calibration.identification import Identification
+from catseye.calibration.types import Floats
+from catseye.calibration.uncertainty.budget import Budget, effects, geometry_of
+from catseye.calibration.uncertainty.contributions import Contributions
+from catseye.calibration.uncertainty.distance_errors import DistanceErrors, Shared, White
 
 SCATTER = "scatter of the distances"
 """Name of what a robust fit puts in the place of the stated white contributors."""

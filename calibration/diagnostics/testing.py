@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy import special
 
-from calibration.fit_statistics import Expected
+from catseye.calibration.fit_statistics import Expected
 
 _TINY = 1e-300
 """Keeps a ratio finite where nothing is left over."""

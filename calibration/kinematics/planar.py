@@ -7,8 +7,8 @@ from typing import Literal
 
 import numpy as np
 
-from calibration.errors import OutOfReachError
-from calibration.types import Floats
+from catseye.calibration.errors import OutOfReachError
+from catseye.calibration.types import Floats
 
 Hand = Literal["right", "left"]
 

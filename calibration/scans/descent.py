@@ -5,10 +5,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from calibration.errors import ConvergenceError
-from calibration.least_squares import MAX_ITERATIONS, STEP_TOLERANCE, NormalEquations
-from calibration.scans.normal_sums import NormalSums
-from calibration.types import Floats
+from catseye.calibration.errors import ConvergenceError
+from catseye.calibration.least_squares import MAX_ITERATIONS, STEP_TOLERANCE, NormalEquations
+from catseye.calibration.scans.normal_sums import NormalSums
+from catseye.calibration.types import Floats
 
 _LARGEST_DAMPING = 1e-6
 """A step that is damped more than this may be short although the minimum is far."""

@@ -4,9 +4,9 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from calibration.scans.residual_sums import ResidualSums
-from calibration.scans.sparse_rows import Slot, SparseRows
-from calibration.types import Floats, Ints
+from catseye.calibration.scans.residual_sums import ResidualSums
+from catseye.calibration.scans.sparse_rows import Slot, SparseRows
+from catseye.calibration.types import Floats, Ints
 
 
 @dataclass

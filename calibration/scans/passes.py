@@ -5,19 +5,19 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from calibration.arm import arm_design
-from calibration.distance_model import DistanceModel
-from calibration.errors import CalibrationError
-from calibration.fit_statistics import point_weights
-from calibration.identification import beam_turn_rad
-from calibration.layout import Layout
-from calibration.points import Points
-from calibration.scans.normal_sums import NormalSums
-from calibration.scans.residual_sums import ResidualSums
-from calibration.scans.sparse_rows import sparse_rows
-from calibration.scans.used_rows import UsedRows
-from calibration.types import Floats
-from calibration.uncertainty.budget import Budget, combined_white_mm, geometry_of, systematic_effects
+from catseye.calibration.arm import arm_design
+from catseye.calibration.distance_model import DistanceModel
+from catseye.calibration.errors import CalibrationError
+from catseye.calibration.fit_statistics import point_weights
+from catseye.calibration.identification import beam_turn_rad
+from catseye.calibration.layout import Layout
+from catseye.calibration.points import Points
+from catseye.calibration.scans.normal_sums import NormalSums
+from catseye.calibration.scans.residual_sums import ResidualSums
+from catseye.calibration.scans.sparse_rows import sparse_rows
+from catseye.calibration.scans.used_rows import UsedRows
+from catseye.calibration.types import Floats
+from catseye.calibration.uncertainty.budget import Budget, combined_white_mm, geometry_of, systematic_effects
 
 
 @dataclass(frozen=True)

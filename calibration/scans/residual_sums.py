@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from calibration.types import Floats, Ints
+from catseye.calibration.types import Floats, Ints
 
 BINS = 41
 """Bins of the histogram; the first and the last hold all that lies beyond."""

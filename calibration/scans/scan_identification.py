@@ -6,22 +6,22 @@ from dataclasses import dataclass
 import numpy as np
 from scipy import linalg
 
-from calibration.error_map import interpolate
-from calibration.errors import CalibrationError, InsufficientPointsError, MapRangeError
-from calibration.extension import Term
-from calibration.fit_statistics import FitSums, summed_statistics
-from calibration.identification import Identification
-from calibration.layout import Layout, ModelName
-from calibration.least_squares import factorise
-from calibration.observability import require_identifiable
-from calibration.points import Points
-from calibration.scans.descent import Minimum, descend
-from calibration.scans.passes import Passes
-from calibration.scans.residual_sums import ResidualSums
-from calibration.scans.source import PointSource
-from calibration.scans.used_rows import used_rows
-from calibration.types import Floats
-from calibration.uncertainty.budget import Budget
+from catseye.calibration.error_map import interpolate
+from catseye.calibration.errors import CalibrationError, InsufficientPointsError, MapRangeError
+from catseye.calibration.extension import Term
+from catseye.calibration.fit_statistics import FitSums, summed_statistics
+from catseye.calibration.identification import Identification
+from catseye.calibration.layout import Layout, ModelName
+from catseye.calibration.least_squares import factorise
+from catseye.calibration.observability import require_identifiable
+from catseye.calibration.points import Points
+from catseye.calibration.scans.descent import Minimum, descend
+from catseye.calibration.scans.passes import Passes
+from catseye.calibration.scans.residual_sums import ResidualSums
+from catseye.calibration.scans.source import PointSource
+from catseye.calibration.scans.used_rows import used_rows
+from catseye.calibration.types import Floats
+from catseye.calibration.uncertainty.budget import Budget
 
 SQUARED_RANK_TOLERANCE = 3e-6
 """Singular values below this share of the largest count as zero here.
@@ -73,10 +73,10 @@ def identify_scan(
 ) -> ScanIdentification:
     """Identify the arm from a source that need not fit into memory.
 
-    Solves the same problem as calibration.identification.identify, by Gauss-Newton steps whose normal equations are
-    summed up block by block; the gradient is that of all rows, so squaring costs no digits of the estimate. Rank
-    and covariance come from the normal matrix, see SQUARED_RANK_TOLERANCE. Repeats of poses are not looked for:
-    there is no test of the lack of fit.
+    Solves the same problem as `identification.identify`, by Gauss-Newton steps whose normal equations are summed up
+    block by block; the gradient is that of all rows, so squaring costs no digits of the estimate. Rank and covariance
+    come from the normal matrix, see SQUARED_RANK_TOLERANCE. Repeats of poses are not looked for: there is no test of
+    the lack of fit.
 
     Args:
         source: measured distances.

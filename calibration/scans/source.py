@@ -6,7 +6,7 @@ from typing import Protocol
 
 import numpy as np
 
-from calibration.points import Points
+from catseye.calibration.points import Points
 
 
 class PointSource(Protocol):

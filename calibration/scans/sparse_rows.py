@@ -5,9 +5,9 @@ from dataclasses import dataclass
 import numpy as np
 from scipy import sparse
 
-from calibration.arm import LOCAL
-from calibration.distance_model import DistanceModel
-from calibration.types import Floats, Ints
+from catseye.calibration.arm import LOCAL
+from catseye.calibration.distance_model import DistanceModel
+from catseye.calibration.types import Floats, Ints
 
 
 @dataclass(frozen=True)

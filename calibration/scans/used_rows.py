@@ -5,9 +5,9 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from calibration.points import Points, concatenated, short_segments
-from calibration.scans.source import PointSource
-from calibration.types import Bools, Floats, Ints
+from catseye.calibration.points import Points, concatenated, short_segments
+from catseye.calibration.scans.source import PointSource
+from catseye.calibration.types import Bools, Floats, Ints
 
 _FEW = 40_000
 """So many rows, evenly spread, give starting values that one full pass improves to the end."""

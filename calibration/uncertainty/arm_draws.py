@@ -9,12 +9,12 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from calibration.distance_model import distance_model
-from calibration.errors import CalibrationError
-from calibration.identification import Identification
-from calibration.types import Floats
-from calibration.uncertainty.batched_solver import BatchedProblem, Solved, solve_draws
-from calibration.uncertainty.distance_errors import DistanceErrors, distance_errors
+from catseye.calibration.distance_model import distance_model
+from catseye.calibration.errors import CalibrationError
+from catseye.calibration.identification import Identification
+from catseye.calibration.types import Floats
+from catseye.calibration.uncertainty.batched_solver import BatchedProblem, Solved, solve_draws
+from catseye.calibration.uncertainty.distance_errors import DistanceErrors, distance_errors
 
 CHUNK = 250
 """Draws of a chunk; the numbers that a seed gives depend on it."""

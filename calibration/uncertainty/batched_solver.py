@@ -11,10 +11,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy import sparse
 
-from calibration.distance_model import DistanceModel
-from calibration.fit_statistics import point_weights
-from calibration.least_squares import factorise, minimise
-from calibration.types import Bools, Floats, Ints
+from catseye.calibration.distance_model import DistanceModel
+from catseye.calibration.fit_statistics import point_weights
+from catseye.calibration.least_squares import factorise, minimise
+from catseye.calibration.types import Bools, Floats, Ints
 
 _STEP_TOLERANCE_MM = 1e-9
 """A draw is solved after a step that changes its residuals by less than this, rms."""

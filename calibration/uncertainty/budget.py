@@ -10,11 +10,11 @@ from typing import Literal
 
 import numpy as np
 
-from calibration.distance_model import DistanceModel
-from calibration.extension import Term, term_values
-from calibration.points import Points
-from calibration.types import Floats, Ints
-from calibration.uncertainty.radial import RadialBudget, axis_frame, harmonics
+from catseye.calibration.distance_model import DistanceModel
+from catseye.calibration.extension import Term, term_values
+from catseye.calibration.points import Points
+from catseye.calibration.types import Floats, Ints
+from catseye.calibration.uncertainty.radial import RadialBudget, axis_frame, harmonics
 
 Kind = Literal["length", "scale", "position", "angle", "radial", "direction"]
 """What is uncertain: the distance, its scale, the position of the J4 axis, a joint's angle, the place of a joint's

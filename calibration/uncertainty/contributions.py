@@ -4,15 +4,15 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from calibration.arm import arm_design
-from calibration.distance_model import distance_model
-from calibration.fit_statistics import point_weights
-from calibration.identification import Identification
-from calibration.least_squares import factorise
-from calibration.points import Commands
-from calibration.types import Floats
-from calibration.uncertainty.distance_errors import DistanceErrors, distance_errors
-from calibration.uncertainty.gum import effective_dof
+from catseye.calibration.arm import arm_design
+from catseye.calibration.distance_model import distance_model
+from catseye.calibration.fit_statistics import point_weights
+from catseye.calibration.identification import Identification
+from catseye.calibration.least_squares import factorise
+from catseye.calibration.points import Commands
+from catseye.calibration.types import Floats
+from catseye.calibration.uncertainty.distance_errors import DistanceErrors, distance_errors
+from catseye.calibration.uncertainty.gum import effective_dof
 
 
 @dataclass(frozen=True)

@@ -6,7 +6,7 @@ from typing import Literal
 
 import numpy as np
 
-from calibration.types import Floats
+from catseye.calibration.types import Floats
 
 Verdict = Literal["validated", "not validated", "too few draws"]
 

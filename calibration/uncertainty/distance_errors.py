@@ -5,10 +5,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from calibration.distance_model import distance_model
-from calibration.identification import Identification
-from calibration.types import Floats
-from calibration.uncertainty.budget import (
+from catseye.calibration.distance_model import distance_model
+from catseye.calibration.identification import Identification
+from catseye.calibration.types import Floats
+from catseye.calibration.uncertainty.budget import (
     Budget,
     Contributor,
     Geometry,
@@ -17,7 +17,7 @@ from calibration.uncertainty.budget import (
     geometry_of,
     white_mm,
 )
-from calibration.uncertainty.distributions import Shape, standard_draws
+from catseye.calibration.uncertainty.distributions import Shape, standard_draws
 
 
 @dataclass(frozen=True)

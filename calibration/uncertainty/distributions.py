@@ -7,7 +7,7 @@ from typing import Literal, Protocol
 
 import numpy as np
 
-from calibration.types import Floats
+from catseye.calibration.types import Floats
 
 Shape = Literal["normal", "uniform", "triangular", "arcsine"]
 

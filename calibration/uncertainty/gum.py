@@ -7,8 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 from scipy import special
 
-from calibration.types import Floats
-from calibration.uncertainty.distributions import DIVISORS, Shape
+from catseye.calibration.types import Floats
+from catseye.calibration.uncertainty.distributions import DIVISORS, Shape
 
 _STEP = 1e-3
 """Share of a standard uncertainty that an input is moved by for a sensitivity coefficient."""

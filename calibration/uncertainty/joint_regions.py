@@ -5,8 +5,8 @@ from dataclasses import dataclass
 import numpy as np
 from scipy import linalg
 
-from calibration.types import Bools, Floats
-from calibration.uncertainty.gum import correlation
+from catseye.calibration.types import Bools, Floats
+from catseye.calibration.uncertainty.gum import correlation
 
 
 @dataclass(frozen=True)

@@ -8,8 +8,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from calibration.points import Points
-from calibration.types import Floats
+from catseye.calibration.points import Points
+from catseye.calibration.types import Floats
 
 
 @dataclass(frozen=True)

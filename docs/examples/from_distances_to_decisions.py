@@ -8,7 +8,7 @@
 # %%
 import numpy as np
 
-from calibration import (
+from catseye.calibration import (
     BidirectionalMap,
     Budget,
     Commands,

@@ -2,7 +2,7 @@
 
 from typing import Any, ClassVar, Protocol, Self
 
-from drivers.air.maps import (
+from catseye.drivers.air.maps import (
     VAISALA_PRESSURE_NOTE,
     AirSettings,
     Name,
@@ -11,12 +11,12 @@ from drivers.air.maps import (
     decode,
     resolve,
 )
-from drivers.clock import Clock
-from drivers.endpoint import require_stream
-from drivers.errors import LinkTimeoutError, ProtocolError, RefusedError
-from drivers.modbus.client import RegisterClient
-from drivers.readings import AirSample, Identity
-from drivers.record import Sink
+from catseye.drivers.clock import Clock
+from catseye.drivers.endpoint import require_stream
+from catseye.drivers.errors import LinkTimeoutError, ProtocolError, RefusedError
+from catseye.drivers.modbus.client import RegisterClient
+from catseye.drivers.readings import AirSample, Identity
+from catseye.drivers.record import Sink
 
 _BLOCK_REGISTERS = 64
 _ILLEGAL_ADDRESS = 2

@@ -5,14 +5,14 @@ from typing import Any, ClassVar, Self
 
 from pydantic import BaseModel, ConfigDict, Field
 
-from drivers.air.ptu300_codec import FORM, TextDecoder, checked, parse_values
-from drivers.clock import Clock
-from drivers.endpoint import open_transport
-from drivers.errors import LinkError, ProtocolError, WrongDeviceError
-from drivers.link import RequestLink
-from drivers.readings import AirSample, Identity
-from drivers.record import Sink
-from drivers.transport import Transport
+from catseye.drivers.air.ptu300_codec import FORM, TextDecoder, checked, parse_values
+from catseye.drivers.clock import Clock
+from catseye.drivers.endpoint import open_transport
+from catseye.drivers.errors import LinkError, ProtocolError, WrongDeviceError
+from catseye.drivers.link import RequestLink
+from catseye.drivers.readings import AirSample, Identity
+from catseye.drivers.record import Sink
+from catseye.drivers.transport import Transport
 
 _HARMLESS = b"\r\n> "
 

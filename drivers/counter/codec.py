@@ -3,8 +3,8 @@
 import math
 import re
 
-from drivers.counter.profile import CounterProfile, Scale, Status
-from drivers.errors import ProtocolError
+from catseye.drivers.counter.profile import CounterProfile, Scale, Status
+from catseye.drivers.errors import ProtocolError
 
 MAX_LINE_BYTES = 1024
 """Far more than any known counter sends in a line."""

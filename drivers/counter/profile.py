@@ -8,10 +8,10 @@ from typing import Annotated, Any, Literal, Self
 
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field, ValidationError, model_validator
 
-from drivers.errors import ProfileError
-from drivers.user_file import read_regular, toml_table
+from catseye.drivers.errors import ProfileError
+from catseye.drivers.user_file import read_regular, toml_table
 
-_BUILT_IN = "drivers.counter.profiles"
+_BUILT_IN = "catseye.drivers.counter.profiles"
 
 
 def _check_regex(text: str) -> str:

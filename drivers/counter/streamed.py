@@ -3,14 +3,14 @@
 import re
 from typing import Literal
 
-from drivers.clock import Clock
-from drivers.counter import codec
-from drivers.counter.profile import CounterProfile
-from drivers.errors import LinkError, LinkTimeoutError, ProtocolError, RefusedError, WrongDeviceError
-from drivers.latches import Latches
-from drivers.readings import CounterReading, CounterStatus, Identity
-from drivers.stream import StreamLink, ValueHook
-from drivers.transport import Transport
+from catseye.drivers.clock import Clock
+from catseye.drivers.counter import codec
+from catseye.drivers.counter.profile import CounterProfile
+from catseye.drivers.errors import LinkError, LinkTimeoutError, ProtocolError, RefusedError, WrongDeviceError
+from catseye.drivers.latches import Latches
+from catseye.drivers.readings import CounterReading, CounterStatus, Identity
+from catseye.drivers.stream import StreamLink, ValueHook
+from catseye.drivers.transport import Transport
 
 
 class StreamedCounter:

@@ -2,14 +2,14 @@
 
 import asyncio
 
-from drivers.clock import Clock
-from drivers.errors import DeviceError, LinkError
-from drivers.healing import Repeat
-from drivers.melfa import codec
-from drivers.melfa.connections import Connections
-from drivers.melfa.motion import STILL_POLLS, standstill
-from drivers.melfa.session import Session
-from drivers.melfa.settings import MelfaSettings
+from catseye.drivers.clock import Clock
+from catseye.drivers.errors import DeviceError, LinkError
+from catseye.drivers.healing import Repeat
+from catseye.drivers.melfa import codec
+from catseye.drivers.melfa.connections import Connections
+from catseye.drivers.melfa.motion import STILL_POLLS, standstill
+from catseye.drivers.melfa.session import Session
+from catseye.drivers.melfa.settings import MelfaSettings
 
 PERIOD_S = 0.1
 """Between two STOPs on one connection, real s."""

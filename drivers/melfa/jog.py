@@ -10,11 +10,11 @@ from collections.abc import AsyncIterator, Awaitable, Callable, Mapping
 from contextlib import asynccontextmanager
 from typing import Literal
 
-from drivers.errors import DeviceError, RefusedError
-from drivers.healing import Repeat
-from drivers.link import uninterrupted
-from drivers.melfa.motion import JOINT_NAMES
-from drivers.melfa.session import Session
+from catseye.drivers.errors import DeviceError, RefusedError
+from catseye.drivers.healing import Repeat
+from catseye.drivers.link import uninterrupted
+from catseye.drivers.melfa.motion import JOINT_NAMES
+from catseye.drivers.melfa.session import Session
 
 PERIOD_S = 0.05
 """Between two telegrams, real s."""

@@ -3,8 +3,8 @@
 from collections.abc import Awaitable, Callable
 from functools import partial
 
-from drivers.clock import Clock
-from drivers.errors import (
+from catseye.drivers.clock import Clock
+from catseye.drivers.errors import (
     AlarmError,
     DeviceError,
     LinkError,
@@ -13,9 +13,9 @@ from drivers.errors import (
     ProtocolError,
     RefusedError,
 )
-from drivers.healing import Repeat
-from drivers.melfa.connections import Connections
-from drivers.melfa.motion import (
+from catseye.drivers.healing import Repeat
+from catseye.drivers.melfa.connections import Connections
+from catseye.drivers.melfa.motion import (
     LOOK_WHY,
     answered,
     asking_under_way,
@@ -24,8 +24,8 @@ from drivers.melfa.motion import (
     sent_once,
     standstill,
 )
-from drivers.melfa.settings import MelfaSettings
-from drivers.readings import Joints
+from catseye.drivers.melfa.settings import MelfaSettings
+from catseye.drivers.readings import Joints
 
 _DUPLICATE_DEFINITION = 4350
 

@@ -6,11 +6,11 @@ from collections.abc import AsyncIterator, Callable, Mapping, Sequence
 from contextlib import asynccontextmanager
 from typing import Any, ClassVar
 
-from drivers.melfa.controller import MelfaController
-from drivers.melfa.jog import Direction, Jog
-from drivers.melfa.robot import MelfaR3
-from drivers.melfa.settings import MelfaSettings
-from drivers.readings import Joints, RobotStatus
+from catseye.drivers.melfa.controller import MelfaController
+from catseye.drivers.melfa.jog import Direction, Jog
+from catseye.drivers.melfa.robot import MelfaR3
+from catseye.drivers.melfa.settings import MelfaSettings
+from catseye.drivers.readings import Joints, RobotStatus
 
 
 class LedArm(ABC):

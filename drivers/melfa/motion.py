@@ -4,8 +4,8 @@ import asyncio
 import contextlib
 from collections.abc import Awaitable, Callable, Iterator
 
-from drivers.clock import Clock
-from drivers.errors import (
+from catseye.drivers.clock import Clock
+from catseye.drivers.errors import (
     AlarmError,
     DeviceError,
     LinkError,
@@ -15,11 +15,11 @@ from drivers.errors import (
     ProtocolError,
     RefusedError,
 )
-from drivers.healing import ATTEMPTS
-from drivers.melfa.session import Session
-from drivers.melfa.settings import MelfaSettings
-from drivers.melfa.side import Side
-from drivers.readings import Joints, RobotStatus
+from catseye.drivers.healing import ATTEMPTS
+from catseye.drivers.melfa.session import Session
+from catseye.drivers.melfa.settings import MelfaSettings
+from catseye.drivers.melfa.side import Side
+from catseye.drivers.readings import Joints, RobotStatus
 
 VARIABLES = tuple(f"JCATSEY{number}" for number in range(1, 9))
 """Joint variables that may carry the target in the controller. A session takes one of them: what another program

@@ -15,35 +15,35 @@ from contextlib import AbstractAsyncContextManager
 from functools import partial
 from typing import Any, ClassVar, Self
 
-from drivers.clock import Clock
-from drivers.endpoint import open_transport
-from drivers.errors import (
+from catseye.drivers.clock import Clock
+from catseye.drivers.endpoint import open_transport
+from catseye.drivers.errors import (
     DeviceError,
     LinkError,
     NotReadyError,
     RefusedError,
 )
-from drivers.guarding import UNGUARDED, LinkGuard, guarded
-from drivers.healing import Repeat
-from drivers.link import uninterrupted
-from drivers.melfa import codec
-from drivers.melfa.alarms import STOP_IS_ON
-from drivers.melfa.codec import Answer, Layout
-from drivers.melfa.connections import Connections
-from drivers.melfa.controller import MelfaController
-from drivers.melfa.halt import Halt
-from drivers.melfa.jog import Direction, Jog
-from drivers.melfa.joint_motion import JointMotion
-from drivers.melfa.motion import VARIABLES, account_for, unstarted_polls
-from drivers.melfa.servo import servo_is
-from drivers.melfa.session import Session, byte_time_s
-from drivers.melfa.settings import MelfaSettings
-from drivers.melfa.side import Side
-from drivers.melfa.starting import start_once
-from drivers.melfa.stops import Stops, StopWatch
-from drivers.readings import Identity, Joints, RobotStatus
-from drivers.record import Sink
-from drivers.transport import Transport
+from catseye.drivers.guarding import UNGUARDED, LinkGuard, guarded
+from catseye.drivers.healing import Repeat
+from catseye.drivers.link import uninterrupted
+from catseye.drivers.melfa import codec
+from catseye.drivers.melfa.alarms import STOP_IS_ON
+from catseye.drivers.melfa.codec import Answer, Layout
+from catseye.drivers.melfa.connections import Connections
+from catseye.drivers.melfa.controller import MelfaController
+from catseye.drivers.melfa.halt import Halt
+from catseye.drivers.melfa.jog import Direction, Jog
+from catseye.drivers.melfa.joint_motion import JointMotion
+from catseye.drivers.melfa.motion import VARIABLES, account_for, unstarted_polls
+from catseye.drivers.melfa.servo import servo_is
+from catseye.drivers.melfa.session import Session, byte_time_s
+from catseye.drivers.melfa.settings import MelfaSettings
+from catseye.drivers.melfa.side import Side
+from catseye.drivers.melfa.starting import start_once
+from catseye.drivers.melfa.stops import Stops, StopWatch
+from catseye.drivers.readings import Identity, Joints, RobotStatus
+from catseye.drivers.record import Sink
+from catseye.drivers.transport import Transport
 
 _CLOSE_TIMEOUT_S = 3.0
 

@@ -2,10 +2,10 @@
 
 import asyncio
 
-from drivers.clock import Clock
-from drivers.errors import AlarmError, RefusedError
-from drivers.melfa.session import Session
-from drivers.melfa.settings import MelfaSettings
+from catseye.drivers.clock import Clock
+from catseye.drivers.errors import AlarmError, RefusedError
+from catseye.drivers.melfa.session import Session
+from catseye.drivers.melfa.settings import MelfaSettings
 
 
 async def servo_is(session: Session, clock: Clock, settings: MelfaSettings, *, on: bool) -> None:

@@ -5,8 +5,8 @@ from collections.abc import Awaitable, Callable
 from functools import partial
 from typing import TypeVar
 
-from drivers.endpoint import SerialEndpoint, parse_endpoint
-from drivers.errors import (
+from catseye.drivers.endpoint import SerialEndpoint, parse_endpoint
+from catseye.drivers.errors import (
     AlarmError,
     DeviceError,
     LinkError,
@@ -16,14 +16,14 @@ from drivers.errors import (
     RefusedError,
     WrongDeviceError,
 )
-from drivers.healing import Repeat
-from drivers.link import RequestLink
-from drivers.melfa import codec
-from drivers.melfa.alarms import NOT_READY, describe
-from drivers.melfa.codec import Answer, Layout, Opened, State
-from drivers.melfa.settings import MelfaSettings
-from drivers.readings import Joints, RobotStatus
-from drivers.transport import Transport
+from catseye.drivers.healing import Repeat
+from catseye.drivers.link import RequestLink
+from catseye.drivers.melfa import codec
+from catseye.drivers.melfa.alarms import NOT_READY, describe
+from catseye.drivers.melfa.codec import Answer, Layout, Opened, State
+from catseye.drivers.melfa.settings import MelfaSettings
+from catseye.drivers.readings import Joints, RobotStatus
+from catseye.drivers.transport import Transport
 
 T = TypeVar("T")
 

@@ -3,8 +3,8 @@
 from collections.abc import Iterator
 from contextlib import contextmanager
 
-from drivers.errors import RefusedError
-from drivers.melfa.alarms import STOP_IS_ON
+from catseye.drivers.errors import RefusedError
+from catseye.drivers.melfa.alarms import STOP_IS_ON
 
 
 class Stops:

@@ -7,8 +7,8 @@ import math
 import re
 from dataclasses import dataclass
 
-from drivers.device_text import DeviceText
-from drivers.errors import ProtocolError
+from catseye.drivers.device_text import DeviceText
+from catseye.drivers.errors import ProtocolError
 
 _NUMBER = re.compile(r"[+-]?(?:\d+\.?\d*|\.\d+)(?:E[+-]?\d{1,3})?", re.IGNORECASE)
 _POSITION = re.compile(r"\((?P<values>[^()]*)\)(?:\s*\((?P<flags>[^()]*)\))?")

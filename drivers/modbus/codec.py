@@ -3,7 +3,7 @@
 import struct
 from collections.abc import Sequence
 
-from drivers.errors import ProtocolError
+from catseye.drivers.errors import ProtocolError
 
 READ_COILS, READ_INPUTS = 1, 2
 READ_HOLDING, READ_INPUT_REGISTERS = 3, 4

@@ -7,14 +7,14 @@ from typing import Any, ClassVar, Self
 
 from pydantic import BaseModel, ConfigDict, Field
 
-from drivers.clock import Clock, SystemClock
-from drivers.endpoint import open_transport
-from drivers.errors import DeviceError, LinkError, ProtocolError, WrongDeviceError
-from drivers.healing import Repeat
-from drivers.link import RequestLink
-from drivers.readings import Identity
-from drivers.record import Sink
-from drivers.transport import Transport
+from catseye.drivers.clock import Clock, SystemClock
+from catseye.drivers.endpoint import open_transport
+from catseye.drivers.errors import DeviceError, LinkError, ProtocolError, WrongDeviceError
+from catseye.drivers.healing import Repeat
+from catseye.drivers.link import RequestLink
+from catseye.drivers.readings import Identity
+from catseye.drivers.record import Sink
+from catseye.drivers.transport import Transport
 
 _LONGEST_ANSWER_BYTES = 65536
 

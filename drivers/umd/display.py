@@ -7,15 +7,15 @@ from typing import Any, ClassVar, Literal, Self
 
 from pydantic import BaseModel, ConfigDict, Field
 
-from drivers.clock import Clock
-from drivers.endpoint import open_transport
-from drivers.errors import LinkTimeoutError, RefusedError, WrongDeviceError
-from drivers.latches import Latches
-from drivers.readings import CounterReading, CounterStatus, Identity
-from drivers.record import Sink
-from drivers.stream import StreamLink, ValueHook
-from drivers.transport import Transport
-from drivers.umd import codec
+from catseye.drivers.clock import Clock
+from catseye.drivers.endpoint import open_transport
+from catseye.drivers.errors import LinkTimeoutError, RefusedError, WrongDeviceError
+from catseye.drivers.latches import Latches
+from catseye.drivers.readings import CounterReading, CounterStatus, Identity
+from catseye.drivers.record import Sink
+from catseye.drivers.stream import StreamLink, ValueHook
+from catseye.drivers.transport import Transport
+from catseye.drivers.umd import codec
 
 MODEL = "uMD display"
 

@@ -6,25 +6,25 @@ from dataclasses import dataclass
 import numpy as np
 from pydantic import BaseModel, ConfigDict, Field
 
-from calibration.alignment import PitchFit, fit_pitch
-from procedures.alignment.beam_to_j4 import named_reflectors
-from procedures.alignment.screws import GuidedScrew, Screw
-from procedures.beam.beam_scan import (
+from catseye.calibration.alignment import PitchFit, fit_pitch
+from catseye.procedures.alignment.beam_to_j4 import named_reflectors
+from catseye.procedures.alignment.screws import GuidedScrew, Screw
+from catseye.procedures.beam.beam_scan import (
     find_height,
     find_return,
     half_window_deg,
     scan_offsets_deg,
     signal_live,
 )
-from procedures.beam.nests import Nests
-from procedures.bench import Bench
-from procedures.context import Context, Live, Row
-from procedures.devices import Joints
-from procedures.errors import AlignmentError, BeamLostError, PlanError
-from procedures.motion.arrival import Arrival
-from procedures.motion.clear_way import way_refusal
-from procedures.search.search_plan import SearchPose, looking_poses, measured_distances_mm
-from procedures.stored import numbers_of
+from catseye.procedures.beam.nests import Nests
+from catseye.procedures.bench import Bench
+from catseye.procedures.context import Context, Live, Row
+from catseye.procedures.devices import Joints
+from catseye.procedures.errors import AlignmentError, BeamLostError, PlanError
+from catseye.procedures.motion.arrival import Arrival
+from catseye.procedures.motion.clear_way import way_refusal
+from catseye.procedures.search.search_plan import SearchPose, looking_poses, measured_distances_mm
+from catseye.procedures.stored import numbers_of
 
 _ROUGH_MM = 30.0
 """What a rough place may be wrong by; the poses keep this much more than the shortest beam."""

@@ -9,19 +9,19 @@ from itertools import chain
 import numpy as np
 from pydantic import BaseModel, ConfigDict, Field
 
-from calibration.alignment import OffsetFit, fit_offset
-from procedures.alignment.screws import GuidedScrew, Screw
-from procedures.beam.beam_scan import ReturnWindow, find_return, half_window_deg, signal_live
-from procedures.beam.nests import Nests
-from procedures.beam.settled import settled_measurement
-from procedures.bench import Bench, Reflector
-from procedures.context import Context, Live, Measurement, Row
-from procedures.devices import Joints
-from procedures.errors import AlignmentError, BeamLostError, NoBeamError, PlanError, PlanLimitError
-from procedures.motion.arrival import Arrival
-from procedures.motion.clear_way import require_clear_way
-from procedures.search.search_plan import SearchPose, looking_poses
-from procedures.stored import number_of
+from catseye.calibration.alignment import OffsetFit, fit_offset
+from catseye.procedures.alignment.screws import GuidedScrew, Screw
+from catseye.procedures.beam.beam_scan import ReturnWindow, find_return, half_window_deg, signal_live
+from catseye.procedures.beam.nests import Nests
+from catseye.procedures.beam.settled import settled_measurement
+from catseye.procedures.bench import Bench, Reflector
+from catseye.procedures.context import Context, Live, Measurement, Row
+from catseye.procedures.devices import Joints
+from catseye.procedures.errors import AlignmentError, BeamLostError, NoBeamError, PlanError, PlanLimitError
+from catseye.procedures.motion.arrival import Arrival
+from catseye.procedures.motion.clear_way import require_clear_way
+from catseye.procedures.search.search_plan import SearchPose, looking_poses
+from catseye.procedures.stored import number_of
 
 _WINDOW_SHARE = 0.8
 """J4 is turned over this share of the return window, so that the count does not break at its edges."""

@@ -5,10 +5,10 @@ from collections.abc import Awaitable, Callable
 from dataclasses import dataclass, replace
 from typing import Final, Literal
 
-from procedures.context import Context, Live, Prompt, Row
-from procedures.devices import Joints
-from procedures.errors import AlignmentError, BeamLostError
-from procedures.stored import number_of
+from catseye.procedures.context import Context, Live, Prompt, Row
+from catseye.procedures.devices import Joints
+from catseye.procedures.errors import AlignmentError, BeamLostError
+from catseye.procedures.stored import number_of
 
 _ROUND_S: Final = 60.0
 """Expected time of a round, hands included; the run's own pace corrects it."""

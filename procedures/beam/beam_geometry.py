@@ -3,11 +3,11 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from calibration.kinematics import forward, wrap_rad
-from calibration.pointing import beam_direction
-from procedures.beam.beam_scan import half_window_deg
-from procedures.bench import Bench, Reflector
-from procedures.devices import Joints
+from catseye.calibration.kinematics import forward, wrap_rad
+from catseye.calibration.pointing import beam_direction
+from catseye.procedures.beam.beam_scan import half_window_deg
+from catseye.procedures.bench import Bench, Reflector
+from catseye.procedures.devices import Joints
 
 LOOK_AROUND_DEG = 0.5
 """How far J4 is turned to either side to find a beam again."""

@@ -4,8 +4,8 @@ import math
 from dataclasses import dataclass
 from typing import Literal
 
-from procedures.context import Context, Live
-from procedures.devices import Joints
+from catseye.procedures.context import Context, Live
+from catseye.procedures.devices import Joints
 
 _J3, _J4 = 2, 3
 

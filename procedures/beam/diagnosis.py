@@ -5,11 +5,11 @@ from typing import Literal
 
 import numpy as np
 
-from calibration.kinematics import forward
-from calibration.pointing import column_clearance, field_angle
-from procedures.bench import Bench, Reflector
-from procedures.context import Json, Measurement
-from procedures.devices import BeamStatus, Joints
+from catseye.calibration.kinematics import forward
+from catseye.calibration.pointing import column_clearance, field_angle
+from catseye.procedures.bench import Bench, Reflector
+from catseye.procedures.context import Json, Measurement
+from catseye.procedures.devices import BeamStatus, Joints
 
 CauseName = Literal[
     "overspeed",

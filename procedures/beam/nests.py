@@ -1,9 +1,9 @@
 """One cat's eye for several nests: it is carried from one to the next."""
 
-from procedures.bench import Bench, Reflector
-from procedures.context import Context, Prompt
-from procedures.devices import Joints
-from procedures.errors import ReflectorNotFoundError
+from catseye.procedures.bench import Bench, Reflector
+from catseye.procedures.context import Context, Prompt
+from catseye.procedures.devices import Joints
+from catseye.procedures.errors import ReflectorNotFoundError
 
 
 class Nests:

@@ -1,7 +1,7 @@
 """What J4 is turned by beyond the plan's aim, and finding that without losing the beam."""
 
-from procedures.context import Context
-from procedures.devices import Joints
+from catseye.procedures.context import Context
+from catseye.procedures.devices import Joints
 
 _FIRST_STEP = 1.0 / 12.0
 _STEP = 0.25

@@ -11,13 +11,13 @@ import math
 from dataclasses import dataclass
 from typing import Literal
 
-from procedures.beam.diagnosis import MOVED_BY_HAND, NOT_SUBDIVIDED, Cause, Loss
-from procedures.bench import Bench, Reflector
-from procedures.context import Context, Measurement, Prompt
-from procedures.errors import BeamLostError
-from procedures.motion.follower import Follower
-from procedures.motion.visits import Visit, driving_time_s, measuring_time_s
-from procedures.open_loop.point_row import point_row, title_of
+from catseye.procedures.beam.diagnosis import MOVED_BY_HAND, NOT_SUBDIVIDED, Cause, Loss
+from catseye.procedures.bench import Bench, Reflector
+from catseye.procedures.context import Context, Measurement, Prompt
+from catseye.procedures.errors import BeamLostError
+from catseye.procedures.motion.follower import Follower
+from catseye.procedures.motion.visits import Visit, driving_time_s, measuring_time_s
+from catseye.procedures.open_loop.point_row import point_row, title_of
 
 _MOST_QUESTIONS = 10
 """After so many answers "retry" to one point a run ends: an answers file must not keep an arm moving for ever."""

@@ -2,8 +2,8 @@
 
 from dataclasses import replace
 
-from procedures.bench import Timing
-from procedures.context import Context, Live, Measurement, Prompt
+from catseye.procedures.bench import Timing
+from catseye.procedures.context import Context, Live, Measurement, Prompt
 
 _LASER = (
     "the laser is not ready: it warms up or has lost its lock, and the count is worthless; look at the laser's lamp. "

@@ -6,8 +6,8 @@ take-up angle and comes back, so that the last real motion has the direction tha
 
 from dataclasses import dataclass
 
-from procedures.bench import Bench
-from procedures.errors import PlanLimitError
+from catseye.procedures.bench import Bench
+from catseye.procedures.errors import PlanLimitError
 
 
 @dataclass(frozen=True)

@@ -1,9 +1,9 @@
 """The first way of a process: it is planned and checked when it is known where the arm stands."""
 
-from procedures.bench import Bench
-from procedures.context import Context
-from procedures.devices import Joints
-from procedures.motion.entry import stands_at, way_in
+from catseye.procedures.bench import Bench
+from catseye.procedures.context import Context
+from catseye.procedures.devices import Joints
+from catseye.procedures.motion.entry import stands_at, way_in
 
 
 class Arrival:

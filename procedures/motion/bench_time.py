@@ -1,6 +1,6 @@
 """How far a run is, in expected bench seconds."""
 
-from procedures.context import Context
+from catseye.procedures.context import Context
 
 
 class BenchTime:

@@ -3,9 +3,9 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from calibration.kinematics.bodies import outermost_levers
-from procedures.bench import Bench
-from procedures.devices import Joints
+from catseye.calibration.kinematics.bodies import outermost_levers
+from catseye.procedures.bench import Bench
+from catseye.procedures.devices import Joints
 
 
 def top_speed_mm_s(bench: Bench, percent: float) -> float:

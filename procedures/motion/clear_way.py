@@ -10,11 +10,11 @@ from itertools import pairwise
 
 import numpy as np
 
-from calibration.kinematics.bodies import Box, Capsule, Gaps, Scene, Table
-from calibration.kinematics.sweep import Contact, first_contact
-from procedures.bench import Bench, Reflector, Workspace
-from procedures.devices import Joints
-from procedures.errors import PlanError
+from catseye.calibration.kinematics.bodies import Box, Capsule, Gaps, Scene, Table
+from catseye.calibration.kinematics.sweep import Contact, first_contact
+from catseye.procedures.bench import Bench, Reflector, Workspace
+from catseye.procedures.devices import Joints
+from catseye.procedures.errors import PlanError
 
 _LARGEST = 3600.0
 """Of a joint, deg or mm: beyond is no place of an arm, and a way from there could not be looked at in time."""

@@ -4,12 +4,12 @@ import math
 
 import numpy as np
 
-from procedures.bench import Bench, Reflector
-from procedures.devices import Joints
-from procedures.errors import WayBlockedError
-from procedures.motion.clear_way import way_refusal
-from procedures.motion.tracking import aimed_along
-from procedures.motion.visits import Visit
+from catseye.procedures.bench import Bench, Reflector
+from catseye.procedures.devices import Joints
+from catseye.procedures.errors import WayBlockedError
+from catseye.procedures.motion.clear_way import way_refusal
+from catseye.procedures.motion.tracking import aimed_along
+from catseye.procedures.motion.visits import Visit
 
 _SAME_PLACE = 0.03
 """Joints that differ by more, deg or mm, were moved by somebody else: encoders and rounding stay far below."""

@@ -2,9 +2,9 @@
 
 from itertools import pairwise
 
-from procedures.beam.beam_geometry import beam_mm, look_around_deg, window_deg
-from procedures.beam.beam_scan import find_return
-from procedures.beam.diagnosis import (
+from catseye.procedures.beam.beam_geometry import beam_mm, look_around_deg, window_deg
+from catseye.procedures.beam.beam_scan import find_return
+from catseye.procedures.beam.diagnosis import (
     INTERRUPTED,
     MOVED_BY_HAND,
     NOT_SUBDIVIDED,
@@ -16,14 +16,14 @@ from procedures.beam.diagnosis import (
     told_by,
     weak,
 )
-from procedures.beam.re_aim import AimCorrection, brighten
-from procedures.beam.settled import settled_measurement
-from procedures.bench import Bench, Reflector
-from procedures.context import Context, Measurement
-from procedures.devices import Joints
-from procedures.errors import ArmMovedError, NoBeamError
-from procedures.motion.entry import approach, stands_at, way_in
-from procedures.motion.visits import Leg, Visit, driving_time_s, measuring_time_s
+from catseye.procedures.beam.re_aim import AimCorrection, brighten
+from catseye.procedures.beam.settled import settled_measurement
+from catseye.procedures.bench import Bench, Reflector
+from catseye.procedures.context import Context, Measurement
+from catseye.procedures.devices import Joints
+from catseye.procedures.errors import ArmMovedError, NoBeamError
+from catseye.procedures.motion.entry import approach, stands_at, way_in
+from catseye.procedures.motion.visits import Leg, Visit, driving_time_s, measuring_time_s
 
 _LASER = "the laser is not ready; look at its lamp. The run goes on by itself when it is"
 

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from procedures.bench import Arm
+from catseye.procedures.bench import Arm
 
 
 def move_time_s(arm: Arm, travel_deg: NDArray[np.float64]) -> NDArray[np.float64]:

@@ -5,13 +5,13 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 
-from procedures.bench import Bench, Reflector
-from procedures.devices import Joints
-from procedures.errors import PlanLimitError
-from procedures.motion.approach import Waypoint, require_joint_limits
-from procedures.motion.clear_way import require_clear_legs
-from procedures.motion.tracking import Track, plan_track
-from procedures.motion.visits import Leg, driving_time_s, leg_targets
+from catseye.procedures.bench import Bench, Reflector
+from catseye.procedures.devices import Joints
+from catseye.procedures.errors import PlanLimitError
+from catseye.procedures.motion.approach import Waypoint, require_joint_limits
+from catseye.procedures.motion.clear_way import require_clear_legs
+from catseye.procedures.motion.tracking import Track, plan_track
+from catseye.procedures.motion.visits import Leg, driving_time_s, leg_targets
 
 Pose = tuple[float, float]
 """J1 and J2, deg."""

@@ -1,15 +1,15 @@
 """Round trips as they are driven: the beam is kept, found again and counted anew when it is lost."""
 
-from procedures.beam.beam_scan import find_return, half_window_deg
-from procedures.beam.nests import Nests
-from procedures.beam.settled import settled_measurement
-from procedures.bench import Bench
-from procedures.context import Context, Measurement, Prompt
-from procedures.devices import Joints
-from procedures.errors import BeamLostError, NoBeamError
-from procedures.motion.entry import stands_at, way_in
-from procedures.motion.round_trip import RoundTrip
-from procedures.motion.visits import Leg
+from catseye.procedures.beam.beam_scan import find_return, half_window_deg
+from catseye.procedures.beam.nests import Nests
+from catseye.procedures.beam.settled import settled_measurement
+from catseye.procedures.bench import Bench
+from catseye.procedures.context import Context, Measurement, Prompt
+from catseye.procedures.devices import Joints
+from catseye.procedures.errors import BeamLostError, NoBeamError
+from catseye.procedures.motion.entry import stands_at, way_in
+from catseye.procedures.motion.round_trip import RoundTrip
+from catseye.procedures.motion.visits import Leg
 
 _FAILURES = 3
 """So many losses in a row are no accident: the operator is asked."""

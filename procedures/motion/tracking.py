@@ -5,11 +5,11 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from calibration.kinematics import forward
-from calibration.pointing import beam_direction, unwrap, visible
-from procedures.bench import Bench, Reflector
-from procedures.errors import PlanError, PlanLimitError
-from procedures.motion.approach import Waypoint
+from catseye.calibration.kinematics import forward
+from catseye.calibration.pointing import beam_direction, unwrap, visible
+from catseye.procedures.bench import Bench, Reflector
+from catseye.procedures.errors import PlanError, PlanLimitError
+from catseye.procedures.motion.approach import Waypoint
 
 Floats = NDArray[np.float64]
 Bools = NDArray[np.bool_]

@@ -5,12 +5,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from procedures.bench import Bench, Reflector
-from procedures.devices import Joints
-from procedures.motion.approach import Command, Waypoint
-from procedures.motion.clear_way import require_clear_legs
-from procedures.motion.motion_time import way_time_s
-from procedures.motion.tracking import Track, aimed_along
+from catseye.procedures.bench import Bench, Reflector
+from catseye.procedures.devices import Joints
+from catseye.procedures.motion.approach import Command, Waypoint
+from catseye.procedures.motion.clear_way import require_clear_legs
+from catseye.procedures.motion.motion_time import way_time_s
+from catseye.procedures.motion.tracking import Track, aimed_along
 
 Leg = tuple[Joints, ...]
 """Joint targets of a straight way in J1 and J2; J4 follows the reflector."""

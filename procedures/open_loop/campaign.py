@@ -4,18 +4,18 @@ import math
 from collections.abc import Awaitable, Callable
 from dataclasses import dataclass
 
-from procedures.beam.diagnosis import Loss
-from procedures.beam.recovery import LeftOut, Recovery
-from procedures.context import Context, Live, Measurement, Prompt, Row
-from procedures.errors import BeamLostError
-from procedures.motion.bench_time import BenchTime
-from procedures.motion.follower import Follower
-from procedures.motion.visits import Visit
-from procedures.open_loop.closures import Closure, trip_within_reach
-from procedures.open_loop.live_knowledge import Knowledge
-from procedures.open_loop.open_loop_plan import OpenLoopPlan, ReflectorPlan
-from procedures.open_loop.point_row import point_row, title_of
-from procedures.stored import integer, number_of
+from catseye.procedures.beam.diagnosis import Loss
+from catseye.procedures.beam.recovery import LeftOut, Recovery
+from catseye.procedures.context import Context, Live, Measurement, Prompt, Row
+from catseye.procedures.errors import BeamLostError
+from catseye.procedures.motion.bench_time import BenchTime
+from catseye.procedures.motion.follower import Follower
+from catseye.procedures.motion.visits import Visit
+from catseye.procedures.open_loop.closures import Closure, trip_within_reach
+from catseye.procedures.open_loop.live_knowledge import Knowledge
+from catseye.procedures.open_loop.open_loop_plan import OpenLoopPlan, ReflectorPlan
+from catseye.procedures.open_loop.point_row import point_row, title_of
+from catseye.procedures.stored import integer, number_of
 
 
 @dataclass(frozen=True)

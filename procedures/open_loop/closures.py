@@ -8,12 +8,12 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from procedures.bench import Bench, Reflector
-from procedures.errors import PlanError
-from procedures.motion.approach import Command, Waypoint, require_joint_limits, with_take_up
-from procedures.motion.clear_way import legs_refusal
-from procedures.motion.tracking import plan_track
-from procedures.motion.visits import Leg, Visit, driving_time_s, leg_targets, measuring_time_s
+from catseye.procedures.bench import Bench, Reflector
+from catseye.procedures.errors import PlanError
+from catseye.procedures.motion.approach import Command, Waypoint, require_joint_limits, with_take_up
+from catseye.procedures.motion.clear_way import legs_refusal
+from catseye.procedures.motion.tracking import plan_track
+from catseye.procedures.motion.visits import Leg, Visit, driving_time_s, leg_targets, measuring_time_s
 
 _TRIES = 3
 """Neighbouring points that a trip may begin at instead."""

@@ -5,11 +5,11 @@ from collections import deque
 
 import numpy as np
 
-from calibration.live_map import LiveMap, MapKnowledge
-from calibration.uncertainty.radial import RadialBudget
-from procedures.bench import Bench, Reflector
-from procedures.context import Context, Live
-from procedures.motion.approach import Command
+from catseye.calibration.live_map import LiveMap, MapKnowledge
+from catseye.calibration.uncertainty.radial import RadialBudget
+from catseye.procedures.bench import Bench, Reflector
+from catseye.procedures.context import Context, Live
+from catseye.procedures.motion.approach import Command
 
 _COVERAGE = 3.0
 """An innovation is expected within so many of its standard uncertainties."""

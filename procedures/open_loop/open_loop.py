@@ -4,12 +4,12 @@ from dataclasses import replace
 
 from pydantic import BaseModel, ConfigDict, Field
 
-from procedures.bench import Bench
-from procedures.context import Context
-from procedures.motion.bench_time import BenchTime
-from procedures.open_loop.campaign import ReflectorCampaign
-from procedures.open_loop.live_knowledge import Knowledge
-from procedures.open_loop.open_loop_plan import OpenLoopPlan, Rules, plan_open_loop
+from catseye.procedures.bench import Bench
+from catseye.procedures.context import Context
+from catseye.procedures.motion.bench_time import BenchTime
+from catseye.procedures.open_loop.campaign import ReflectorCampaign
+from catseye.procedures.open_loop.live_knowledge import Knowledge
+from catseye.procedures.open_loop.open_loop_plan import OpenLoopPlan, Rules, plan_open_loop
 
 
 class OpenLoopParams(BaseModel):

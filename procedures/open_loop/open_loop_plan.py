@@ -2,18 +2,18 @@
 
 from dataclasses import dataclass
 
-from procedures.bench import Bench, Reflector
-from procedures.errors import PlanError
-from procedures.motion.approach import (
+from catseye.procedures.bench import Bench, Reflector
+from catseye.procedures.errors import PlanError
+from catseye.procedures.motion.approach import (
     Command,
     Waypoint,
     bidirectional_sequence,
     require_joint_limits,
     with_take_up,
 )
-from procedures.motion.tracking import plan_track
-from procedures.motion.visits import Visit, break_warnings, plan_visits, require_clear_visits
-from procedures.open_loop.closures import Closure, plan_closures
+from catseye.procedures.motion.tracking import plan_track
+from catseye.procedures.motion.visits import Visit, break_warnings, plan_visits, require_clear_visits
+from catseye.procedures.open_loop.closures import Closure, plan_closures
 
 _FEWEST_SEEN = 0.5
 """A reflector that fewer than this share of the commands see stands in the wrong place."""

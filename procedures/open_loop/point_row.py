@@ -1,8 +1,8 @@
 """A measured point as a row."""
 
-from procedures.context import Json, Measurement, Row
-from procedures.devices import Joints
-from procedures.motion.approach import Command
+from catseye.procedures.context import Json, Measurement, Row
+from catseye.procedures.devices import Joints
+from catseye.procedures.motion.approach import Command
 
 
 def title_of(reflector: str, command: Command) -> str:

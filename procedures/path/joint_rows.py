@@ -4,18 +4,18 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from procedures.bench import Bench
-from procedures.errors import PlanError
-from procedures.motion.approach import Command, Waypoint, with_take_up
-from procedures.motion.clear_way import require_clear_way
-from procedures.path.path_plan import (
+from catseye.procedures.bench import Bench
+from catseye.procedures.errors import PlanError
+from catseye.procedures.motion.approach import Command, Waypoint, with_take_up
+from catseye.procedures.motion.clear_way import require_clear_way
+from catseye.procedures.path.path_plan import (
     Instrument,
     PathPlan,
     chosen_instrument,
     path_duration_s,
     require_path_limits,
 )
-from procedures.path.tracked_path import PathPoint
+from catseye.procedures.path.tracked_path import PathPoint
 
 
 def plan_joint_rows(

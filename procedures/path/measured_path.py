@@ -6,10 +6,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from calibration.comparison import rigid_fit
-from procedures.context import MeasuredPoint, Row
-from procedures.errors import MeasuredFileError
-from procedures.path.tracked_path import PathPoint
+from catseye.calibration.comparison import rigid_fit
+from catseye.procedures.context import MeasuredPoint, Row
+from catseye.procedures.errors import MeasuredFileError
+from catseye.procedures.path.tracked_path import PathPoint
 
 Floats = NDArray[np.float64]
 

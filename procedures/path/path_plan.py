@@ -6,14 +6,14 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from calibration.kinematics import Hand, inverse
-from procedures.bench import Bench
-from procedures.devices import Joints
-from procedures.errors import PlanError, PlanLimitError
-from procedures.motion.clear_way import require_clear_way
-from procedures.motion.motion_time import move_time_s
-from procedures.motion.visits import require_clear_visits
-from procedures.path.tracked_path import PathPoint, TrackedPath, plan_tracked_path
+from catseye.calibration.kinematics import Hand, inverse
+from catseye.procedures.bench import Bench
+from catseye.procedures.devices import Joints
+from catseye.procedures.errors import PlanError, PlanLimitError
+from catseye.procedures.motion.clear_way import require_clear_way
+from catseye.procedures.motion.motion_time import move_time_s
+from catseye.procedures.motion.visits import require_clear_visits
+from catseye.procedures.path.tracked_path import PathPoint, TrackedPath, plan_tracked_path
 
 _REST_RAD = 1e-9
 """Changes below this are no motion."""

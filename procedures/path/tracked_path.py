@@ -2,18 +2,18 @@
 
 from dataclasses import dataclass
 
-from procedures.beam.nests import Nests
-from procedures.beam.recovery import Recovery
-from procedures.bench import Bench, Reflector
-from procedures.context import Context, Measurement, Row
-from procedures.devices import Joints
-from procedures.errors import PlanError
-from procedures.motion.approach import Command, Waypoint
-from procedures.motion.follower import Follower
-from procedures.motion.tracking import plan_track
-from procedures.motion.visits import Visit, break_warnings, plan_visits
-from procedures.open_loop.point_row import point_row
-from procedures.stored import number_of
+from catseye.procedures.beam.nests import Nests
+from catseye.procedures.beam.recovery import Recovery
+from catseye.procedures.bench import Bench, Reflector
+from catseye.procedures.context import Context, Measurement, Row
+from catseye.procedures.devices import Joints
+from catseye.procedures.errors import PlanError
+from catseye.procedures.motion.approach import Command, Waypoint
+from catseye.procedures.motion.follower import Follower
+from catseye.procedures.motion.tracking import plan_track
+from catseye.procedures.motion.visits import Visit, break_warnings, plan_visits
+from catseye.procedures.open_loop.point_row import point_row
+from catseye.procedures.stored import number_of
 
 _FEWEST_SEEN = 0.5
 """A reflector that sees less than this share of the path says too little about it."""

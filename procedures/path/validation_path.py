@@ -5,16 +5,16 @@ from typing import Annotated
 
 from pydantic import BaseModel, ConfigDict, Field
 
-from calibration.kinematics import Hand
-from procedures.bench import Bench
-from procedures.context import Context, Location, Prompt, Row
-from procedures.devices import Joints
-from procedures.errors import ArmMovedError, MeasuredFileError
-from procedures.motion.entry import stands_at, way_in
-from procedures.path.joint_rows import plan_joint_rows
-from procedures.path.measured_path import matched_rows
-from procedures.path.path_plan import Instrument, PathPlan, plan_path, take_up_of
-from procedures.path.tracked_path import PathPoint, TrackedCampaign
+from catseye.calibration.kinematics import Hand
+from catseye.procedures.bench import Bench
+from catseye.procedures.context import Context, Location, Prompt, Row
+from catseye.procedures.devices import Joints
+from catseye.procedures.errors import ArmMovedError, MeasuredFileError
+from catseye.procedures.motion.entry import stands_at, way_in
+from catseye.procedures.path.joint_rows import plan_joint_rows
+from catseye.procedures.path.measured_path import matched_rows
+from catseye.procedures.path.path_plan import Instrument, PathPlan, plan_path, take_up_of
+from catseye.procedures.path.tracked_path import PathPoint, TrackedCampaign
 
 _ATTEMPTS = 3
 """So often a point is measured anew when the arm was moved meanwhile."""

@@ -6,13 +6,17 @@ from typing import Annotated
 
 from pydantic import BaseModel, ConfigDict, Field
 
-from procedures.beam.nests import Nests
-from procedures.bench import Bench
-from procedures.context import Context, Json, Measurement, Row
-from procedures.motion.rounds import Rounds
-from procedures.repeats.repeatability_plan import ReflectorCycles, RepeatabilityPlan, plan_repeatability
-from procedures.repeats.repeatability_result import Series, analyse, show, take
-from procedures.stored import integer
+from catseye.procedures.beam.nests import Nests
+from catseye.procedures.bench import Bench
+from catseye.procedures.context import Context, Json, Measurement, Row
+from catseye.procedures.motion.rounds import Rounds
+from catseye.procedures.repeats.repeatability_plan import (
+    ReflectorCycles,
+    RepeatabilityPlan,
+    plan_repeatability,
+)
+from catseye.procedures.repeats.repeatability_result import Series, analyse, show, take
+from catseye.procedures.stored import integer
 
 Angle = Annotated[float, Field(ge=-360.0, le=360.0)]
 PoseParam = Annotated[list[Angle], Field(min_length=2, max_length=2)]

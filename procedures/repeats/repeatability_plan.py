@@ -7,13 +7,13 @@ from functools import partial
 import numpy as np
 from numpy.typing import NDArray
 
-from calibration.kinematics import forward
-from calibration.pointing import beam_direction
-from calibration.repeatability import GOOD_CONDITIONING, conditioning
-from procedures.bench import Bench, Reflector
-from procedures.errors import PlanError
-from procedures.motion.round_trip import Pose, RoundTrip, beam_lasts, plan_round_trip
-from procedures.motion.visits import measuring_time_s
+from catseye.calibration.kinematics import forward
+from catseye.calibration.pointing import beam_direction
+from catseye.calibration.repeatability import GOOD_CONDITIONING, conditioning
+from catseye.procedures.bench import Bench, Reflector
+from catseye.procedures.errors import PlanError
+from catseye.procedures.motion.round_trip import Pose, RoundTrip, beam_lasts, plan_round_trip
+from catseye.procedures.motion.visits import measuring_time_s
 
 Floats = NDArray[np.float64]
 

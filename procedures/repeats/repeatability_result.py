@@ -4,11 +4,11 @@ import math
 
 import numpy as np
 
-from calibration.errors import CalibrationError, InsufficientPointsError
-from calibration.repeatability import AlongBeam, InPlane, along_beam, in_plane
-from procedures.context import Context, Json, Live, Row
-from procedures.repeats.repeatability_plan import ReflectorCycles, RepeatabilityPlan
-from procedures.stored import integer, number
+from catseye.calibration.errors import CalibrationError, InsufficientPointsError
+from catseye.calibration.repeatability import AlongBeam, InPlane, along_beam, in_plane
+from catseye.procedures.context import Context, Json, Live, Row
+from catseye.procedures.repeats.repeatability_plan import ReflectorCycles, RepeatabilityPlan
+from catseye.procedures.stored import integer, number
 
 
 class Series:

@@ -7,13 +7,13 @@ from typing import Final, Literal
 import numpy as np
 from pydantic import BaseModel, ConfigDict, Field
 
-from calibration.reflector_search import SearchResult
-from procedures.bench import Bench
-from procedures.context import Context, Json, Row
-from procedures.errors import ReflectorNotFoundError
-from procedures.search.search_plan import Jogging, SearchPlan, SearchPose, plan_search
-from procedures.search.search_solution import FEWEST_SIGHTINGS, Assessment, assess, weakest
-from procedures.search.sighting import Announcement, Lookout
+from catseye.calibration.reflector_search import SearchResult
+from catseye.procedures.bench import Bench
+from catseye.procedures.context import Context, Json, Row
+from catseye.procedures.errors import ReflectorNotFoundError
+from catseye.procedures.search.search_plan import Jogging, SearchPlan, SearchPose, plan_search
+from catseye.procedures.search.search_solution import FEWEST_SIGHTINGS, Assessment, assess, weakest
+from catseye.procedures.search.sighting import Announcement, Lookout
 
 _POSE_S: Final = 15.0
 """Expected time of a look; the run's own pace corrects it."""

@@ -5,13 +5,13 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from calibration.kinematics import forward, wrap_rad
-from calibration.pointing import beam_direction, visible
-from procedures.bench import Bench, Reflector
-from procedures.devices import Joints
-from procedures.errors import PlanError
-from procedures.motion.clear_way import require_clear_way, way_refusal
-from procedures.motion.tracking import aimed_j4
+from catseye.calibration.kinematics import forward, wrap_rad
+from catseye.calibration.pointing import beam_direction, visible
+from catseye.procedures.bench import Bench, Reflector
+from catseye.procedures.devices import Joints
+from catseye.procedures.errors import PlanError
+from catseye.procedures.motion.clear_way import require_clear_way, way_refusal
+from catseye.procedures.motion.tracking import aimed_j4
 
 Floats = NDArray[np.float64]
 

@@ -7,14 +7,14 @@ from functools import partial
 
 import numpy as np
 
-from calibration.errors import CalibrationError
-from calibration.kinematics import forward
-from calibration.reflector_search import SearchResult, Sightings, locate_reflectors
-from calibration.search_outlier import Outlier, find_outlier
-from calibration.types import Floats
-from procedures.bench import Reflector
-from procedures.search.search_plan import SearchPlan, SearchPose
-from procedures.search.sighting import Sighting
+from catseye.calibration.errors import CalibrationError
+from catseye.calibration.kinematics import forward
+from catseye.calibration.reflector_search import SearchResult, Sightings, locate_reflectors
+from catseye.calibration.search_outlier import Outlier, find_outlier
+from catseye.calibration.types import Floats
+from catseye.procedures.bench import Reflector
+from catseye.procedures.search.search_plan import SearchPlan, SearchPose
+from catseye.procedures.search.sighting import Sighting
 
 FEWEST_SIGHTINGS = 3
 

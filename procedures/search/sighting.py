@@ -5,13 +5,13 @@ from collections import Counter
 from dataclasses import dataclass
 from statistics import median
 
-from procedures.beam.beam_scan import ReturnWindow, find_return, half_window_deg, signal_live
-from procedures.beam.nests import Nests
-from procedures.context import Context, Live, Prompt, Row
-from procedures.devices import Joints
-from procedures.motion.arrival import Arrival
-from procedures.search.search_plan import Jogging, SearchPlan, SearchPose
-from procedures.stored import number_of
+from catseye.procedures.beam.beam_scan import ReturnWindow, find_return, half_window_deg, signal_live
+from catseye.procedures.beam.nests import Nests
+from catseye.procedures.context import Context, Live, Prompt, Row
+from catseye.procedures.devices import Joints
+from catseye.procedures.motion.arrival import Arrival
+from catseye.procedures.search.search_plan import Jogging, SearchPlan, SearchPose
+from catseye.procedures.stored import number_of
 
 _MOST_QUESTIONS = 500
 """So many answers at one pose mean that nobody is there who looks at the signal."""

@@ -6,14 +6,14 @@ from typing import Annotated
 
 from pydantic import BaseModel, ConfigDict, Field
 
-from procedures.beam.nests import Nests
-from procedures.bench import Bench
-from procedures.context import Context, Json, Live, Measurement, Row
-from procedures.errors import NotWarmError
-from procedures.motion.rounds import Rounds
-from procedures.stored import integer
-from procedures.warming.warmup_plan import Exercise, WarmupPlan, plan_warmup
-from procedures.warming.warmup_watch import FEWEST_VISITS, Watch
+from catseye.procedures.beam.nests import Nests
+from catseye.procedures.bench import Bench
+from catseye.procedures.context import Context, Json, Live, Measurement, Row
+from catseye.procedures.errors import NotWarmError
+from catseye.procedures.motion.rounds import Rounds
+from catseye.procedures.stored import integer
+from catseye.procedures.warming.warmup_plan import Exercise, WarmupPlan, plan_warmup
+from catseye.procedures.warming.warmup_watch import FEWEST_VISITS, Watch
 
 _MOST_VISITS = 3
 """So many times the visits that are expected: an end for benches whose time stands still."""

@@ -3,10 +3,10 @@
 import math
 from dataclasses import dataclass
 
-from procedures.bench import Bench, Reflector
-from procedures.errors import PlanError
-from procedures.motion.round_trip import Pose, RoundTrip, beam_lasts, plan_round_trip
-from procedures.motion.visits import measuring_time_s
+from catseye.procedures.bench import Bench, Reflector
+from catseye.procedures.errors import PlanError
+from catseye.procedures.motion.round_trip import Pose, RoundTrip, beam_lasts, plan_round_trip
+from catseye.procedures.motion.visits import measuring_time_s
 
 _SHARES = (1.0, 0.8, 0.6, 0.4, 0.25, 0.15)
 """Shares of the asked amplitude that are tried, largest first."""

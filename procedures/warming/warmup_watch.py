@@ -4,10 +4,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from calibration.warming import DriftRate, drift_rate, settling
-from procedures.context import Row
-from procedures.stored import integer, number_of
-from procedures.warming.warmup_plan import WarmupPlan
+from catseye.calibration.warming import DriftRate, drift_rate, settling
+from catseye.procedures.context import Row
+from catseye.procedures.stored import integer, number_of
+from catseye.procedures.warming.warmup_plan import WarmupPlan
 
 _COMPLETE = 0.95
 """Visits of a full window span this share of it: the next one would lie beyond it."""

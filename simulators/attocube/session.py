@@ -8,9 +8,9 @@ import json
 from collections import deque
 from collections.abc import Callable
 
-from simulators.attocube.cutter import JsonCutter
-from simulators.attocube.device import Ids, IdsError
-from simulators.serving import Answer, Session
+from catseye.simulators.attocube.cutter import JsonCutter
+from catseye.simulators.attocube.device import Ids, IdsError
+from catseye.simulators.serving import Answer, Session
 
 _NOT_JSON = (-32700, "Parse error")
 _NO_REQUEST = (-32600, "Invalid Request")

@@ -4,9 +4,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from calibration.refractive_index import HE_NE_VACUUM_NM, refractive_index
-from simulators.bench.counter import SlowDrift
-from simulators.config import AirState
+from catseye.calibration.refractive_index import HE_NE_VACUUM_NM, refractive_index
+from catseye.simulators.bench.counter import SlowDrift
+from catseye.simulators.config import AirState
 
 
 @dataclass(frozen=True)

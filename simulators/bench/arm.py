@@ -17,8 +17,8 @@ from itertools import accumulate
 
 import numpy as np
 
-from calibration.error_map import BidirectionalMap
-from simulators.bench.motion import (
+from catseye.calibration.error_map import BidirectionalMap
+from catseye.simulators.bench.motion import (
     SHORTEST,
     STANDSTILL,
     Motion,
@@ -27,9 +27,9 @@ from simulators.bench.motion import (
     plan_stop,
     plan_way,
 )
-from simulators.bench.types import Floats, Ints, Plane
-from simulators.config import EmulationConfig, Joints
-from simulators.truth import TrueArm
+from catseye.simulators.bench.types import Floats, Ints, Plane
+from catseye.simulators.config import EmulationConfig, Joints
+from catseye.simulators.truth import TrueArm
 
 STEEL_PER_K = 11.7e-6
 """Thermal expansion of the links, 1/K."""

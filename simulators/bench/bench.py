@@ -4,18 +4,18 @@ from collections.abc import Callable
 
 import numpy as np
 
-from simulators.bench.air import Air, AirSample
-from simulators.bench.arm import Arm
-from simulators.bench.counter import Counter, Gap, Reading, gaps_between
-from simulators.bench.insight import Insight
-from simulators.bench.looks import Looks
-from simulators.bench.motion import SHORTEST
-from simulators.bench.mount import Mount
-from simulators.bench.optics import NOBODY, Optics, Sight
-from simulators.bench.types import Floats
-from simulators.config import EmulationConfig, Joints
-from simulators.errors import BenchError
-from simulators.truth import TrueArm
+from catseye.simulators.bench.air import Air, AirSample
+from catseye.simulators.bench.arm import Arm
+from catseye.simulators.bench.counter import Counter, Gap, Reading, gaps_between
+from catseye.simulators.bench.insight import Insight
+from catseye.simulators.bench.looks import Looks
+from catseye.simulators.bench.motion import SHORTEST
+from catseye.simulators.bench.mount import Mount
+from catseye.simulators.bench.optics import NOBODY, Optics, Sight
+from catseye.simulators.bench.types import Floats
+from catseye.simulators.config import EmulationConfig, Joints
+from catseye.simulators.errors import BenchError
+from catseye.simulators.truth import TrueArm
 
 _MOMENT_S = 1e-3
 """Speeds are taken over this time."""

@@ -5,8 +5,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from simulators.bench.optics import NOBODY, Sight
-from simulators.config import EmulationConfig, ErrorBudget
+from catseye.simulators.bench.optics import NOBODY, Sight
+from catseye.simulators.config import EmulationConfig, ErrorBudget
 
 _SHORTEST_STEP_S = 1e-7
 _FRINGE_MM = 316.5e-6

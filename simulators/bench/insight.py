@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 
-from simulators.config import Joints
+from catseye.simulators.config import Joints
 
 
 @dataclass(frozen=True)

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from simulators.bench.types import Floats
+from catseye.simulators.bench.types import Floats
 
 _REST_STEP_S = 10.0
 """While nothing moves only warming changes the beam; it is looked at this often."""

@@ -7,8 +7,8 @@ from itertools import pairwise
 
 import numpy as np
 
-from simulators.bench.types import Floats, Ints
-from simulators.config import ArmDynamics, Joints
+from catseye.simulators.bench.types import Floats, Ints
+from catseye.simulators.config import ArmDynamics, Joints
 
 
 @dataclass(frozen=True)

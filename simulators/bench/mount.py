@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from simulators.config import EmulationConfig, Screws
+from catseye.simulators.config import EmulationConfig, Screws
 
 
 class Screw:

@@ -6,11 +6,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from simulators.bench.arm import Poses
-from simulators.bench.mount import Mount
-from simulators.bench.types import Bools, Floats, Ints, Plane
-from simulators.config import EmulationConfig
-from simulators.truth import TrueArm
+from catseye.simulators.bench.arm import Poses
+from catseye.simulators.bench.mount import Mount
+from catseye.simulators.bench.types import Bools, Floats, Ints, Plane
+from catseye.simulators.config import EmulationConfig
+from catseye.simulators.truth import TrueArm
 
 NOBODY = -1
 """Index of the reflector when no beam returns."""

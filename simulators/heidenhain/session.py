@@ -9,9 +9,9 @@ import re
 from collections import deque
 from collections.abc import Callable
 
-from simulators.bench.bench import Instrument
-from simulators.options import LengthOptions
-from simulators.serving import Answer, Session
+from catseye.simulators.bench.bench import Instrument
+from catseye.simulators.options import LengthOptions
+from catseye.simulators.serving import Answer, Session
 
 BUFFER_BYTES = 100
 

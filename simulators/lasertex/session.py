@@ -9,12 +9,12 @@ data of an acknowledgement have no known meaning: here they say EMULATOR.
 from collections import deque
 from collections.abc import Callable
 
-from simulators.air_probe import AirProbe
-from simulators.bench.bench import Instrument
-from simulators.bench.counter import Reading
-from simulators.lasertex import frames
-from simulators.options import LengthOptions
-from simulators.serving import Answer, Session
+from catseye.simulators.air_probe import AirProbe
+from catseye.simulators.bench.bench import Instrument
+from catseye.simulators.bench.counter import Reading
+from catseye.simulators.lasertex import frames
+from catseye.simulators.options import LengthOptions
+from catseye.simulators.serving import Answer, Session
 
 LENGTH_PERIOD_S = 0.04
 METEO_PERIOD_S = 1.0

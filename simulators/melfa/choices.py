@@ -3,8 +3,8 @@
 from dataclasses import dataclass
 from typing import Self
 
-from simulators.config import EmulatedDevice
-from simulators.options import flag, number
+from catseye.simulators.config import EmulatedDevice
+from catseye.simulators.options import flag, number
 
 
 @dataclass(frozen=True)

@@ -4,19 +4,19 @@ from collections import deque
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from simulators.bench.bench import Bench
-from simulators.bench.types import Floats
-from simulators.config import EmulationConfig, Joints
-from simulators.melfa import alarms
-from simulators.melfa.alarms import Refusal
-from simulators.melfa.choices import Choices
-from simulators.melfa.jogging import Jog
-from simulators.melfa.parameters import Parameters
-from simulators.melfa.programs import Editor, Program, ProgramMemory
-from simulators.melfa.resident import Resident
-from simulators.melfa.signals import Signals
-from simulators.melfa.task import Task
-from simulators.melfa.values import Position, Variable, joints_of, position_of, rounded
+from catseye.simulators.bench.bench import Bench
+from catseye.simulators.bench.types import Floats
+from catseye.simulators.config import EmulationConfig, Joints
+from catseye.simulators.melfa import alarms
+from catseye.simulators.melfa.alarms import Refusal
+from catseye.simulators.melfa.choices import Choices
+from catseye.simulators.melfa.jogging import Jog
+from catseye.simulators.melfa.parameters import Parameters
+from catseye.simulators.melfa.programs import Editor, Program, ProgramMemory
+from catseye.simulators.melfa.resident import Resident
+from catseye.simulators.melfa.signals import Signals
+from catseye.simulators.melfa.task import Task
+from catseye.simulators.melfa.values import Position, Variable, joints_of, position_of, rounded
 
 
 @dataclass

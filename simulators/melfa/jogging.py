@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from simulators.config import Joints
-from simulators.melfa import alarms
+from catseye.simulators.config import Joints
+from catseye.simulators.melfa import alarms
 
 if TYPE_CHECKING:
     # The controller has the jog, and the jog moves the controller's arm.
-    from simulators.melfa.controller import Controller, Run
+    from catseye.simulators.melfa.controller import Controller, Run
 
 DEAD_MAN_S = 0.140
 """Bench time after which a jog ends that is not repeated."""

@@ -24,16 +24,16 @@ from collections import deque
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from simulators.config import Joints
-from simulators.errors import BenchError
-from simulators.melfa import alarms, mxt_packet
-from simulators.melfa.alarms import Refusal
-from simulators.melfa.controller import Controller
-from simulators.melfa.mxt_packet import IllegalPacketError, Request
-from simulators.melfa.resident import Resident, Stage
-from simulators.melfa.servo_model import ServoModel
-from simulators.melfa.values import Position, joints_of
-from simulators.serving import Answer, Pending, Session
+from catseye.simulators.config import Joints
+from catseye.simulators.errors import BenchError
+from catseye.simulators.melfa import alarms, mxt_packet
+from catseye.simulators.melfa.alarms import Refusal
+from catseye.simulators.melfa.controller import Controller
+from catseye.simulators.melfa.mxt_packet import IllegalPacketError, Request
+from catseye.simulators.melfa.resident import Resident, Stage
+from catseye.simulators.melfa.servo_model import ServoModel
+from catseye.simulators.melfa.values import Position, joints_of
+from catseye.simulators.serving import Answer, Pending, Session
 
 MODES = ("joint", "xyz", "pulse")
 """What `Mxt` declares set points to be."""

@@ -6,9 +6,9 @@ Values without a source (window, masks, the gateway) are this emulator's own.
 
 import re
 
-from simulators.config import EmulationConfig
-from simulators.melfa import alarms
-from simulators.melfa.alarms import Refusal
+from catseye.simulators.config import EmulationConfig
+from catseye.simulators.melfa import alarms
+from catseye.simulators.melfa.alarms import Refusal
 
 _NAME = re.compile(r"[A-Z][A-Z0-9]{0,15}")
 _OPTIONS = range(11, 20)

@@ -7,9 +7,9 @@ import re
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 
-from simulators.melfa import alarms
-from simulators.melfa.alarms import Refusal
-from simulators.melfa.values import Variable
+from catseye.simulators.melfa import alarms
+from catseye.simulators.melfa.alarms import Refusal
+from catseye.simulators.melfa.values import Variable
 
 EXTENSION = "MB6"
 """Of a program's file; the one that OPEN tells."""

@@ -8,8 +8,8 @@ top, from where RUN or the next client's first word starts it again, which stand
 from collections.abc import Callable
 from enum import Enum
 
-from simulators.melfa import alarms
-from simulators.melfa.alarms import Refusal
+from catseye.simulators.melfa import alarms
+from catseye.simulators.melfa.alarms import Refusal
 
 
 class Stage(Enum):

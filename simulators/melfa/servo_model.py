@@ -3,7 +3,7 @@
 import math
 from collections import deque
 
-from simulators.config import ArmDynamics, Joints
+from catseye.simulators.config import ArmDynamics, Joints
 
 _REST = 1e-6
 """Below this, deg or mm, the following error is none."""

@@ -3,13 +3,13 @@
 from collections import deque
 from collections.abc import Callable
 
-from simulators.melfa import alarms
-from simulators.melfa.alarms import Refusal
-from simulators.melfa.commands.command import Client
-from simulators.melfa.commands.table import cannot_go_on, carry_out, split
-from simulators.melfa.controller import Controller, Run
-from simulators.melfa.framing import TOO_LONG, RequestBuffer
-from simulators.serving import Answer, Pending, Session
+from catseye.simulators.melfa import alarms
+from catseye.simulators.melfa.alarms import Refusal
+from catseye.simulators.melfa.commands.command import Client
+from catseye.simulators.melfa.commands.table import cannot_go_on, carry_out, split
+from catseye.simulators.melfa.controller import Controller, Run
+from catseye.simulators.melfa.framing import TOO_LONG, RequestBuffer
+from catseye.simulators.serving import Answer, Pending, Session
 
 _SILENCE_S = 0.005
 

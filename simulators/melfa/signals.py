@@ -2,8 +2,8 @@
 
 import re
 
-from simulators.melfa import alarms
-from simulators.melfa.alarms import Refusal
+from catseye.simulators.melfa import alarms
+from catseye.simulators.melfa.alarms import Refusal
 
 WORD = 16
 LAST_SIGNAL = 255

@@ -11,14 +11,14 @@ from collections.abc import Callable
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from simulators.config import Joints
-from simulators.melfa import alarms
-from simulators.melfa.alarms import Refusal
-from simulators.melfa.values import Position, Variable, joint_constant, number, position_constant
+from catseye.simulators.config import Joints
+from catseye.simulators.melfa import alarms
+from catseye.simulators.melfa.alarms import Refusal
+from catseye.simulators.melfa.values import Position, Variable, joint_constant, number, position_constant
 
 if TYPE_CHECKING:
     # The controller runs programs, and a program is a list of statements.
-    from simulators.melfa.controller import Controller, Run
+    from catseye.simulators.melfa.controller import Controller, Run
 
 _NAME = re.compile(r"[JPM][A-Z0-9_]{0,15}")
 _ASSIGNMENT = re.compile(r"([JPM][A-Z0-9_]{0,15})\s*=\s*(.+)")

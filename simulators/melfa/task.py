@@ -2,7 +2,7 @@
 
 There is one task; the slot in the header of a request has to exist, and leads to it. A program is carried out
 line by line, one statement after the other, each motion and delay up to its end. There is no interpreter: a
-line that is not a statement of `simulators.melfa.statements`, a comment or END (labels, IF, GOTO, WAIT,
+line that is not a statement of `catseye.simulators.melfa.statements`, a comment or END (labels, IF, GOTO, WAIT,
 Input …) stops the program with alarm 4220.
 """
 
@@ -12,14 +12,14 @@ from collections.abc import Iterable
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from simulators.melfa import alarms, statements
-from simulators.melfa.alarms import Refusal
-from simulators.melfa.programs import EXTENSION
-from simulators.melfa.resident import Resident, Stage
+from catseye.simulators.melfa import alarms, statements
+from catseye.simulators.melfa.alarms import Refusal
+from catseye.simulators.melfa.programs import EXTENSION
+from catseye.simulators.melfa.resident import Resident, Stage
 
 if TYPE_CHECKING:
     # The controller has the task, and the task commands the controller.
-    from simulators.melfa.controller import Controller, Run
+    from catseye.simulators.melfa.controller import Controller, Run
 
 
 class Task:

@@ -5,11 +5,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from calibration.errors import OutOfReachError
-from calibration.kinematics import Hand, forward, inverse
-from simulators.config import EmulationConfig, Joints
-from simulators.melfa import alarms
-from simulators.melfa.alarms import Refusal
+from catseye.calibration.errors import OutOfReachError
+from catseye.calibration.kinematics import Hand, forward, inverse
+from catseye.simulators.config import EmulationConfig, Joints
+from catseye.simulators.melfa import alarms
+from catseye.simulators.melfa.alarms import Refusal
 
 RIGHT = 4
 """Bit of the first posture flag: right-handed arm, J2 >= 0."""

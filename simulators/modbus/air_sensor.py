@@ -7,8 +7,8 @@ status from 0x0200. Quantities of the map that are not measured here read as mis
 import math
 import struct
 
-from simulators.air_probe import AirProbe
-from simulators.modbus.protocol import ILLEGAL_ADDRESS, ModbusError
+from catseye.simulators.air_probe import AirProbe
+from catseye.simulators.modbus.protocol import ILLEGAL_ADDRESS, ModbusError
 
 MISSING = 0x8000
 

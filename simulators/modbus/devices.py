@@ -2,17 +2,17 @@
 
 from collections.abc import Callable
 
-from simulators.air_probe import AirProbe
-from simulators.config import EmulatedDevice
-from simulators.errors import EmulatorError
-from simulators.modbus.air_sensor import AirSensor
-from simulators.modbus.point_sensor import PointSensor, comet_points, read_points
-from simulators.modbus.protocol import ModbusSession, Registers
-from simulators.modbus.remote_io import COUNT, Door, RemoteIo
-from simulators.modbus.rtu import SHORTEST_SILENCE_S, RtuSession
-from simulators.options import choice, number
-from simulators.ports.address import LineAddress, parse_address
-from simulators.serving import Session
+from catseye.simulators.air_probe import AirProbe
+from catseye.simulators.config import EmulatedDevice
+from catseye.simulators.errors import EmulatorError
+from catseye.simulators.modbus.air_sensor import AirSensor
+from catseye.simulators.modbus.point_sensor import PointSensor, comet_points, read_points
+from catseye.simulators.modbus.protocol import ModbusSession, Registers
+from catseye.simulators.modbus.remote_io import COUNT, Door, RemoteIo
+from catseye.simulators.modbus.rtu import SHORTEST_SILENCE_S, RtuSession
+from catseye.simulators.options import choice, number
+from catseye.simulators.ports.address import LineAddress, parse_address
+from catseye.simulators.serving import Session
 
 _MAPS = ("vaisala", "comet_web", "comet_rtu", "generic")
 _SILENT_CHARACTERS = 3.5

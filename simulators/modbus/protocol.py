@@ -4,7 +4,7 @@ import struct
 from collections.abc import Callable
 from typing import Protocol
 
-from simulators.serving import Answer, Session
+from catseye.simulators.serving import Answer, Session
 
 ILLEGAL_FUNCTION = 1
 ILLEGAL_ADDRESS = 2

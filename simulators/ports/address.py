@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 from urllib.parse import SplitResult, parse_qsl, urlsplit
 
-from simulators.errors import EmulatorError
+from catseye.simulators.errors import EmulatorError
 
 _FORMS = (
     "emulators listen on tcp://HOST:PORT, udp://HOST:PORT (port 0 takes a free one) or "

@@ -3,14 +3,14 @@
 from collections.abc import Callable
 from typing import Protocol
 
-from simulators.conversation import Conversation, Faults, Wire
-from simulators.errors import EmulatorError
-from simulators.ports.address import LineAddress, parse_address
-from simulators.ports.pty import LineListener
-from simulators.ports.tcp import TcpListener
-from simulators.ports.udp import UdpListener
-from simulators.serving import Session
-from simulators.timekeeper import TimeKeeper
+from catseye.simulators.conversation import Conversation, Faults, Wire
+from catseye.simulators.errors import EmulatorError
+from catseye.simulators.ports.address import LineAddress, parse_address
+from catseye.simulators.ports.pty import LineListener
+from catseye.simulators.ports.tcp import TcpListener
+from catseye.simulators.ports.udp import UdpListener
+from catseye.simulators.serving import Session
+from catseye.simulators.timekeeper import TimeKeeper
 
 
 class Listener(Protocol):

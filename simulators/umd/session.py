@@ -14,11 +14,11 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from math import floor
 
-from simulators.air_probe import AirProbe
-from simulators.bench.bench import Instrument
-from simulators.options import LengthOptions
-from simulators.serving import Answer, Session
-from simulators.timekeeper import TimeKeeper
+from catseye.simulators.air_probe import AirProbe
+from catseye.simulators.bench.bench import Instrument
+from catseye.simulators.options import LengthOptions
+from catseye.simulators.serving import Answer, Session
+from catseye.simulators.timekeeper import TimeKeeper
 
 MARK = 0x454D554C
 FIRMWARE = 100

@@ -10,12 +10,12 @@ from collections import deque
 from collections.abc import Callable
 from dataclasses import dataclass, field
 
-from simulators.air_probe import AirProbe
-from simulators.bench.air import AirSample
-from simulators.bench.bench import Bench
-from simulators.modbus.air_sensor import dew_point_c
-from simulators.serving import Answer, Session
-from simulators.vaisala.form import DEFAULT, Format, Value
+from catseye.simulators.air_probe import AirProbe
+from catseye.simulators.bench.air import AirSample
+from catseye.simulators.bench.bench import Bench
+from catseye.simulators.modbus.air_sensor import dew_point_c
+from catseye.simulators.serving import Answer, Session
+from catseye.simulators.vaisala.form import DEFAULT, Format, Value
 
 VERSION = "PTU300 / 5.16"
 LONGEST_CHARACTERS = 256

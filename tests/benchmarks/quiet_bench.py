@@ -9,10 +9,10 @@ import sys
 from dataclasses import replace
 from pathlib import Path
 
-from app.cell.load import load_cell
-from app.emulation import emulation_config
-from simulators.config import ErrorBudget, TruthText
-from simulators.launch import EmulatedBench
+from catseye.app.cell.load import load_cell
+from catseye.app.emulation import emulation_config
+from catseye.simulators.config import ErrorBudget, TruthText
+from catseye.simulators.launch import EmulatedBench
 
 
 async def serve(cell: Path) -> None:

@@ -9,8 +9,8 @@ import socket
 import sys
 import time
 
-from simulators.config import EmulatedDevice, EmulationConfig, ErrorBudget, ReflectorPlace
-from simulators.launch import EmulatedBench
+from catseye.simulators.config import EmulatedDevice, EmulationConfig, ErrorBudget, ReflectorPlace
+from catseye.simulators.launch import EmulatedBench
 
 RATE_HZ = 1000
 

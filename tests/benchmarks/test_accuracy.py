@@ -2,12 +2,12 @@
 
 import numpy as np
 
-from calibration.distance_model import distance_model
-from calibration.identification import identify
-from calibration.layout import Layout
-from calibration.types import Floats
-from calibration.uncertainty.budget import radial_motions
-from calibration.uncertainty.radial import RadialBudget, radial_effects
+from catseye.calibration.distance_model import distance_model
+from catseye.calibration.identification import identify
+from catseye.calibration.layout import Layout
+from catseye.calibration.types import Floats
+from catseye.calibration.uncertainty.budget import radial_motions
+from catseye.calibration.uncertainty.radial import RadialBudget, radial_effects
 from tests.unit.calibration.paper import (
     MDEG,
     NODES1_DEG,

@@ -9,17 +9,17 @@ from pathlib import Path
 import numpy as np
 from scipy import linalg
 
-from app.analysis.design_layouts import Places, best_layouts, candidate_places
-from app.analysis.design_problem import Problem, Wish, problem_of
-from app.cell.bench import bench_of
-from app.cell.load import load_cell
-from app.cell.template import TEMPLATE
-from app.cluster.sharing import InThisProcess
-from calibration.design.candidates import apart
-from calibration.design.command_choice import CommandPool, choose_commands
-from calibration.design.criteria import Criterion
-from calibration.design.exchange import Pool, exchange, random_start
-from calibration.types import Bools, Floats, Ints
+from catseye.app.analysis.design_layouts import Places, best_layouts, candidate_places
+from catseye.app.analysis.design_problem import Problem, Wish, problem_of
+from catseye.app.cell.bench import bench_of
+from catseye.app.cell.load import load_cell
+from catseye.app.cell.template import TEMPLATE
+from catseye.app.cluster.sharing import InThisProcess
+from catseye.calibration.design.candidates import apart
+from catseye.calibration.design.command_choice import CommandPool, choose_commands
+from catseye.calibration.design.criteria import Criterion
+from catseye.calibration.design.exchange import Pool, exchange, random_start
+from catseye.calibration.types import Bools, Floats, Ints
 from tests.unit.calibration.design.cases import SIGMA_MM, SMALL, scaled, seen_by_all, study
 
 PLACES = 400

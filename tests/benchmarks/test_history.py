@@ -8,9 +8,9 @@ from pathlib import Path
 
 import pytest
 
-from app.store.catalog import list_runs
-from app.store.history import RunHistory
-from app.store.seal import DATABASE
+from catseye.app.store.catalog import list_runs
+from catseye.app.store.history import RunHistory
+from catseye.app.store.seal import DATABASE
 from tests.unit.app.tui.stored_runs import COMPLETE, make_runs
 
 RUNS = 2000

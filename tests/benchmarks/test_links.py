@@ -9,16 +9,16 @@ from contextlib import AbstractAsyncContextManager, asynccontextmanager
 
 import pytest
 
-from drivers.clock import SystemClock
-from drivers.endpoint import open_transport
-from drivers.errors import DeviceError
-from drivers.faulty import FaultyTransport
-from drivers.melfa import codec
-from drivers.melfa.robot import MelfaR3
-from drivers.melfa.session import Session
-from drivers.melfa.settings import MelfaSettings
-from simulators.config import EmulationConfig, ErrorBudget, ReflectorPlace
-from simulators.launch import EmulatedBench
+from catseye.drivers.clock import SystemClock
+from catseye.drivers.endpoint import open_transport
+from catseye.drivers.errors import DeviceError
+from catseye.drivers.faulty import FaultyTransport
+from catseye.drivers.melfa import codec
+from catseye.drivers.melfa.robot import MelfaR3
+from catseye.drivers.melfa.session import Session
+from catseye.drivers.melfa.settings import MelfaSettings
+from catseye.simulators.config import EmulationConfig, ErrorBudget, ReflectorPlace
+from catseye.simulators.launch import EmulatedBench
 
 ROUNDS = 2000
 BATCHES = 7

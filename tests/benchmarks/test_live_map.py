@@ -6,11 +6,11 @@ from collections.abc import Callable
 
 import numpy as np
 
-from calibration.identification import identify
-from calibration.live_map import LiveMap
-from calibration.points import Points
-from calibration.uncertainty.budget import radial_motions
-from calibration.uncertainty.radial import RadialBudget
+from catseye.calibration.identification import identify
+from catseye.calibration.live_map import LiveMap
+from catseye.calibration.points import Points
+from catseye.calibration.uncertainty.budget import radial_motions
+from catseye.calibration.uncertainty.radial import RadialBudget
 from tests.unit.calibration.paper import (
     NAMES,
     NODES1_DEG,

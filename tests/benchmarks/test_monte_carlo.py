@@ -11,15 +11,15 @@ from dataclasses import replace
 import numpy as np
 from scipy import optimize
 
-from app.cell.uncertainty import Uncertainty
-from calibration.distance_model import DistanceModel, distance_model
-from calibration.identification import Identification, identify
-from calibration.least_squares import minimise
-from calibration.points import Commands
-from calibration.prediction import predict
-from calibration.types import Floats
-from calibration.uncertainty.arm_draws import chunks, joined, solve_chunk, with_draws
-from calibration.uncertainty.contributions import contributions
+from catseye.app.cell.uncertainty import Uncertainty
+from catseye.calibration.distance_model import DistanceModel, distance_model
+from catseye.calibration.identification import Identification, identify
+from catseye.calibration.least_squares import minimise
+from catseye.calibration.points import Commands
+from catseye.calibration.prediction import predict
+from catseye.calibration.types import Floats
+from catseye.calibration.uncertainty.arm_draws import chunks, joined, solve_chunk, with_draws
+from catseye.calibration.uncertainty.contributions import contributions
 from tests.unit.calibration.paper import (
     NODES1_DEG,
     NODES2_DEG,

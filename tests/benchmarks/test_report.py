@@ -2,7 +2,7 @@
 
 import time
 
-from app.report.page import render_html
+from catseye.app.report.page import render_html
 from tests.unit.app.report import sample
 
 LIMIT_S = 4.0

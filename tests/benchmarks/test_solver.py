@@ -7,9 +7,9 @@ from collections.abc import Callable
 import numpy as np
 from scipy import linalg
 
-from calibration.distance_model import distance_model
-from calibration.identification import identify
-from calibration.layout import Layout
+from catseye.calibration.distance_model import distance_model
+from catseye.calibration.identification import identify
+from catseye.calibration.layout import Layout
 from tests.unit.calibration.paper import (
     NODES1_DEG,
     NODES2_DEG,

@@ -17,8 +17,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from drivers.clock import SystemClock
-from drivers.umd.display import TimedSample, UmdDisplay
+from catseye.drivers.clock import SystemClock
+from catseye.drivers.umd.display import TimedSample, UmdDisplay
 from tests.benchmarks.stream_peers import RATE_HZ
 
 ROOT = Path(__file__).parents[2]

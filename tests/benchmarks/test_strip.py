@@ -9,8 +9,8 @@ from rich.color import Color
 from rich.console import Console
 from textual.renderables.sparkline import Sparkline
 
-from app.tui.widgets.braille import Floats
-from app.tui.widgets.strip_chart import dots_of, draw, fold, next_scale
+from catseye.app.tui.widgets.braille import Floats
+from catseye.app.tui.widgets.strip_chart import dots_of, draw, fold, next_scale
 
 SAMPLES = 100_000
 COLUMNS, ROWS = 78, 12

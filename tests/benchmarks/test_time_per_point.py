@@ -5,11 +5,11 @@ import statistics
 from datetime import datetime
 from pathlib import Path
 
-from app.cell.load import load_cell
-from app.engine.request import RunOutcome
-from app.procedure_list import load_procedure, parse_params
-from app.running import carry_out, plan_run
-from app.store.reader import RunReader
+from catseye.app.cell.load import load_cell
+from catseye.app.engine.request import RunOutcome
+from catseye.app.procedure_list import load_procedure, parse_params
+from catseye.app.running import carry_out, plan_run
+from catseye.app.store.reader import RunReader
 from tests.system.command import Emulated, emulated
 
 FEW_NODES = {

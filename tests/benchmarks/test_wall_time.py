@@ -7,8 +7,8 @@ real time here. Nothing of the program's own account enters.
 from datetime import datetime
 from pathlib import Path
 
-from app.engine.request import RunOutcome
-from app.store.reader import RunReader
+from catseye.app.engine.request import RunOutcome
+from catseye.app.store.reader import RunReader
 from tests.benchmarks.test_time_per_point import FEW_NODES, measured_slice, searched
 from tests.system.command import Emulated, emulated
 

@@ -21,16 +21,16 @@ from typing import Any
 import numpy as np
 import pytest
 
-from app.bench.facts import facts_of
-from app.bench.observed import ObservedInterferometer
-from app.bench.telemetry import Telemetry
-from app.engine.waiting import cancel
-from app.service.client import EngineClient, connect
-from app.service.hub import Hub
-from app.service.mailbox import Mailbox
-from app.service.messages import encode
-from drivers.clock import SystemClock
-from drivers.umd.display import UmdDisplay
+from catseye.app.bench.facts import facts_of
+from catseye.app.bench.observed import ObservedInterferometer
+from catseye.app.bench.telemetry import Telemetry
+from catseye.app.engine.waiting import cancel
+from catseye.app.service.client import EngineClient, connect
+from catseye.app.service.hub import Hub
+from catseye.app.service.mailbox import Mailbox
+from catseye.app.service.messages import encode
+from catseye.drivers.clock import SystemClock
+from catseye.drivers.umd.display import UmdDisplay
 from tests.benchmarks.stream_peers import RATE_HZ
 from tests.benchmarks.test_stream import peer
 from tests.benchmarks.test_time_per_point import FEW_NODES, searched

@@ -17,7 +17,7 @@ from pathlib import Path
 
 import pytest
 
-from app.guard.client import LOG_NAME
+from catseye.app.guard.client import LOG_NAME
 from tests.system.command import SPEED, Emulated, catseye, emulated, only
 from tests.system.guarded import Program, measuring, until
 

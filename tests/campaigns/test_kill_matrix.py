@@ -10,10 +10,10 @@ from typing import Any
 
 import pytest
 
-from app.engine.crash_points import POINTS
-from app.store.reader import RunReader
-from app.store.seal import read_manifest
-from app.store.verify import verify
+from catseye.app.engine.crash_points import POINTS
+from catseye.app.store.reader import RunReader
+from catseye.app.store.seal import read_manifest
+from catseye.app.store.verify import verify
 from tests.system.command import Emulated, catseye, emulated
 from tests.system.interruptions import Moment, Process, Story, commands, differences_mm
 

@@ -16,14 +16,14 @@ from typing import Literal, get_args
 
 import pytest
 
-from app.testing.proxy import Proxy, ProxyThread
-from drivers.clock import SystemClock
-from drivers.endpoint import TcpEndpoint, parse_endpoint
-from drivers.errors import DeviceError, LinkError
-from drivers.melfa.robot import MelfaR3
-from drivers.record import Direction
-from simulators.config import EmulatedDevice, EmulationConfig, ErrorBudget, ReflectorPlace
-from simulators.launch import EmulatedBench
+from catseye.app.testing.proxy import Proxy, ProxyThread
+from catseye.drivers.clock import SystemClock
+from catseye.drivers.endpoint import TcpEndpoint, parse_endpoint
+from catseye.drivers.errors import DeviceError, LinkError
+from catseye.drivers.melfa.robot import MelfaR3
+from catseye.drivers.record import Direction
+from catseye.simulators.config import EmulatedDevice, EmulationConfig, ErrorBudget, ReflectorPlace
+from catseye.simulators.launch import EmulatedBench
 
 STOPS = int(os.environ.get("CATSEYE_STOPS", "500"))
 SEED = int(os.environ.get("CATSEYE_SEED", str(random.SystemRandom().randrange(10_000))))

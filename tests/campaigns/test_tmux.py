@@ -62,7 +62,7 @@ def in_tmux(folder: Path, *arguments: str) -> Iterator[Tmux]:
     variables = [
         f"{name}={environment()[name]}" for name in ("PYTHONPATH", "XDG_RUNTIME_DIR", "OMP_NUM_THREADS")
     ]
-    command = ["env", *variables, sys.executable, "-m", "app", *arguments]
+    command = ["env", *variables, sys.executable, "-m", "catseye", *arguments]
     tmux.call("new-session", "-d", "-x", "120", "-y", "40", "-c", str(folder), *command)
     try:
         yield tmux

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from app.service.address import find_socket
+from catseye.app.service.address import find_socket
 from tests.system.command import emulated
 from tests.system.memory import resident_mb
 from tests.system.screen import Screen, on_screen

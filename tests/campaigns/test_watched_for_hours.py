@@ -11,12 +11,12 @@ from pathlib import Path
 
 import pytest
 
-from app.bench.facts import facts_of
-from app.bench.idle import IdleBench
-from app.bench.telemetry import Telemetry
-from app.bench.traffic import MOST_LINES
-from app.service.hub import Hub
-from app.service.mailbox import Mailbox
+from catseye.app.bench.facts import facts_of
+from catseye.app.bench.idle import IdleBench
+from catseye.app.bench.telemetry import Telemetry
+from catseye.app.bench.traffic import MOST_LINES
+from catseye.app.service.hub import Hub
+from catseye.app.service.mailbox import Mailbox
 from tests.unit.app.bench.benches import bench_from_template, cell_from_template
 from tests.unit.app.bench.kept import PulledCell, disk, lost
 from tests.unit.drivers.virtual_time import VirtualClock, run

@@ -6,15 +6,15 @@ from pathlib import Path
 
 import pytest
 
-from app.store.catalog import resolve_run
-from app.store.reader import RunReader
+from catseye.app.store.catalog import resolve_run
+from catseye.app.store.reader import RunReader
 from tests.system.command import emulated, environment, last_run
 from tests.system.test_ways_of_following import DOORS
 
 
 def run(cell: Path, folder: Path, procedure: str, speed: str) -> RunReader:
     """Run a procedure to its end, however long it takes, and return its record."""
-    command = [sys.executable, "-m", "app", "run", procedure, "--cell", str(cell), "--speed", speed]
+    command = [sys.executable, "-m", "catseye", "run", procedure, "--cell", str(cell), "--speed", speed]
     done = subprocess.run(command, cwd=folder, env=environment(), capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stderr
     return RunReader(resolve_run(folder / "catseye-runs", last_run(folder, procedure)))

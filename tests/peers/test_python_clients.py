@@ -9,8 +9,8 @@ from typing import Any
 
 import pytest
 
-from simulators.config import EmulatedDevice, TruthText
-from simulators.launch import EmulatedBench
+from catseye.simulators.config import EmulatedDevice, TruthText
+from catseye.simulators.launch import EmulatedBench
 from tests.system.test_ways_of_following import TRUTH
 from tests.unit.simulators.benches import QUIET
 

@@ -10,10 +10,10 @@ import json
 from collections.abc import Callable
 from pathlib import Path
 
-from app.cell.load import load_cell
-from app.emulation import emulation_config
-from simulators.config import EmulationConfig
-from simulators.launch import EmulatedBench
+from catseye.app.cell.load import load_cell
+from catseye.app.emulation import emulation_config
+from catseye.simulators.config import EmulationConfig
+from catseye.simulators.launch import EmulatedBench
 
 
 def main(altered: Callable[[EmulationConfig], EmulationConfig]) -> None:

@@ -14,5 +14,5 @@ def _block(_number: int, _frame: object) -> None:
 
 if __name__ == "__main__":
     signal.signal(signal.SIGUSR2, _block)
-    sys.argv[0] = "app"
-    runpy.run_module("app", run_name="__main__", alter_sys=True)
+    sys.argv[0] = "catseye"
+    runpy.run_module("catseye", run_name="__main__", alter_sys=True)

@@ -14,11 +14,11 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import IO, Any
 
-from app.cell.load import load_cell
-from app.cell.template import TEMPLATE
-from app.emulation import emulated_devices
-from app.guard.lock import lock_path
-from drivers.endpoint import SerialEndpoint, TcpEndpoint, parse_endpoint
+from catseye.app.cell.load import load_cell
+from catseye.app.cell.template import TEMPLATE
+from catseye.app.emulation import emulated_devices
+from catseye.app.guard.lock import lock_path
+from catseye.drivers.endpoint import SerialEndpoint, TcpEndpoint, parse_endpoint
 from tests.patience import HANG_S
 from tests.system import forked
 
@@ -28,7 +28,7 @@ SPEED = "400"
 def catseye(*arguments: str | Path, cwd: Path, crash: str = "") -> subprocess.CompletedProcess[str]:
     """Run the command to its end, or to a crash point at which it dies."""
     env = {**environment(), "CATSEYE_CRASHPOINT": crash}
-    return forked.run("app", arguments, cwd=cwd, env=env, limit_s=HANG_S)
+    return forked.run("catseye", arguments, cwd=cwd, env=env, limit_s=HANG_S)
 
 
 @contextmanager
@@ -36,12 +36,14 @@ def begun(*arguments: str | Path, cwd: Path) -> Iterator[tuple[forked.Forked, IO
     """Begin the command and yield it with its stdout; it is killed at the end, if it still runs then."""
     with (
         tempfile.TemporaryFile() as said,
-        forked.talking("app", arguments, cwd=cwd, env=environment(), err=said) as talking,
+        forked.talking("catseye", arguments, cwd=cwd, env=environment(), err=said) as talking,
     ):
         yield talking
 
 
-def start(*arguments: str | Path, cwd: Path, module: str = "app", crash: str = "") -> subprocess.Popen[str]:
+def start(
+    *arguments: str | Path, cwd: Path, module: str = "catseye", crash: str = ""
+) -> subprocess.Popen[str]:
     """Start the command, or another module, which may die at a crash point; the caller ends it."""
     return subprocess.Popen(
         [sys.executable, "-m", module, *map(str, arguments)],
@@ -88,7 +90,7 @@ def emulated(
     *options: str,
     edit: dict[str, str] | None = None,
     text: str = TEMPLATE,
-    module: str = "app",
+    module: str = "catseye",
 ) -> Iterator[Emulated]:
     """Emulate the bench of a cell file, edited, on free ports; serial lines as the file has them."""
     for old, new in (edit or {}).items():

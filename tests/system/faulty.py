@@ -2,8 +2,8 @@
 
 from pathlib import Path
 
-from app import cli
-from app.commands import procedures
+from catseye.app import cli
+from catseye.app.commands import procedures
 
 
 def _fault(cell: Path | None, runs: Path | None, as_json: bool) -> None:

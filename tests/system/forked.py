@@ -19,16 +19,15 @@ from multiprocessing.connection import Connection
 from pathlib import Path
 from typing import IO, Any
 
-import app.commands
-import procedures
-import simulators
+from catseye import procedures, simulators
+from catseye.app import commands
 from tests.patience import HANG_S
 
 _CONTEXT = multiprocessing.get_context("forkserver")
 _CONTEXT.set_forkserver_preload(
     [
         module.name
-        for package in (app.commands, procedures, simulators)
+        for package in (commands, procedures, simulators)
         for module in pkgutil.walk_packages(package.__path__, f"{package.__name__}.")
     ]
 )

@@ -57,7 +57,9 @@ def until(holds: Callable[[], bool]) -> None:
 
 
 @contextmanager
-def program(bench: Emulated, *arguments: str | Path, module: str = "app", **pipes: Any) -> Iterator[Program]:
+def program(
+    bench: Emulated, *arguments: str | Path, module: str = "catseye", **pipes: Any
+) -> Iterator[Program]:
     """Start a program; it is killed at the end, if it still runs then."""
     process = subprocess.Popen(
         [sys.executable, "-m", module, *map(str, arguments)],
@@ -80,7 +82,7 @@ def program(bench: Emulated, *arguments: str | Path, module: str = "app", **pipe
 
 
 @contextmanager
-def measuring(bench: Emulated, module: str = "app", search: str | Path = "none") -> Iterator[Program]:
+def measuring(bench: Emulated, module: str = "catseye", search: str | Path = "none") -> Iterator[Program]:
     """Start a measurement in real time; without a search it moves, but finds no beam at its first point."""
     words: list[str | Path] = ["run", "open-loop", "--cell", bench.cell, "--search", search, "--json"]
     with program(bench, *words, module=module) as made:

@@ -9,9 +9,9 @@ import sys
 import time
 from pathlib import Path
 
-from app.guard.client import ArmGuard
-from drivers.endpoint import open_transport
-from drivers.guarding import GuardedTransport
+from catseye.app.guard.client import ArmGuard
+from catseye.drivers.endpoint import open_transport
+from catseye.drivers.guarding import GuardedTransport
 
 STOP = b"\r1;1;STOP\r"
 CHILD_S = 5.0

@@ -3,7 +3,7 @@
 from typing import Any
 from unittest.mock import patch
 
-from simulators.attocube.device import Ids
+from catseye.simulators.attocube.device import Ids
 from tests.system.altered_bench import main
 
 TITLE = "OWNED"

@@ -11,10 +11,10 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from app.errors import StorageError
-from app.store.catalog import list_runs
-from app.store.reader import RunReader
-from app.store.verify import verify
+from catseye.app.errors import StorageError
+from catseye.app.store.catalog import list_runs
+from catseye.app.store.reader import RunReader
+from catseye.app.store.verify import verify
 from tests.patience import HANG_S
 from tests.system import forked
 from tests.system.command import Emulated, environment
@@ -110,7 +110,7 @@ class Story:
         env = {**environment(), "CATSEYE_CRASHPOINT": crash}
         with (
             tempfile.TemporaryFile() as said,
-            forked.talking("app", [*words, *options, "--json"], cwd=self.folder, env=env, err=said) as (
+            forked.talking("catseye", [*words, *options, "--json"], cwd=self.folder, env=env, err=said) as (
                 process,
                 lines,
             ),

@@ -6,8 +6,8 @@ from pathlib import Path
 
 import numpy as np
 
-from app.store.catalog import resolve_run
-from app.store.reader import RunReader
+from catseye.app.store.catalog import resolve_run
+from catseye.app.store.reader import RunReader
 from tests.system import forked
 from tests.system.blocking import misfits_um, still_truth
 from tests.system.command import emulated, environment, last_run
@@ -61,7 +61,7 @@ def measured(
             "none",
             *words,
         )
-        run = forked.run("app", command, cwd=folder, env=environment(), limit_s=limit_s)
+        run = forked.run("catseye", command, cwd=folder, env=environment(), limit_s=limit_s)
         assert run.returncode == 0, f"seed {seed}: {run.stderr}"
         arm = bench.ask(op="truth")["truth"]
         log = bench.ask(op="log", device="robot")

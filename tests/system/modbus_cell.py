@@ -5,8 +5,8 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 
-from app.cell.load import load_cell
-from app.cell.template import TEMPLATE
+from catseye.app.cell.load import load_cell
+from catseye.app.cell.template import TEMPLATE
 from tests.system.command import Emulated, emulated
 
 _FURTHER = """

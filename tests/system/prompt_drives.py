@@ -2,7 +2,7 @@
 
 from dataclasses import replace
 
-from simulators.config import EmulationConfig
+from catseye.simulators.config import EmulationConfig
 from tests.system.altered_bench import main
 
 

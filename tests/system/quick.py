@@ -3,8 +3,8 @@
 from pathlib import Path
 from typing import Any
 
-import drivers.counter
-from app.testing.candidate import Candidate
+from catseye.app.testing.candidate import Candidate
+from catseye.drivers import counter
 
 TIMEOUT_S = 0.25
 _OF_SLOW_STREAMS_S = {"lasertex-hpi": 0.5}
@@ -14,7 +14,7 @@ _OF_SLOW_STREAMS_S = {"lasertex-hpi": 0.5}
 def short_timeouts(candidate: Candidate, folder: Path) -> dict[str, Any]:
     """Return settings; the line counter has its time-out in the profile, of which a copy is written."""
     if candidate.name == "line-counter":
-        default = Path(drivers.counter.__file__).parent / "profiles" / "default.toml"
+        default = Path(counter.__file__).parent / "profiles" / "default.toml"
         text = default.read_text(encoding="utf-8")
         assert "timeout_s = 1.0" in text
         profile = folder / "quick.toml"

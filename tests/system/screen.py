@@ -67,7 +67,7 @@ class Screen:
         self._open = True
         self.received = b""
         self.process = subprocess.Popen(
-            [sys.executable, "-m", "app", *map(str, arguments)],
+            [sys.executable, "-m", "catseye", *map(str, arguments)],
             cwd=cwd,
             env={**environment(), "TERM": "xterm-256color"},
             stdin=slave,

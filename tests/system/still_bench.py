@@ -2,7 +2,7 @@
 
 from dataclasses import replace
 
-from simulators.config import EmulationConfig, ErrorBudget
+from catseye.simulators.config import EmulationConfig, ErrorBudget
 from tests.system.altered_bench import main
 
 

@@ -5,7 +5,7 @@ import re
 from pathlib import Path
 from typing import Any
 
-from app.exitcode import ExitCode
+from catseye.app.exitcode import ExitCode
 from tests.system.command import SPEED, Emulated, catseye, emulated, last_run
 
 

@@ -17,7 +17,7 @@ from pathlib import Path
 
 import pytest
 
-from app.cell.template import TEMPLATE
+from catseye.app.cell.template import TEMPLATE
 from tests.free_ports import at_ports, free_ports
 from tests.patience import HANG_S
 from tests.system import forked
@@ -61,7 +61,7 @@ def put_cell(folder: Path, *changes: tuple[str, str]) -> Path:
 def catseye(folder: Path, *arguments: str) -> Said:
     """Run the command in a folder and check what holds for every refusal."""
     environment = {k: v for k, v in os.environ.items() if not k.startswith("CATSEYE")}
-    done = forked.run("app", arguments, cwd=folder, env=environment, limit_s=HANG_S)
+    done = forked.run("catseye", arguments, cwd=folder, env=environment, limit_s=HANG_S)
     said = Said(done.returncode, done.stdout, done.stderr)
     assert "Traceback" not in said.out + said.err, said
     assert "internal error" not in said.err, said

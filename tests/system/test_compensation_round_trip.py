@@ -12,15 +12,15 @@ import numpy as np
 import pytest
 from scipy.stats import chi2
 
-from app.store.reader import RunReader
-from calibration.comparison import rigid_fit
-from calibration.kinematics import inverse
-from calibration.types import Floats
-from drivers.clock import SystemClock
-from drivers.melfa.robot import MelfaR3
-from procedures.motion.approach import Command, with_take_up
-from simulators.config import EmulationConfig, ErrorBudget, TruthText
-from simulators.launch import EmulatedBench
+from catseye.app.store.reader import RunReader
+from catseye.calibration.comparison import rigid_fit
+from catseye.calibration.kinematics import inverse
+from catseye.calibration.types import Floats
+from catseye.drivers.clock import SystemClock
+from catseye.drivers.melfa.robot import MelfaR3
+from catseye.procedures.motion.approach import Command, with_take_up
+from catseye.simulators.config import EmulationConfig, ErrorBudget, TruthText
+from catseye.simulators.launch import EmulatedBench
 from tests.system.command import SPEED, catseye, emulated
 from tests.system.test_validation_path import truth
 from tests.unit.simulators.benches import QUIET

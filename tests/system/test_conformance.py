@@ -12,11 +12,11 @@ from typing import Any
 
 import pytest
 
-from app.testing.candidate import KINDS, Candidate, candidate_of
-from app.testing.checks.catalogue import ALL, applicable
-from app.testing.checks.check import run_check
-from drivers.registry import driver_names
-from simulators.config import Option
+from catseye.app.testing.candidate import KINDS, Candidate, candidate_of
+from catseye.app.testing.checks.catalogue import ALL, applicable
+from catseye.app.testing.checks.check import run_check
+from catseye.drivers.registry import driver_names
+from catseye.simulators.config import Option
 from tests.left_behind import nothing_left, warnings_fail
 from tests.patience import HANG_S
 from tests.system.quick import short_timeouts

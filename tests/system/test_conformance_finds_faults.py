@@ -9,16 +9,16 @@ from typing import Any, ClassVar
 import pytest
 from pydantic import BaseModel, ConfigDict
 
-from app.testing.candidate import candidate_of
-from app.testing.checks.catalogue import applicable
-from app.testing.checks.check import run_check
-from app.testing.trial import NotConformingError
-from drivers.air.modbus_air import ModbusAir
-from drivers.counter.counter import LineCounter
-from drivers.errors import DeviceError, LinkTimeoutError
-from drivers.latches import Latches
-from drivers.melfa.robot import MelfaR3
-from drivers.readings import AirSample, CounterReading, CounterStatus, Identity, Joints
+from catseye.app.testing.candidate import candidate_of
+from catseye.app.testing.checks.catalogue import applicable
+from catseye.app.testing.checks.check import run_check
+from catseye.app.testing.trial import NotConformingError
+from catseye.drivers.air.modbus_air import ModbusAir
+from catseye.drivers.counter.counter import LineCounter
+from catseye.drivers.errors import DeviceError, LinkTimeoutError
+from catseye.drivers.latches import Latches
+from catseye.drivers.melfa.robot import MelfaR3
+from catseye.drivers.readings import AirSample, CounterReading, CounterStatus, Identity, Joints
 from tests.system.quick import TIMEOUT_S, short_timeouts
 
 

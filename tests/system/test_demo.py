@@ -32,7 +32,7 @@ def test_demo_does_the_whole_job(tmp_path: Path) -> None:
 def emulators(folder: Path) -> set[str]:
     """Return the emulators that serve a bench below a folder."""
     listed = subprocess.run(["ps", "-ewwo", "pid,args"], capture_output=True, text=True, check=True).stdout
-    mine = f"-m app emulate {folder}"
+    mine = f"-m catseye emulate {folder}"
     return {line.split()[0] for line in listed.splitlines() if mine in line}
 
 

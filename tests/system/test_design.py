@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from app.cell.template import TEMPLATE
+from catseye.app.cell.template import TEMPLATE
 from tests.patience import HANG_S
 from tests.system.command import catseye, environment
 
@@ -67,7 +67,7 @@ def test_ctrl_c_in_the_midst_of_a_sweep_leaves_no_process_and_no_traceback(tmp_p
     (tmp_path / "cell.toml").write_text(TEMPLATE)
     words = ["design", "--cell", "cell.toml", "--criterion", "D", "--places", "2000", "--workers", "2"]
     with subprocess.Popen(
-        [sys.executable, "-m", "app", *words],
+        [sys.executable, "-m", "catseye", *words],
         cwd=tmp_path,
         env=environment(),
         stderr=subprocess.PIPE,

@@ -6,7 +6,7 @@ from urllib.parse import urlsplit
 
 import pytest
 
-from app.cell.load import load_cell
+from catseye.app.cell.load import load_cell
 from tests.patience import HANG_S
 from tests.system.command import catseye, emulated
 

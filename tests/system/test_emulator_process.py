@@ -7,8 +7,8 @@ from pathlib import Path
 
 import pytest
 
-from app.testing.bench import RunningBench
-from app.testing.process import bench_in_process
+from catseye.app.testing.bench import RunningBench
+from catseye.app.testing.process import bench_in_process
 from tests.patience import HANG_S
 
 

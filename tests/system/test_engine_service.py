@@ -22,8 +22,8 @@ from typing import Any
 
 import pytest
 
-from app.service.address import find_socket
-from app.store.reader import RunReader
+from catseye.app.service.address import find_socket
+from catseye.app.store.reader import RunReader
 from tests.patience import HANG_S
 from tests.system.command import Emulated, begun, catseye, emulated, environment, start
 from tests.system.socket_client import Lines
@@ -58,7 +58,7 @@ def bench(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Emulated]:
                     left.ask("abort")
 
 
-def detached(bench: Emulated, *options: str) -> Path:
+def detached(bench: Emulated, *options: str, folder: Path | None = None) -> Path:
     """Start a measurement that runs on by itself, kill the starter, and return the run."""
     starter = begun(
         "run",
@@ -72,7 +72,7 @@ def detached(bench: Emulated, *options: str) -> Path:
         *ONE_REFLECTOR,
         "--detach",
         *options,
-        cwd=bench.cell.parent,
+        cwd=folder or bench.cell.parent,
     )  # fmt: skip - a command line
     with starter as (_, told):
         return Path(told.readline().strip())
@@ -94,7 +94,7 @@ def held(bench: Emulated, *options: str) -> Path:
 def joined(bench: Emulated, run: Path, *options: str) -> subprocess.Popen[str]:
     """Attach a program."""
     client = subprocess.Popen(
-        [sys.executable, "-m", "app", "attach", str(run), "--json", *options],
+        [sys.executable, "-m", "catseye", "attach", str(run), "--json", *options],
         cwd=bench.cell.parent,
         env=environment(),
         stdin=subprocess.PIPE,
@@ -211,7 +211,7 @@ class Terminal:
         self.descriptor, slave = pty.openpty()
         self._open = True
         self.process = subprocess.Popen(
-            [sys.executable, "-m", "app", *arguments],
+            [sys.executable, "-m", "catseye", *arguments],
             cwd=bench.cell.parent,
             env=environment(),
             stdin=slave,
@@ -296,6 +296,15 @@ def test_a_killed_engine_is_told_with_the_remedy(bench: Emulated) -> None:
     over = catseye("attach", str(run), cwd=bench.cell.parent)
     assert over.returncode == 2
     assert f"its state is died: go on with it with: catseye resume {run.name}" in over.stderr
+
+
+def test_a_run_detaches_in_a_folder_with_strangers_packages(bench: Emulated, tmp_path: Path) -> None:
+    for name in ("app", "drivers"):
+        (tmp_path / name).mkdir()
+        (tmp_path / name / "__init__.py").write_text("raise ImportError('a stranger')\n", encoding="utf-8")
+    run = detached(bench, folder=tmp_path)
+    assert catseye("attach", str(run), "--json", cwd=tmp_path).returncode == 0
+    assert story(bench, run)["status"] == "complete"
 
 
 def test_what_cannot_be_started_is_told_by_the_starter(bench: Emulated) -> None:

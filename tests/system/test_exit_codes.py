@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 
-from app.cell.template import TEMPLATE
+from catseye.app.cell.template import TEMPLATE
 from tests.patience import HANG_S
 from tests.system import forked
 from tests.system.command import SPEED, Emulated, begun, catseye, emulated, environment, last_run
@@ -114,7 +114,9 @@ def unread(bench: Emulated) -> "subprocess.CompletedProcess[str]":
     os.close(source)
     with open(sink, "wb") as out, tempfile.TemporaryFile() as err:
         command = ("config", "show", bench.cell)
-        process = forked.Forked("app", command, cwd=bench.cell.parent, env=environment(), out=out, err=err)
+        process = forked.Forked(
+            "catseye", command, cwd=bench.cell.parent, env=environment(), out=out, err=err
+        )
         return subprocess.CompletedProcess(command, process.wait(HANG_S), "", "")
 
 

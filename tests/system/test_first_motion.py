@@ -4,8 +4,8 @@ import json
 import signal
 from pathlib import Path
 
-from app.store.catalog import resolve_run
-from app.store.reader import RunReader
+from catseye.app.store.catalog import resolve_run
+from catseye.app.store.reader import RunReader
 from tests.system.command import begun, catseye, emulated, last_run
 from tests.system.door_openings import SLOW
 

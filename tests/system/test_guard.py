@@ -13,8 +13,8 @@ from pathlib import Path
 
 import pytest
 
-from app.guard.client import LOG_NAME
-from app.guard.guard import DIED, FROZEN, FROZEN_S, SILENT
+from catseye.app.guard.client import LOG_NAME
+from catseye.app.guard.guard import DIED, FROZEN, FROZEN_S, SILENT
 from tests.patience import HANG_S
 from tests.system import forked
 from tests.system.command import Emulated, catseye, emulated, environment, forget_stops

@@ -9,12 +9,12 @@ import pytest
 from pymodbus import FramerType
 from pymodbus.client import ModbusSerialClient, ModbusTcpClient
 
-from drivers.air.modbus_air import ModbusAir
-from drivers.air.ptu300 import VaisalaAscii
-from drivers.clock import SystemClock
-from drivers.endpoint import SerialEndpoint
-from drivers.io.modbus_io import ModbusIo
-from drivers.modbus.client import RegisterClient
+from catseye.drivers.air.modbus_air import ModbusAir
+from catseye.drivers.air.ptu300 import VaisalaAscii
+from catseye.drivers.clock import SystemClock
+from catseye.drivers.endpoint import SerialEndpoint
+from catseye.drivers.io.modbus_io import ModbusIo
+from catseye.drivers.modbus.client import RegisterClient
 from tests.system.command import catseye
 from tests.system.modbus_cell import ModbusCell, modbus_cell
 

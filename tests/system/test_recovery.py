@@ -5,8 +5,8 @@ from typing import Any
 
 import numpy as np
 
-from app.store.catalog import resolve_run
-from app.store.reader import RunReader
+from catseye.app.store.catalog import resolve_run
+from catseye.app.store.reader import RunReader
 from tests.system.blocking import misfits_um, random_blocks, run_blocked, still_truth
 from tests.system.command import emulated, last_run
 from tests.system.test_ways_of_following import ALL_THETA2, FEW_NODES

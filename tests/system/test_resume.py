@@ -7,10 +7,10 @@ from collections.abc import Iterator
 
 import pytest
 
-from app.engine.crash_points import POINTS
-from app.store.reader import RunReader
-from app.store.seal import read_manifest
-from app.store.verify import verify
+from catseye.app.engine.crash_points import POINTS
+from catseye.app.store.reader import RunReader
+from catseye.app.store.seal import read_manifest
+from catseye.app.store.verify import verify
 from tests.system.command import Emulated, catseye, emulated, only
 from tests.system.interruptions import Moment, Story, commands, differences_mm
 

@@ -5,10 +5,10 @@ from typing import Any
 
 import pytest
 
-from drivers.clock import SystemClock
-from drivers.registry import load_driver
-from simulators.config import EmulatedDevice, EmulationConfig, ErrorBudget
-from simulators.launch import EmulatedBench
+from catseye.drivers.clock import SystemClock
+from catseye.drivers.registry import load_driver
+from catseye.simulators.config import EmulatedDevice, EmulationConfig, ErrorBudget
+from catseye.simulators.launch import EmulatedBench
 from tests.unit.simulators.benches import P2, aimed
 
 LINES = {

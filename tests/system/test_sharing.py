@@ -13,10 +13,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from app.cluster.errors import WorkerLostError
-from app.cluster.sharing import sharing
-from app.errors import ConfigError
-from calibration.errors import UnidentifiableError
+from catseye.app.cluster.errors import WorkerLostError
+from catseye.app.cluster.sharing import sharing
+from catseye.app.errors import ConfigError
+from catseye.calibration.errors import UnidentifiableError
 from tests.free_ports import free_port
 from tests.patience import HANG_S
 from tests.unit.app.cluster.work import drawn, fails_at_three, killed_at_three
@@ -26,7 +26,7 @@ ROOT = Path(__file__).parents[2]
 LINGERING = """
 import sys
 from pathlib import Path
-from app.cluster.sharing import sharing
+from catseye.app.cluster.sharing import sharing
 from tests.unit.app.cluster.work import lingering
 
 if __name__ == "__main__":
@@ -37,9 +37,9 @@ if __name__ == "__main__":
 
 CONNECTING = """
 import sys
-from app.cluster import machines
-from app.cluster.sharing import sharing
-from app.failure import tell
+from catseye.app.cluster import machines
+from catseye.app.cluster.sharing import sharing
+from catseye.app.failure import tell
 
 machines._CONNECT_S /= 5  # a fifth of the time that it gives a scheduler shows as well that it is bounded
 try:
@@ -168,7 +168,7 @@ def test_dask_gives_the_same_numbers_and_the_same_errors(scheduler: str) -> None
 def test_workers_that_all_go_are_told_and_nothing_hangs(
     scheduler: str, workers: subprocess.Popen[bytes], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("app.cluster.machines._LOOK_S", 0.4)
+    monkeypatch.setattr("catseye.app.cluster.machines._LOOK_S", 0.4)
     with ready(scheduler), sharing(1, scheduler) as share:
 
         def leave(_: int) -> None:

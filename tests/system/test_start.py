@@ -4,14 +4,14 @@ import pkgutil
 import subprocess
 import sys
 
-import app.commands
+from catseye.app import commands
 from tests.system.command import environment
 
 HEAVY = ("numpy", "scipy", "matplotlib", "textual", "pydantic", "pymodbus")
 
 
 def test_help_imports_nothing_heavy() -> None:
-    code = f"import sys, app.cli; print([name for name in {HEAVY!r} if name in sys.modules])"
+    code = f"import sys, catseye.app.cli; print([name for name in {HEAVY!r} if name in sys.modules])"
     command = [sys.executable, "-c", code]
     done = subprocess.run(command, env=environment(), capture_output=True, text=True, check=True)
     assert done.stdout.strip() == "[]"
@@ -21,7 +21,7 @@ EACH_ALONE = """
 import importlib, os, sys, traceback
 import matplotlib.figure, numpy, scipy.interpolate, scipy.optimize, scipy.stats, textual.app, textual.widgets
 from pydantic import BaseModel, TypeAdapter
-import app.cli
+import catseye.app.cli
 
 for name in sys.argv[1:]:
     child = os.fork()
@@ -41,7 +41,7 @@ for name in sys.argv[1:]:
 
 def test_each_command_is_imported_where_no_other_one_was() -> None:
     """Commands of most system tests are forked off a process that has imported all of them."""
-    names = [module.name for module in pkgutil.walk_packages(app.commands.__path__, "app.commands.")]
+    names = [module.name for module in pkgutil.walk_packages(commands.__path__, f"{commands.__name__}.")]
     assert len(names) > 20
     command = [sys.executable, "-c", EACH_ALONE, *names]
     done = subprocess.run(command, env=environment(), capture_output=True, text=True, check=True)

@@ -8,14 +8,14 @@ from dataclasses import replace
 
 import pytest
 
-from app.testing.proxy import Proxy
-from drivers.clock import SystemClock
-from drivers.endpoint import TcpEndpoint, parse_endpoint
-from drivers.errors import DeviceError, LinkError
-from drivers.inbox import TURN_BYTES
-from drivers.melfa.robot import MelfaR3
-from simulators.config import EmulatedDevice, EmulationConfig, ErrorBudget, Option, ReflectorPlace
-from simulators.launch import EmulatedBench
+from catseye.app.testing.proxy import Proxy
+from catseye.drivers.clock import SystemClock
+from catseye.drivers.endpoint import TcpEndpoint, parse_endpoint
+from catseye.drivers.errors import DeviceError, LinkError
+from catseye.drivers.inbox import TURN_BYTES
+from catseye.drivers.melfa.robot import MelfaR3
+from catseye.simulators.config import EmulatedDevice, EmulationConfig, ErrorBudget, Option, ReflectorPlace
+from catseye.simulators.launch import EmulatedBench
 
 FAR = (150.0, 0.0, 0.0, 0.0)
 SLOW = EmulationConfig(reflectors=(ReflectorPlace("P1", 650.0, -400.0),), budget=ErrorBudget.none())

@@ -12,9 +12,9 @@ from typing import IO
 
 import pytest
 
-from app.store.catalog import list_runs
-from app.store.reader import RunReader
-from app.store.verify import verify
+from catseye.app.store.catalog import list_runs
+from catseye.app.store.reader import RunReader
+from catseye.app.store.verify import verify
 from tests.patience import HANG_S
 from tests.system import forked
 from tests.system.command import environment

@@ -26,7 +26,7 @@ def bench(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Emulated]:
 
 def started(cell: Path, device: str, *options: str) -> subprocess.Popen[str]:
     return subprocess.Popen(
-        [sys.executable, "-m", "app", "terminal", device, "--cell", str(cell), *options],
+        [sys.executable, "-m", "catseye", "terminal", device, "--cell", str(cell), *options],
         cwd=cell.parent,
         env=environment(),
         stdin=subprocess.PIPE,

@@ -11,8 +11,8 @@ from typing import IO, Any
 
 import pytest
 
-from app.cell.template import TEMPLATE
-from app.store.reader import RunReader
+from catseye.app.cell.template import TEMPLATE
+from catseye.app.store.reader import RunReader
 from tests.patience import HANG_S
 from tests.system.command import Emulated, begun, emulated
 from tests.system.forked import Forked

@@ -9,8 +9,8 @@ from pathlib import Path
 
 import pytest
 
-from app.service.address import find_socket
-from app.store.reader import RunReader
+from catseye.app.service.address import find_socket
+from catseye.app.store.reader import RunReader
 from tests.patience import HANG_S
 from tests.system.command import Emulated, emulated
 from tests.system.screen import Screen, on_screen

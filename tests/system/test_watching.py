@@ -12,10 +12,10 @@ from typing import Any
 
 import pytest
 
-from app.engine.waiting import cancel
-from app.service.address import find_socket
-from app.service.client import EngineClient, connect
-from app.store.reader import RunReader
+from catseye.app.engine.waiting import cancel
+from catseye.app.service.address import find_socket
+from catseye.app.service.client import EngineClient, connect
+from catseye.app.store.reader import RunReader
 from tests.patience import HANG_S
 from tests.system.command import Emulated, begun, emulated, start
 

@@ -7,13 +7,13 @@ from dataclasses import replace
 
 import pytest
 
-from drivers.clock import SystemClock
-from drivers.errors import AlarmError, DeviceError, NotReadyError
-from drivers.melfa.datalink.robot import MelfaDatalink
-from drivers.melfa.mxt.robot import MelfaMxt
-from drivers.readings import Joints
-from simulators.config import EmulatedDevice
-from simulators.launch import EmulatedBench
+from catseye.drivers.clock import SystemClock
+from catseye.drivers.errors import AlarmError, DeviceError, NotReadyError
+from catseye.drivers.melfa.datalink.robot import MelfaDatalink
+from catseye.drivers.melfa.mxt.robot import MelfaMxt
+from catseye.drivers.readings import Joints
+from catseye.simulators.config import EmulatedDevice
+from catseye.simulators.launch import EmulatedBench
 from tests.patience import HANG_S
 from tests.unit.simulators.benches import QUIET
 

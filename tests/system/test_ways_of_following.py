@@ -5,8 +5,8 @@ from pathlib import Path
 
 import pytest
 
-from app.store.catalog import resolve_run
-from app.store.reader import RunReader
+from catseye.app.store.catalog import resolve_run
+from catseye.app.store.reader import RunReader
 from tests.system.command import catseye, emulated, last_run
 
 FEW_NODES = {

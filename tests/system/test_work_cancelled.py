@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from app.tui.work import Commands, Done
+from catseye.app.tui.work import Commands, Done
 from tests.patience import HANG_S
 
 

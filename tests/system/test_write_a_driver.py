@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 
-from app.cell.template import TEMPLATE
+from catseye.app.cell.template import TEMPLATE
 from tests.free_ports import at_ports, free_ports
 from tests.patience import HANG_S
 
@@ -97,7 +97,7 @@ def display(installed: Path) -> Iterator[str]:
 
 def test_the_driver_of_the_example_conforms(installed: Path, display: str) -> None:
     options = ["--driver", "norra-ld5", "--endpoint", display, "--setting", "answer_timeout_s=0.3"]
-    done = run(installed, "--pyargs", "app.testing.conformance", *options)
+    done = run(installed, "--pyargs", "catseye.app.testing.conformance", *options)
     assert done.returncode == 0, done.stdout + done.stderr
     assert "conformance of norra-ld5, interferometer driver" in done.stdout
     assert re.search(r"\b2\d passed", done.stdout), done.stdout
@@ -107,7 +107,7 @@ def test_the_driver_of_the_example_conforms(installed: Path, display: str) -> No
 
 
 def test_the_suite_says_what_is_wrong_with_its_options(installed: Path) -> None:
-    suite = ("--pyargs", "app.testing.conformance")
+    suite = ("--pyargs", "catseye.app.testing.conformance")
     for options, said in (
         ((), "needs --driver NAME"),
         (("--driver", "nora-ld5"), "did you mean 'norra-ld5'?"),
@@ -120,7 +120,7 @@ def test_the_suite_says_what_is_wrong_with_its_options(installed: Path) -> None:
 
 
 def test_the_suite_explains_its_options(installed: Path) -> None:
-    done = run(installed, "--pyargs", "app.testing.conformance", "--help")
+    done = run(installed, "--pyargs", "catseye.app.testing.conformance", "--help")
     assert done.returncode == 0, done.stderr
     assert "--allow-motion" in done.stdout
 
@@ -156,7 +156,7 @@ def test_a_cell_file_may_name_the_driver_of_the_example(installed: Path, display
             edited = edited.replace(old, new)
         cell.write_text(edited, encoding="utf-8")
         done = subprocess.run(
-            [sys.executable, "-m", "app", "doctor", "cell.toml"],
+            [sys.executable, "-m", "catseye", "doctor", "cell.toml"],
             cwd=installed,
             env=environment(installed),
             capture_output=True,

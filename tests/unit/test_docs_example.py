@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 
-import calibration
+from catseye import calibration
 
 ROOT = Path(__file__).parents[2]
 API = (ROOT / "docs" / "api.md").read_text(encoding="utf-8")
@@ -45,7 +45,7 @@ def test_what_type_checkers_see_is_what_is_imported() -> None:
         for node in ast.walk(tree)
         if isinstance(node, ast.ImportFrom)
         and node.module is not None
-        and node.module.startswith("calibration.")
+        and node.module.startswith("catseye.calibration.")
         for alias in node.names
     }
     assert sorted(seen) == sorted(calibration.__all__)
@@ -61,6 +61,6 @@ def test_unknown_names_are_refused_as_of_any_module() -> None:
 def test_the_package_alone_loads_no_numerical_library() -> None:
     code = (
         "import sys, calibration; assert not {'numpy', 'scipy'} & set(sys.modules);"
-        "import calibration.kinematics, calibration.error_map; assert 'scipy' not in sys.modules"
+        "import catseye.calibration.kinematics, catseye.calibration.error_map; assert 'scipy' not in sys.modules"
     )
     subprocess.run([sys.executable, "-c", code], check=True, cwd=ROOT)

@@ -8,13 +8,13 @@ from importlib.resources import files
 
 import pytest
 
-from drivers.clock import SystemClock
-from drivers.errors import AlarmError, RefusedError
-from drivers.melfa.controller import ProgramText
-from drivers.melfa.jog import Direction
-from drivers.melfa.robot import MelfaR3
-from simulators.config import EmulatedDevice
-from simulators.launch import EmulatedBench
+from catseye.drivers.clock import SystemClock
+from catseye.drivers.errors import AlarmError, RefusedError
+from catseye.drivers.melfa.controller import ProgramText
+from catseye.drivers.melfa.jog import Direction
+from catseye.drivers.melfa.robot import MelfaR3
+from catseye.simulators.config import EmulatedDevice
+from catseye.simulators.launch import EmulatedBench
 from tests.patience import HANG_S
 from tests.unit.simulators.benches import QUIET
 
@@ -81,7 +81,7 @@ async def test_a_technician_reads_and_writes(suffix: str) -> None:
 
 @pytest.mark.parametrize("name", ["CATSDL", "CATSMXT"])
 async def test_the_shipped_programs_can_be_loaded_and_read_back(name: str) -> None:
-    program = ProgramText.of((files("drivers.melfa") / "programs" / f"{name}.prg").read_text())
+    program = ProgramText.of((files("catseye.drivers.melfa") / "programs" / f"{name}.prg").read_text())
     async with robot_and_bench(speed=20.0) as (robot, _):
         controller = robot.controller
         await controller.write_program(name, program)

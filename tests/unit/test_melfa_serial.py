@@ -10,13 +10,13 @@ from dataclasses import replace
 
 import pytest
 
-from drivers.clock import SystemClock
-from drivers.errors import RefusedError
-from drivers.melfa.motion import unstarted_polls
-from drivers.melfa.robot import MelfaR3
-from drivers.melfa.session import byte_time_s
-from simulators.config import EmulatedDevice
-from simulators.launch import EmulatedBench
+from catseye.drivers.clock import SystemClock
+from catseye.drivers.errors import RefusedError
+from catseye.drivers.melfa.motion import unstarted_polls
+from catseye.drivers.melfa.robot import MelfaR3
+from catseye.drivers.melfa.session import byte_time_s
+from catseye.simulators.config import EmulatedDevice
+from catseye.simulators.launch import EmulatedBench
 from tests.unit.simulators.benches import QUIET
 
 LINE = "serial:///dev/ptmx?baud=9600&parity=E&stopbits=2"

@@ -12,25 +12,25 @@ from collections.abc import Callable, Iterator
 
 import pytest
 
-from drivers.air.ptu300_codec import TextDecoder
-from drivers.attocube.codec import AnswerDecoder as IdsDecoder
-from drivers.counter.codec import LineDecoder, StreamDecoder
-from drivers.counter.profile import load_profile
-from drivers.errors import ProtocolError
-from drivers.heidenhain.codec import ReplyDecoder
-from drivers.lasertex.codec import FrameDecoder as HpiDecoder
-from drivers.link import Decoder
-from drivers.melfa import codec as melfa
-from drivers.melfa.datalink.codec import RecordDecoder
-from drivers.melfa.mxt.codec import decode as decode_mxt
-from drivers.stream import FrameDecoder
-from drivers.tracker.bench_tracker import ObjectDecoder
-from drivers.umd.codec import SampleDecoder
-from simulators.bench.bench import Bench
-from simulators.config import EmulatedDevice
-from simulators.launch import EmulatedBench
-from simulators.protocols import PROTOCOLS, session_maker
-from simulators.serving import Pending, Session
+from catseye.drivers.air.ptu300_codec import TextDecoder
+from catseye.drivers.attocube.codec import AnswerDecoder as IdsDecoder
+from catseye.drivers.counter.codec import LineDecoder, StreamDecoder
+from catseye.drivers.counter.profile import load_profile
+from catseye.drivers.errors import ProtocolError
+from catseye.drivers.heidenhain.codec import ReplyDecoder
+from catseye.drivers.lasertex.codec import FrameDecoder as HpiDecoder
+from catseye.drivers.link import Decoder
+from catseye.drivers.melfa import codec as melfa
+from catseye.drivers.melfa.datalink.codec import RecordDecoder
+from catseye.drivers.melfa.mxt.codec import decode as decode_mxt
+from catseye.drivers.stream import FrameDecoder
+from catseye.drivers.tracker.bench_tracker import ObjectDecoder
+from catseye.drivers.umd.codec import SampleDecoder
+from catseye.simulators.bench.bench import Bench
+from catseye.simulators.config import EmulatedDevice
+from catseye.simulators.launch import EmulatedBench
+from catseye.simulators.protocols import PROTOCOLS, session_maker
+from catseye.simulators.serving import Pending, Session
 from tests.unit.simulators.benches import QUIET
 
 TOTAL_BYTES = 1_000_000

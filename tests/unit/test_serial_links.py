@@ -2,11 +2,11 @@
 
 from dataclasses import replace
 
-from drivers.clock import SystemClock
-from drivers.counter.counter import LineCounter
-from drivers.melfa.robot import MelfaR3
-from simulators.config import EmulatedDevice
-from simulators.launch import EmulatedBench
+from catseye.drivers.clock import SystemClock
+from catseye.drivers.counter.counter import LineCounter
+from catseye.drivers.melfa.robot import MelfaR3
+from catseye.simulators.config import EmulatedDevice
+from catseye.simulators.launch import EmulatedBench
 from tests.unit.simulators.benches import QUIET, aimed
 
 LINE = "serial:///dev/ptmx?baud=115200&parity=E&stopbits=2"

@@ -7,16 +7,16 @@ from typing import Any, Final
 
 from pydantic import ValidationError
 
-from app.cell.load import fault_text
-from app.cell.model import Cell
-from app.cell.rewriting import CommentsLostError, plain, rewritten
-from app.cell.template import TEMPLATE
-from app.cell.wizard.pages import OPTIONAL, PAGES, Page
-from app.cell.wizard.question import Question, number_of, text_of
-from app.errors import ConfigError
-from app.files.documents import parse_toml
-from app.instruments import device_builder, further_device
-from drivers.clock import SystemClock
+from catseye.app.cell.load import fault_text
+from catseye.app.cell.model import Cell
+from catseye.app.cell.rewriting import CommentsLostError, plain, rewritten
+from catseye.app.cell.template import TEMPLATE
+from catseye.app.cell.wizard.pages import OPTIONAL, PAGES, Page
+from catseye.app.cell.wizard.question import Question, number_of, text_of
+from catseye.app.errors import ConfigError
+from catseye.app.files.documents import parse_toml
+from catseye.app.instruments import device_builder, further_device
+from catseye.drivers.clock import SystemClock
 
 Data = dict[str, Any]
 Reflector = dict[str, str]

@@ -4,9 +4,9 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Final
 
-from app.cell.model import CAP_WITHOUT_REASON_PERCENT
-from app.cell.wizard.drivers import drivers_of, setting_questions
-from app.cell.wizard.question import Choice, Question
+from catseye.app.cell.model import CAP_WITHOUT_REASON_PERCENT
+from catseye.app.cell.wizard.drivers import drivers_of, setting_questions
+from catseye.app.cell.wizard.question import Choice, Question
 
 Answer = Callable[[str], str]
 """Returns the present answer to a key; what is asked can depend on it."""

@@ -12,7 +12,7 @@ from typing import Any
 from matplotlib import rc_context
 from matplotlib.figure import Figure
 
-from app.report.figures.compact import compact
+from catseye.app.report.figures.compact import compact
 
 POSITIVE = "#c62828"
 """Approached upwards, or the way there."""

@@ -3,9 +3,9 @@
 from matplotlib import rc_context
 from matplotlib.figure import Figure
 
-from app.analysis.designing import Design
-from app.report.figures.canvas import STYLE, WIDTH_IN, series
-from app.report.numbers import counted
+from catseye.app.analysis.designing import Design
+from catseye.app.report.figures.canvas import STYLE, WIDTH_IN, series
+from catseye.app.report.numbers import counted
 
 
 @rc_context(STYLE)

@@ -6,10 +6,10 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import Circle, Wedge
 
-from app.analysis.designing import Design, exchanged_values
-from app.report.figures.canvas import MUTED, STYLE, WIDTH_IN
-from app.report.numbers import counted
-from calibration.types import Floats
+from catseye.app.analysis.designing import Design, exchanged_values
+from catseye.app.report.figures.canvas import MUTED, STYLE, WIDTH_IN
+from catseye.app.report.numbers import counted
+from catseye.calibration.types import Floats
 
 _MARKERS = {
     "inside the keep-out radius": ".",

@@ -6,13 +6,13 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import Ellipse
 
-from app.analysis.design_layouts import Layout
-from app.analysis.design_problem import workspace
-from app.analysis.designing import Design, node_uncertainties, position_covariances
-from app.report.figures.canvas import NEGATIVE, POSITIVE, STYLE, WIDTH_IN
-from calibration.kinematics import forward
-from calibration.points import Commands
-from calibration.types import Floats
+from catseye.app.analysis.design_layouts import Layout
+from catseye.app.analysis.design_problem import workspace
+from catseye.app.analysis.designing import Design, node_uncertainties, position_covariances
+from catseye.app.report.figures.canvas import NEGATIVE, POSITIVE, STYLE, WIDTH_IN
+from catseye.calibration.kinematics import forward
+from catseye.calibration.points import Commands
+from catseye.calibration.types import Floats
 
 _PARTS = 4
 """Grid steps from node to node."""

@@ -5,11 +5,11 @@ from matplotlib import rc_context
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from app.analysis.diagnosis_words import ANGLES, VARYING, outlier_limit
-from app.report.figures.canvas import MUTED, NEGATIVE, POSITIVE, STYLE, WIDTH_IN, series
-from calibration.diagnostics.diagnosis import Diagnosis
-from calibration.diagnostics.harmonics import HarmonicSeries
-from calibration.diagnostics.joint_angles import AnglePattern
+from catseye.app.analysis.diagnosis_words import ANGLES, VARYING, outlier_limit
+from catseye.app.report.figures.canvas import MUTED, NEGATIVE, POSITIVE, STYLE, WIDTH_IN, series
+from catseye.calibration.diagnostics.diagnosis import Diagnosis
+from catseye.calibration.diagnostics.harmonics import HarmonicSeries
+from catseye.calibration.diagnostics.joint_angles import AnglePattern
 
 
 @rc_context(STYLE)

@@ -5,10 +5,10 @@ from matplotlib import rc_context
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from app.analysis.distance_validation import DistanceValidation, ModelOnDistances
-from app.report.content import MODEL_TITLES
-from app.report.figures.canvas import NEGATIVE, POSITIVE, STYLE, WIDTH_IN
-from calibration.types import Bools, Floats
+from catseye.app.analysis.distance_validation import DistanceValidation, ModelOnDistances
+from catseye.app.report.content import MODEL_TITLES
+from catseye.app.report.figures.canvas import NEGATIVE, POSITIVE, STYLE, WIDTH_IN
+from catseye.calibration.types import Bools, Floats
 
 
 @rc_context(STYLE)

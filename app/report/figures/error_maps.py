@@ -5,10 +5,10 @@ from matplotlib import rc_context
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from app.files.result_json import MapTable, Result
-from app.report.content import TruthMap, TruthTables
-from app.report.figures.canvas import NEGATIVE, POSITIVE, STYLE, TRUTH, WIDTH_IN
-from app.report.reversal import reversal_mdeg, u_reversal_mdeg
+from catseye.app.files.result_json import MapTable, Result
+from catseye.app.report.content import TruthMap, TruthTables
+from catseye.app.report.figures.canvas import NEGATIVE, POSITIVE, STYLE, TRUTH, WIDTH_IN
+from catseye.app.report.reversal import reversal_mdeg, u_reversal_mdeg
 
 
 @rc_context(STYLE)

@@ -8,11 +8,11 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import Circle, Wedge
 
-from app.report.figures.canvas import CONVENTIONAL, MUTED, STYLE, WIDTH_IN, series
-from app.report.numbers import counted
-from app.report.scene import Scene, Target
-from calibration.kinematics import forward
-from calibration.types import Floats
+from catseye.app.report.figures.canvas import CONVENTIONAL, MUTED, STYLE, WIDTH_IN, series
+from catseye.app.report.numbers import counted
+from catseye.app.report.scene import Scene, Target
+from catseye.calibration.kinematics import forward
+from catseye.calibration.types import Floats
 
 _FIELD_MM = 130.0
 """Radius of the wedge that shows where a reflector looks."""

@@ -7,10 +7,10 @@ from matplotlib import rc_context
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from app.analysis.validation import ModelOnPath, PathValidation
-from app.report.figures.canvas import CONVENTIONAL, NEGATIVE, POSITIVE, STYLE, WIDTH_IN
-from app.report.path_view import Gap, PathAxis, model_title, path_axis, there
-from calibration.types import Bools, Floats
+from catseye.app.analysis.validation import ModelOnPath, PathValidation
+from catseye.app.report.figures.canvas import CONVENTIONAL, NEGATIVE, POSITIVE, STYLE, WIDTH_IN
+from catseye.app.report.path_view import Gap, PathAxis, model_title, path_axis, there
+from catseye.calibration.types import Bools, Floats
 
 _DENSE = 60
 """More rows a way are drawn as a line with a band, fewer as markers with error bars."""

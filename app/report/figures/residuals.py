@@ -8,10 +8,10 @@ from matplotlib import rc_context
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure, SubFigure
 
-from app.files.result_json import Residuals
-from app.report.figures.canvas import MUTED, STYLE, WIDTH_IN, series
-from app.report.residual_groups import PoseMeans, Reference, pose_means
-from calibration.types import Bools, Floats
+from catseye.app.files.result_json import Residuals
+from catseye.app.report.figures.canvas import MUTED, STYLE, WIDTH_IN, series
+from catseye.app.report.residual_groups import PoseMeans, Reference, pose_means
+from catseye.calibration.types import Bools, Floats
 
 _ABOVE, _BELOW = "#b35806", "#542788"
 

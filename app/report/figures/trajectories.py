@@ -5,10 +5,10 @@ from matplotlib import rc_context
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from app.analysis.validation import PathMeasurement, PathValidation
-from app.report.figures.canvas import NEGATIVE, POSITIVE, STYLE, WIDTH_IN
-from app.report.path_view import model_title, there
-from calibration.types import Floats
+from catseye.app.analysis.validation import PathMeasurement, PathValidation
+from catseye.app.report.figures.canvas import NEGATIVE, POSITIVE, STYLE, WIDTH_IN
+from catseye.app.report.path_view import model_title, there
+from catseye.calibration.types import Floats
 
 MAGNIFICATION = 1000
 """Of errors, where it shows them well: an error of 200 µm is drawn 200 mm long."""

@@ -1,8 +1,8 @@
 """All checks of the conformance suite."""
 
-from app.testing.candidate import Candidate
-from app.testing.checks import environment, interferometer, link, robot, shape
-from app.testing.checks.check import Check
+from catseye.app.testing.candidate import Candidate
+from catseye.app.testing.checks import environment, interferometer, link, robot, shape
+from catseye.app.testing.checks.check import Check
 
 ALL: tuple[Check, ...] = (
     *shape.CHECKS,

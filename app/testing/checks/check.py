@@ -5,8 +5,8 @@ from collections.abc import Awaitable, Callable
 from dataclasses import dataclass
 from typing import Literal
 
-from app.testing.candidate import KINDS, Candidate, Kind
-from app.testing.trial import NotConformingError, Trial, trial_of
+from catseye.app.testing.candidate import KINDS, Candidate, Kind
+from catseye.app.testing.trial import NotConformingError, Trial, trial_of
 
 Need = Literal["proxy", "bench", "motion"]
 

@@ -5,10 +5,10 @@ import contextlib
 import math
 from typing import Any
 
-from app.testing.candidate import Kind
-from app.testing.checks.check import Check
-from app.testing.trial import Trial, expect
-from drivers.errors import DeviceError
+from catseye.app.testing.candidate import Kind
+from catseye.app.testing.checks.check import Check
+from catseye.app.testing.trial import Trial, expect
+from catseye.drivers.errors import DeviceError
 
 _KINDS: tuple[Kind, ...] = ("interferometer",)
 _SHIFT_MM = 0.5

@@ -8,9 +8,9 @@ import time
 from collections.abc import Awaitable
 from typing import Any
 
-from app.testing.checks.check import Check
-from app.testing.trial import NotConformingError, Trial, expect
-from drivers.errors import DeviceError, LinkError, LinkTimeoutError
+from catseye.app.testing.checks.check import Check
+from catseye.app.testing.trial import NotConformingError, Trial, expect
+from catseye.drivers.errors import DeviceError, LinkError, LinkTimeoutError
 
 _IN_FLIGHT_S = 0.05
 _LONGEST_BLOCK_S = 0.5

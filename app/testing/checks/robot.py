@@ -10,10 +10,10 @@ from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
 from typing import Any
 
-from app.testing.candidate import Kind
-from app.testing.checks.check import Check
-from app.testing.trial import Trial, expect
-from drivers.errors import DeviceError
+from catseye.app.testing.candidate import Kind
+from catseye.app.testing.checks.check import Check
+from catseye.app.testing.trial import Trial, expect
+from catseye.drivers.errors import DeviceError
 
 _KINDS: tuple[Kind, ...] = ("robot",)
 _OVERRIDE_PERCENT = 1.0

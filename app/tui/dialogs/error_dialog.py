@@ -4,8 +4,8 @@ from textual.app import ComposeResult
 from textual.containers import Vertical, VerticalScroll
 from textual.widgets import Label, Static
 
-from app.tui.dialogs.message_dialog import MessageDialog
-from app.tui.widgets.key_line import KeyLine
+from catseye.app.tui.dialogs.message_dialog import MessageDialog
+from catseye.app.tui.widgets.key_line import KeyLine
 
 
 class ErrorDialog(MessageDialog):

@@ -10,7 +10,7 @@ from textual.containers import Horizontal, Vertical
 from textual.screen import ModalScreen
 from textual.widgets import Input, Label, Select, Static
 
-from app.tui.widgets.key_line import KeyLine
+from catseye.app.tui.widgets.key_line import KeyLine
 
 
 @dataclass(frozen=True)

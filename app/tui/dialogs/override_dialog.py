@@ -8,7 +8,7 @@ from textual.containers import Vertical
 from textual.screen import ModalScreen
 from textual.widgets import Input, Label, Static
 
-from app.tui.widgets.key_line import KeyLine
+from catseye.app.tui.widgets.key_line import KeyLine
 
 
 class OverrideDialog(ModalScreen[float | None]):

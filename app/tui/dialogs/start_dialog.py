@@ -9,7 +9,7 @@ from textual.containers import Vertical, VerticalScroll
 from textual.screen import ModalScreen
 from textual.widgets import Input, Label, Static
 
-from app.tui.widgets.key_line import KeyLine
+from catseye.app.tui.widgets.key_line import KeyLine
 
 
 @dataclass(frozen=True)

@@ -8,15 +8,15 @@ from textual.containers import Vertical
 from textual.screen import Screen
 from textual.worker import Worker, WorkerState
 
-from app.tui.picture import Picture
-from app.tui.session import Session
-from app.tui.widgets.key_line import KeyLine
-from app.tui.widgets.place_bar import PlaceBar
-from app.tui.widgets.status_bar import StatusBar
-from app.tui.widgets.stop_bar import StopBar
+from catseye.app.tui.picture import Picture
+from catseye.app.tui.session import Session
+from catseye.app.tui.widgets.key_line import KeyLine
+from catseye.app.tui.widgets.place_bar import PlaceBar
+from catseye.app.tui.widgets.status_bar import StatusBar
+from catseye.app.tui.widgets.stop_bar import StopBar
 
 if TYPE_CHECKING:
-    from app.tui.app import CatseyeApp
+    from catseye.app.tui.app import CatseyeApp
 
 
 class MainScreen(Screen[None]):
@@ -27,7 +27,7 @@ class MainScreen(Screen[None]):
     """
 
     PLACE: ClassVar[str]
-    """Name of this screen in `app.tui.places`."""
+    """Name of this screen in `catseye.app.tui.places`."""
 
     def __init__(self, session: Session) -> None:
         super().__init__()

@@ -8,14 +8,14 @@ from textual.binding import Binding, BindingType
 from textual.containers import Horizontal, Vertical, VerticalScroll
 from textual.content import Content
 
-from app.tui.bench_words import air_lines, engine_lines, robot_lines, troubles
-from app.tui.picture import Picture
-from app.tui.screens.base import MainScreen
-from app.tui.session import Session
-from app.tui.widgets.beam_panel import BeamPanel
-from app.tui.widgets.device_list import DeviceList
-from app.tui.widgets.plan_view import PlanView
-from app.tui.widgets.told import Told, lines
+from catseye.app.tui.bench_words import air_lines, engine_lines, robot_lines, troubles
+from catseye.app.tui.picture import Picture
+from catseye.app.tui.screens.base import MainScreen
+from catseye.app.tui.session import Session
+from catseye.app.tui.widgets.beam_panel import BeamPanel
+from catseye.app.tui.widgets.device_list import DeviceList
+from catseye.app.tui.widgets.plan_view import PlanView
+from catseye.app.tui.widgets.told import Told, lines
 
 _LOG_LINES: Final = 8
 _TROUBLES: Final = 4
@@ -117,7 +117,7 @@ class BenchScreen(MainScreen):
 
 
 def _trouble_line(name: str, text: str) -> Content:
-    from app.tui.dialogs.error_dialog import split_remedy
+    from catseye.app.tui.dialogs.error_dialog import split_remedy
 
     cause, remedy = split_remedy(text)
     return Content.assemble(

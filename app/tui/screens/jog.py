@@ -9,15 +9,23 @@ from textual.binding import Binding, BindingType
 from textual.containers import Horizontal, Vertical, VerticalScroll
 from textual.widgets import Input
 
-from app.tui.dialogs.motion_dialog import MotionDialog
-from app.tui.hands import Hands, Joint, Step, Way
-from app.tui.jog_words import STEPS, Choices, cap_percent, entry_lines, fresh_joints, is_simulated, jog_lines
-from app.tui.picture import Picture
-from app.tui.screens.base import MainScreen
-from app.tui.session import Session
-from app.tui.widgets.beam_panel import BeamPanel
-from app.tui.widgets.plan_view import PlanView
-from app.tui.widgets.told import Told, lines
+from catseye.app.tui.dialogs.motion_dialog import MotionDialog
+from catseye.app.tui.hands import Hands, Joint, Step, Way
+from catseye.app.tui.jog_words import (
+    STEPS,
+    Choices,
+    cap_percent,
+    entry_lines,
+    fresh_joints,
+    is_simulated,
+    jog_lines,
+)
+from catseye.app.tui.picture import Picture
+from catseye.app.tui.screens.base import MainScreen
+from catseye.app.tui.session import Session
+from catseye.app.tui.widgets.beam_panel import BeamPanel
+from catseye.app.tui.widgets.plan_view import PlanView
+from catseye.app.tui.widgets.told import Told, lines
 
 _MOVES: Final[tuple[tuple[str, Joint, Way, str], ...]] = (
     ("left,a", "j1", 1, "J1 counter-clockwise"),
@@ -223,7 +231,7 @@ class JogScreen(MainScreen):
         if joints is None:
             self._say("the joints that were told are too old")
             return
-        from app.tui.pointing import pointing_j4_deg, turn_of_j4
+        from catseye.app.tui.pointing import pointing_j4_deg, turn_of_j4
 
         target_deg = pointing_j4_deg(self._layout(), joints, aim)
         if target_deg is None:
@@ -293,7 +301,7 @@ class JogScreen(MainScreen):
             self._ask("One step", told, partial(self._take, step))
 
     async def _begin(self, percent: float, arm: str | None) -> None:
-        from app.service.errors import RefusedError, ServiceError
+        from catseye.app.service.errors import RefusedError, ServiceError
 
         link = self.session.link
         self._say("switching the drives on…")

@@ -19,22 +19,22 @@ from textual.content import Content
 from textual.timer import Timer
 from textual.widgets import ContentSwitcher, DataTable
 
-from app.tui.dialogs.form_dialog import Answers, Field, FormDialog
-from app.tui.dialogs.text_dialog import TextDialog
-from app.tui.path_questions import newest_path_run, path_fault, reference_of
-from app.tui.screens.working import WorkScreen, free_name, is_file, typed_path, why_not_written
-from app.tui.session import DEMO_FOLDER, Session
-from app.tui.widgets.result_parts import ComparePart, LayoutPart, MapsPart, PathPart, ResidualsPart
-from app.tui.widgets.row_table import RowTable
-from app.tui.widgets.tab_line import TabLine
-from app.tui.widgets.task_line import TaskLine
-from app.tui.widgets.told import Told, lines
-from app.tui.work import Done
+from catseye.app.tui.dialogs.form_dialog import Answers, Field, FormDialog
+from catseye.app.tui.dialogs.text_dialog import TextDialog
+from catseye.app.tui.path_questions import newest_path_run, path_fault, reference_of
+from catseye.app.tui.screens.working import WorkScreen, free_name, is_file, typed_path, why_not_written
+from catseye.app.tui.session import DEMO_FOLDER, Session
+from catseye.app.tui.widgets.result_parts import ComparePart, LayoutPart, MapsPart, PathPart, ResidualsPart
+from catseye.app.tui.widgets.row_table import RowTable
+from catseye.app.tui.widgets.tab_line import TabLine
+from catseye.app.tui.widgets.task_line import TaskLine
+from catseye.app.tui.widgets.told import Told, lines
+from catseye.app.tui.work import Done
 
 if TYPE_CHECKING:
     # The first screen is painted before files and mathematics are imported.
-    from app.analysis.result_comparison import ResultComparison
-    from app.files.result_files import ResultFile, ResultFiles
+    from catseye.app.analysis.result_comparison import ResultComparison
+    from catseye.app.files.result_files import ResultFile, ResultFiles
 
 _PARTS: Final = ("files", "maps", "values", "layout", "residuals", "fit", "path", "compare")
 _TITLES: Final = ("Files", "Maps", "Values", "Layout", "Residuals", "Fit", "Path", "Compare")
@@ -273,7 +273,7 @@ class ResultsScreen(WorkScreen):
     def action_type(self) -> None:
         """Show commands that go on from the result."""
         if (file := self._shown_file()) is not None:
-            from app.tui.result_texts import lines_to_type
+            from catseye.app.tui.result_texts import lines_to_type
 
             text = lines_to_type(file.path, self.session.cell)
             self.app.push_screen(TextDialog(f"Go on from {file.path.name}", text))
@@ -411,7 +411,7 @@ class ResultsScreen(WorkScreen):
             self._file = again
 
     def _show_files(self) -> None:
-        from app.tui.result_texts import file_row
+        from catseye.app.tui.result_texts import file_row
 
         table = self.query_one("#file-table", DataTable)
         present = [str(key.value) for key in table.rows]
@@ -434,7 +434,7 @@ class ResultsScreen(WorkScreen):
             where = "Enter shows one" if self._files else "none yet: identify on Runs (F7), i"
             self.query_one("#heading", Told).tell(Content(f"{len(self._files)} results; {where}"))
             return
-        from app.tui import result_texts as texts
+        from catseye.app.tui import result_texts as texts
 
         result = file.result
         diagnosis = self._diagnoses.get(_version(file))
@@ -473,18 +473,18 @@ def _version(file: "ResultFile") -> _Version:
 
 def _shelf(root: Path) -> "ResultFiles":
     # What shows a result is imported here, in a thread: it takes longer than a key may.
-    for module in ("app.tui.result_texts", "app.tui.widgets.result_charts"):
+    for module in ("catseye.app.tui.result_texts", "catseye.app.tui.widgets.result_charts"):
         import_module(module)
-    from app.files.result_files import ResultFiles
+    from catseye.app.files.result_files import ResultFiles
 
     return ResultFiles([root.absolute().parent, Path.cwd(), DEMO_FOLDER.absolute()])
 
 
 def _compared(file: "ResultFile", other: "ResultFile") -> "tuple[ResultComparison, str] | str":
     """Return both results compared with the verdict, or why they cannot be."""
-    from app.analysis.result_comparison import compare_results
-    from app.commands.compare import verdict
-    from app.errors import UsageError
+    from catseye.app.analysis.result_comparison import compare_results
+    from catseye.app.commands.compare import verdict
+    from catseye.app.errors import UsageError
 
     if file.result is None or other.result is None:
         return f"{other.path.name} cannot be read: {other.fault}"

@@ -11,24 +11,24 @@ from textual.binding import Binding, BindingType
 from textual.containers import Horizontal, Vertical
 from textual.content import Content
 
-from app.guidance.after_run import CLEAR, Advice, after_run
-from app.tui.dialogs.motion_dialog import MotionDialog
-from app.tui.dialogs.override_dialog import OverrideDialog
-from app.tui.dialogs.start_dialog import Permission, StartDialog
-from app.tui.picture import Picture
-from app.tui.run_picture import RunPicture
-from app.tui.screens.base import MainScreen
-from app.tui.screens.working import free_name
-from app.tui.session import Session
-from app.tui.walk_feeder import WalkFeeder
-from app.tui.widgets.live_panel import LivePanel
-from app.tui.widgets.progress_line import ProgressLine
-from app.tui.widgets.prompt_panel import PromptPanel
-from app.tui.widgets.run_end import RunEnd
-from app.tui.widgets.run_log import RunLog
-from app.tui.widgets.run_plots import MapPlot, ResidualPlot
-from app.tui.widgets.step_list import PlannedStep, StepList
-from app.tui.widgets.told import Told
+from catseye.app.guidance.after_run import CLEAR, Advice, after_run
+from catseye.app.tui.dialogs.motion_dialog import MotionDialog
+from catseye.app.tui.dialogs.override_dialog import OverrideDialog
+from catseye.app.tui.dialogs.start_dialog import Permission, StartDialog
+from catseye.app.tui.picture import Picture
+from catseye.app.tui.run_picture import RunPicture
+from catseye.app.tui.screens.base import MainScreen
+from catseye.app.tui.screens.working import free_name
+from catseye.app.tui.session import Session
+from catseye.app.tui.walk_feeder import WalkFeeder
+from catseye.app.tui.widgets.live_panel import LivePanel
+from catseye.app.tui.widgets.progress_line import ProgressLine
+from catseye.app.tui.widgets.prompt_panel import PromptPanel
+from catseye.app.tui.widgets.run_end import RunEnd
+from catseye.app.tui.widgets.run_log import RunLog
+from catseye.app.tui.widgets.run_plots import MapPlot, ResidualPlot
+from catseye.app.tui.widgets.step_list import PlannedStep, StepList
+from catseye.app.tui.widgets.told import Told
 
 _PLOTS = ("residuals", "maps")
 
@@ -319,7 +319,7 @@ class RunScreen(MainScreen):
         self.show_now()
 
     async def _answer(self, prompt: str, text: str) -> None:
-        from app.service.errors import RefusedError, ServiceError
+        from catseye.app.service.errors import RefusedError, ServiceError
 
         link = self.session.link
         try:

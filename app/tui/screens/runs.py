@@ -15,20 +15,20 @@ from textual.content import Content
 from textual.timer import Timer
 from textual.widgets import DataTable, Input
 
-from app.tui.dialogs.form_dialog import Answers, Field, FormDialog
-from app.tui.dialogs.start_dialog import Permission, StartDialog
-from app.tui.dialogs.text_dialog import TextDialog
-from app.tui.run_rows import STATES, cells, columns, passes
-from app.tui.screens.working import WorkScreen, free_name, typed_path, why_not_written
-from app.tui.session import Session
-from app.tui.widgets.row_table import RowTable
-from app.tui.widgets.task_line import TaskLine
-from app.tui.widgets.told import Told
-from app.tui.work import Done, command_line
+from catseye.app.tui.dialogs.form_dialog import Answers, Field, FormDialog
+from catseye.app.tui.dialogs.start_dialog import Permission, StartDialog
+from catseye.app.tui.dialogs.text_dialog import TextDialog
+from catseye.app.tui.run_rows import STATES, cells, columns, passes
+from catseye.app.tui.screens.working import WorkScreen, free_name, typed_path, why_not_written
+from catseye.app.tui.session import Session
+from catseye.app.tui.widgets.row_table import RowTable
+from catseye.app.tui.widgets.task_line import TaskLine
+from catseye.app.tui.widgets.told import Told
+from catseye.app.tui.work import Done, command_line
 
 if TYPE_CHECKING:
     # The first screen is painted before the store is imported.
-    from app.store.history import RunHistory, RunLine
+    from catseye.app.store.history import RunHistory, RunLine
 
 _LOOK_S: Final = 2.0
 """Between two looks at the folder while the screen is shown."""
@@ -357,7 +357,7 @@ class RunsScreen(WorkScreen):
             self.spawn(self._look_at_folder, "look")
 
     async def _look_at_folder(self) -> None:
-        from app.store.history import RunHistory
+        from catseye.app.store.history import RunHistory
 
         try:
             self._history = self._history or RunHistory(self.session.root)

@@ -11,21 +11,21 @@ from textual.binding import Binding, BindingType
 from textual.containers import Vertical
 from textual.widgets import OptionList
 
-from app.files.documents import read_text
-from app.tui.cell_change import use_cell
-from app.tui.dialogs.confirm_dialog import ConfirmDialog
-from app.tui.dialogs.form_dialog import Answers, Field, FormDialog
-from app.tui.picture import Picture
-from app.tui.screens.working import WorkScreen
-from app.tui.session import DEMO_FOLDER, Session
-from app.tui.setup.start import CHOICES, Start
-from app.tui.widgets.task_line import TaskLine
-from app.tui.work import Done
+from catseye.app.files.documents import read_text
+from catseye.app.tui.cell_change import use_cell
+from catseye.app.tui.dialogs.confirm_dialog import ConfirmDialog
+from catseye.app.tui.dialogs.form_dialog import Answers, Field, FormDialog
+from catseye.app.tui.picture import Picture
+from catseye.app.tui.screens.working import WorkScreen
+from catseye.app.tui.session import DEMO_FOLDER, Session
+from catseye.app.tui.setup.start import CHOICES, Start
+from catseye.app.tui.widgets.task_line import TaskLine
+from catseye.app.tui.work import Done
 
 if TYPE_CHECKING:
     # The first screen is painted before the drivers and the cell file's model are imported.
-    from app.cell.wizard.draft import Draft
-    from app.tui.setup.wizard import Wizard
+    from catseye.app.cell.wizard.draft import Draft
+    from catseye.app.tui.setup.wizard import Wizard
 
 _NARROW: Final = 70
 
@@ -104,7 +104,7 @@ class SetupScreen(WorkScreen):
 
     @property
     def _wizard(self) -> "Wizard":
-        from app.tui.setup.wizard import Wizard
+        from catseye.app.tui.setup.wizard import Wizard
 
         return self.query_one(Wizard)
 
@@ -190,8 +190,8 @@ class SetupScreen(WorkScreen):
         Args:
             source: cell file to change; None for a new one.
         """
-        from app.cell.wizard.pages import PAGES
-        from app.errors import CatseyeError
+        from catseye.app.cell.wizard.pages import PAGES
+        from catseye.app.errors import CatseyeError
 
         left = self._drafts.get(source)
         try:
@@ -211,7 +211,7 @@ class SetupScreen(WorkScreen):
         await self._show_wizard(draft)
 
     async def _show_wizard(self, draft: "Draft") -> None:
-        from app.tui.setup.wizard import Wizard
+        from catseye.app.tui.setup.wizard import Wizard
 
         await self.query("Wizard").remove()
         self._asked = Wizard(draft)
@@ -220,9 +220,9 @@ class SetupScreen(WorkScreen):
         self.refresh_bindings()
 
     async def _test(self) -> None:
-        from app.cell.rewriting import plain
-        from app.cell.wizard.draft import with_one_device
-        from app.tui.setup.device_test import DeviceTest
+        from catseye.app.cell.rewriting import plain
+        from catseye.app.cell.wizard.draft import with_one_device
+        from catseye.app.tui.setup.device_test import DeviceTest
 
         wizard = self._wizard
         await wizard.judge()
@@ -243,15 +243,15 @@ class SetupScreen(WorkScreen):
     async def _watch(self, *, on: bool) -> None:
         from contextlib import suppress
 
-        from app.service.errors import RefusedError, ServiceError
+        from catseye.app.service.errors import RefusedError, ServiceError
 
         with suppress(RefusedError, ServiceError):
             await self.session.link.request("watch", on=on)
 
     async def _save(self) -> None:
-        from app.cell.wizard.pages import PAGES
-        from app.errors import CatseyeError
-        from app.files.atomic import require_output
+        from catseye.app.cell.wizard.pages import PAGES
+        from catseye.app.errors import CatseyeError
+        from catseye.app.files.atomic import require_output
 
         wizard = self._wizard
         await wizard.judge()
@@ -287,8 +287,8 @@ class SetupScreen(WorkScreen):
         return await self.app.push_screen_wait(dialog)
 
     async def _write(self, path: Path, text: str) -> None:
-        from app.errors import CatseyeError
-        from app.files.atomic import write_atomically
+        from catseye.app.errors import CatseyeError
+        from catseye.app.files.atomic import write_atomically
 
         try:
             await asyncio.to_thread(write_atomically, path, text)
@@ -321,9 +321,9 @@ class SetupScreen(WorkScreen):
         self.catseye.action_go("results")
 
     async def _emulate(self) -> None:
-        from app.errors import CatseyeError
-        from app.files.atomic import write_atomically
-        from app.tui.setup.emulators import emulated_cell, free_file
+        from catseye.app.errors import CatseyeError
+        from catseye.app.files.atomic import write_atomically
+        from catseye.app.tui.setup.emulators import emulated_cell, free_file
 
         if self._emulators is not None and not self._emulators.done():
             self.notify("the emulators run already", severity="warning")
@@ -352,8 +352,8 @@ class SetupScreen(WorkScreen):
 
     async def _serve_emulators(self, path: Path, ready: asyncio.Event) -> None:
         """Keep the emulators until the program ends."""
-        from app.emulation import emulator_process
-        from app.errors import CatseyeError
+        from catseye.app.emulation import emulator_process
+        from catseye.app.errors import CatseyeError
 
         try:
             async with emulator_process(path, self.session.speed, _SEED, None) as emulators:
@@ -370,7 +370,7 @@ _SEED: Final = 2
 
 
 def _draft_of(source: Path | None) -> "Draft":
-    from app.cell.wizard.draft import Draft
+    from catseye.app.cell.wizard.draft import Draft
 
     return Draft.new() if source is None else Draft.of_text(read_text(source))
 

@@ -12,14 +12,14 @@ from textual.containers import Horizontal, Vertical
 from textual.content import Content
 from textual.widgets import Input
 
-from app.tui.dialogs.form_dialog import Answers, Field, FormDialog
-from app.tui.dialogs.start_dialog import Permission, StartDialog
-from app.tui.picture import Picture
-from app.tui.screens.base import MainScreen
-from app.tui.session import Session
-from app.tui.widgets.told import Told
-from app.tui.widgets.wire_view import WireView
-from app.tui.wire_lines import saved_line
+from catseye.app.tui.dialogs.form_dialog import Answers, Field, FormDialog
+from catseye.app.tui.dialogs.start_dialog import Permission, StartDialog
+from catseye.app.tui.picture import Picture
+from catseye.app.tui.screens.base import MainScreen
+from catseye.app.tui.session import Session
+from catseye.app.tui.widgets.told import Told
+from catseye.app.tui.widgets.wire_view import WireView
+from catseye.app.tui.wire_lines import saved_line
 
 _ENDS: Final = ("crlf", "cr", "lf", "none")
 _HISTORY: Final = 100
@@ -231,7 +231,7 @@ class TerminalScreen(MainScreen):
             self.run_worker(self._ask_for_traffic(on=True), exit_on_error=False)
 
     async def _ask_for_traffic(self, *, on: bool) -> None:
-        from app.service.errors import RefusedError, ServiceError
+        from catseye.app.service.errors import RefusedError, ServiceError
 
         # An engine that is gone tells nothing; the status line says so.
         with suppress(RefusedError, ServiceError):
@@ -332,7 +332,7 @@ class TerminalScreen(MainScreen):
             line.focus()
 
     def _send(self, text: str) -> None:
-        from app.commands.terminal import encoded
+        from catseye.app.commands.terminal import encoded
 
         try:
             data = encoded(text, self._end, as_hex=self._hex)  # type: ignore[arg-type]  # one of _ENDS
@@ -360,8 +360,8 @@ class TerminalScreen(MainScreen):
             self.run_worker(self._write(Path(answers["file"]).expanduser(), text), exit_on_error=False)
 
     async def _write(self, path: Path, text: str) -> None:
-        from app.errors import CatseyeError, UsageError
-        from app.files.atomic import write_atomically
+        from catseye.app.errors import CatseyeError, UsageError
+        from catseye.app.files.atomic import write_atomically
 
         try:
             if await asyncio.to_thread(path.exists):

@@ -10,11 +10,11 @@ from typing import Any
 
 from textual.worker import Worker
 
-from app.tui.opening import can_open, open_page
-from app.tui.screens.base import MainScreen
-from app.tui.session import Session
-from app.tui.widgets.task_line import TaskLine
-from app.tui.work import Done
+from catseye.app.tui.opening import can_open, open_page
+from catseye.app.tui.screens.base import MainScreen
+from catseye.app.tui.session import Session
+from catseye.app.tui.widgets.task_line import TaskLine
+from catseye.app.tui.work import Done
 
 _INTERRUPTED = frozenset({130, 143})
 

@@ -5,11 +5,11 @@ import tomllib
 from pathlib import Path
 from typing import Final
 
-from app.cell.rewriting import rewritten
-from app.cell.template import TEMPLATE
-from app.errors import ConfigError
-from app.files.documents import read_toml
-from app.tui.session import EMULATED_BENCH
+from catseye.app.cell.rewriting import rewritten
+from catseye.app.cell.template import TEMPLATE
+from catseye.app.errors import ConfigError
+from catseye.app.files.documents import read_toml
+from catseye.app.tui.session import EMULATED_BENCH
 
 _PLACES: Final = (
     ("robot", "endpoint"),

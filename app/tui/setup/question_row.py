@@ -11,8 +11,8 @@ from textual.message import Message
 from textual.widget import Widget
 from textual.widgets import Input, Label, Select
 
-from app.cell.wizard.question import Question
-from app.tui.widgets.told import Told
+from catseye.app.cell.wizard.question import Question
+from catseye.app.tui.widgets.told import Told
 
 
 class Fault(Told):

@@ -6,7 +6,7 @@ from typing import Final
 
 import numpy as np
 
-from app.tui.widgets.braille import DOTS_ACROSS, DOTS_DOWN, Canvas, Floats
+from catseye.app.tui.widgets.braille import DOTS_ACROSS, DOTS_DOWN, Canvas, Floats
 
 AXIS: Final = "axis"
 

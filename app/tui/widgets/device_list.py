@@ -5,8 +5,8 @@ from typing import Any
 from textual.content import Content
 from textual.widgets import OptionList
 
-from app.tui.bench_words import alarm_text, device_line, device_text
-from app.tui.dialogs.text_dialog import TextDialog
+from catseye.app.tui.bench_words import alarm_text, device_line, device_text
+from catseye.app.tui.dialogs.text_dialog import TextDialog
 
 
 class DeviceList(OptionList):

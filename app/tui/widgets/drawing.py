@@ -7,7 +7,7 @@ from textual.app import RenderResult
 from textual.content import Content
 from textual.widget import Widget
 
-from app.tui.widgets.inks import Line, painted
+from catseye.app.tui.widgets.inks import Line, painted
 
 _STYLES: Final = {
     "axis": "$foreground-muted",

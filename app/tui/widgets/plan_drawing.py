@@ -6,8 +6,8 @@ from typing import Any, Final
 
 import numpy as np
 
-from app.tui.widgets.braille import Canvas
-from calibration.kinematics import forward
+from catseye.app.tui.widgets.braille import Canvas
+from catseye.calibration.kinematics import forward
 
 ARM: Final = "arm"
 BASE: Final = "base"

@@ -6,9 +6,9 @@ from textual.app import RenderResult
 from textual.content import Content
 from textual.widget import Widget
 
-from app.tui.picture import Picture
-from app.tui.widgets.inks import painted
-from app.tui.widgets.status_bar import STALE_S
+from catseye.app.tui.picture import Picture
+from catseye.app.tui.widgets.inks import painted
+from catseye.app.tui.widgets.status_bar import STALE_S
 
 _STYLES: Final = {
     "arm": "$primary bold",
@@ -71,7 +71,7 @@ class PlanView(Widget):
     def _drawn(self, layout: Any, joints: Any, beam_ok: bool | None, *, stale: bool) -> Content:
         if not isinstance(layout, dict):
             return Content.styled("no bench is told yet", "dim")
-        from app.tui.widgets.plan_drawing import draw_plan
+        from catseye.app.tui.widgets.plan_drawing import draw_plan
 
         canvas = draw_plan(layout, joints, beam_ok, self.size.width, self.size.height)
         return painted(canvas.lines(), _STYLES, faded=stale)

@@ -7,10 +7,10 @@ from typing import Any, Final
 
 import numpy as np
 
-from app.tui.widgets.braille import Canvas, Floats
-from app.tui.widgets.chart import AXIS, Chart, ends_of
-from app.tui.widgets.inks import Line
-from app.tui.widgets.plan_drawing import view_of
+from catseye.app.tui.widgets.braille import Canvas, Floats
+from catseye.app.tui.widgets.chart import AXIS, Chart, ends_of
+from catseye.app.tui.widgets.inks import Line
+from catseye.app.tui.widgets.plan_drawing import view_of
 
 UP: Final = "up"
 DOWN: Final = "down"

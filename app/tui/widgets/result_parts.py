@@ -8,13 +8,13 @@ from textual.containers import Horizontal, Vertical, VerticalScroll
 from textual.content import Content
 from textual.widget import Widget
 
-from app.tui.widgets.drawing import Drawing
-from app.tui.widgets.told import Told
+from catseye.app.tui.widgets.drawing import Drawing
+from catseye.app.tui.widgets.told import Told
 
 if TYPE_CHECKING:
     # The first screen is painted before files and mathematics are imported.
-    from app.analysis.result_comparison import ResultComparison
-    from app.files.result_json import Result
+    from catseye.app.analysis.result_comparison import ResultComparison
+    from catseye.app.files.result_json import Result
 
 _MAP_LEGEND: Final = "+ approached upwards   − downwards   ± both   bars ±2u (k = 2)"
 
@@ -31,8 +31,8 @@ class MapsPart(Vertical):
 
     def show(self, result: "Result") -> None:
         """Show the maps of a result; of a conventional model its offset."""
-        from app.tui.result_texts import map_columns
-        from app.tui.widgets.result_charts import draw_map
+        from catseye.app.tui.result_texts import map_columns
+        from catseye.app.tui.widgets.result_charts import draw_map
 
         for joint, table in ((1, result.theta1_map), (2, result.theta2_map)):
             draw = None if table is None else partial(draw_map, map_columns(joint, table))
@@ -55,8 +55,8 @@ class LayoutPart(Horizontal):
         """Show where a result has its reflectors."""
         import numpy as np
 
-        from app.tui.result_texts import layout_text
-        from app.tui.widgets.result_charts import draw_layout
+        from catseye.app.tui.result_texts import layout_text
+        from catseye.app.tui.widgets.result_charts import draw_layout
 
         links = result.link1_mm.value, result.link2_mm.value
         places = [(one.name, one.x_mm.value, one.y_mm.value) for one in result.reflectors]
@@ -88,8 +88,8 @@ class ResidualsPart(Vertical):
         """
         import numpy as np
 
-        from app.tui.result_texts import outlier_rows, residual_text
-        from app.tui.widgets.result_charts import draw_residuals
+        from catseye.app.tui.result_texts import outlier_rows, residual_text
+        from catseye.app.tui.widgets.result_charts import draw_residuals
 
         residuals, scatter = result.residuals, self.query_one("#scatter", Drawing)
         if residuals is None:
@@ -125,8 +125,8 @@ class PathPart(Vertical):
             _tell(self, "#path-legend", "t: choose a run of a validation path, or a measured file")
             _tell(self, "#validation", "")
             return
-        from app.tui.result_texts import path_text
-        from app.tui.widgets.result_charts import draw_path
+        from catseye.app.tui.result_texts import path_text
+        from catseye.app.tui.widgets.result_charts import draw_path
 
         path = facts["path"]
         for place, deviation in enumerate(path["deviations"], 1):
@@ -165,8 +165,8 @@ class ComparePart(Vertical):
             verdict: on all differences.
             in_u: differences of the maps in combined standard uncertainties, not in mdeg.
         """
-        from app.tui.result_texts import comparison_text, difference_columns
-        from app.tui.widgets.result_charts import draw_map
+        from catseye.app.tui.result_texts import comparison_text, difference_columns
+        from catseye.app.tui.widgets.result_charts import draw_map
 
         for joint, one in enumerate(found.maps, 1):
             draw = partial(draw_map, difference_columns(one, in_u=in_u))

@@ -7,9 +7,9 @@ from textual.app import ComposeResult
 from textual.containers import Vertical, VerticalScroll
 from textual.content import Content
 
-from app.guidance.after_run import Advice
-from app.tui.run_picture import RunPicture
-from app.tui.widgets.told import Told, lines
+from catseye.app.guidance.after_run import Advice
+from catseye.app.tui.run_picture import RunPicture
+from catseye.app.tui.widgets.told import Told, lines
 
 KEYS: Final = {"identify": "i", "report": "p", "resume": "e", "clear": "x", "next": "F3"}
 

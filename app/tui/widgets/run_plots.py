@@ -7,12 +7,12 @@ from textual.app import RenderResult
 from textual.content import Content
 from textual.widget import Widget
 
-from app.tui.run_picture import LiveValue, RunPicture, Seen
-from app.tui.widgets.inks import Line, painted
+from catseye.app.tui.run_picture import LiveValue, RunPicture, Seen
+from catseye.app.tui.widgets.inks import Line, painted
 
 if TYPE_CHECKING:
     # numpy is not loaded before the first screen is painted.
-    from app.tui.widgets.braille import Canvas, Floats
+    from catseye.app.tui.widgets.braille import Canvas, Floats
 
 INNOVATION: Final = "innovation"
 """Name of the live value: measured minus predicted from all points before."""
@@ -123,7 +123,7 @@ def _values(seen: Sequence[Seen], width: int, rows: int) -> list[Line]:
     """Draw one cell a value: dots within their bands, a cross for what is outside."""
     import numpy as np
 
-    from app.tui.widgets.braille import DOTS_ACROSS, DOTS_DOWN, Canvas
+    from catseye.app.tui.widgets.braille import DOTS_ACROSS, DOTS_DOWN, Canvas
 
     canvas = Canvas(width, rows)
     low, high = _scale(seen)
@@ -171,7 +171,7 @@ def _uncertainties(known: Sequence[dict[str, Any]], width: int, rows: int) -> li
     """Draw both curves against the rows of J2 that were measured."""
     import numpy as np
 
-    from app.tui.widgets.braille import DOTS_DOWN, Canvas
+    from catseye.app.tui.widgets.braille import DOTS_DOWN, Canvas
 
     curves = [
         np.array([np.nan if each.get(key) is None else float(each[key]) for each in known])

@@ -4,9 +4,9 @@ from textual.app import RenderResult
 from textual.content import Content
 from textual.widget import Widget
 
-from app.commands.progress import duration_text as whole_duration_text
-from app.tui.picture import Picture
-from app.tui.words import bytes_text, duration_text
+from catseye.app.commands.progress import duration_text as whole_duration_text
+from catseye.app.tui.picture import Picture
+from catseye.app.tui.words import bytes_text, duration_text
 
 Part = tuple[str, str]
 """Text and style."""

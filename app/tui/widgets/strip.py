@@ -7,14 +7,14 @@ from textual.app import RenderResult
 from textual.content import Content
 from textual.widget import Widget
 
-from app.tui.picture import Picture
-from app.tui.widgets.inks import Line, painted
-from app.tui.widgets.status_bar import STALE_S, age_style
+from catseye.app.tui.picture import Picture
+from catseye.app.tui.widgets.inks import Line, painted
+from catseye.app.tui.widgets.status_bar import STALE_S, age_style
 
 if TYPE_CHECKING:
     # numpy is not loaded before the first screen is painted.
-    from app.tui.widgets.braille import Floats
-    from app.tui.widgets.strip_chart import Scale
+    from catseye.app.tui.widgets.braille import Floats
+    from catseye.app.tui.widgets.strip_chart import Scale
 
 WINDOWS_S: Final = (10, 30, 60)
 """Lengths of the strip that can be chosen, s."""
@@ -73,7 +73,7 @@ class Strip(Widget):
     def _drawn(self, picture: Picture, now_s: float) -> Content:
         if not picture.strip:
             return Content.styled("no sample of the beam yet", "dim")
-        from app.tui.widgets import strip_chart
+        from catseye.app.tui.widgets import strip_chart
 
         dots, rows = strip_chart.dots_of(self.size.width), self.size.height - _OWN_LINES
         if dots <= 0 or rows <= 0:
@@ -101,7 +101,7 @@ class Strip(Widget):
 def _folded(picture: Picture, per_dot: int, dots: int) -> "tuple[Floats, Floats]":
     from itertools import islice
 
-    from app.tui.widgets.strip_chart import arrays, fold
+    from catseye.app.tui.widgets.strip_chart import arrays, fold
 
     wanted = min(per_dot * dots, len(picture.strip))
     newest = list(islice(reversed(picture.strip), wanted))[::-1]
@@ -117,7 +117,7 @@ def _extremes(low_mm: "Floats", high_mm: "Floats") -> tuple[float, float]:
 
 def _time_line(span_s: float, range_mm: float, width: int) -> Line:
     """Say how long ago the trace begins, and how far apart its extremes lie."""
-    from app.tui.widgets.strip_chart import LABEL_WIDTH
+    from catseye.app.tui.widgets.strip_chart import LABEL_WIDTH
 
     left, extent = " " * LABEL_WIDTH + f"−{span_s:.3g} s", f" range {1e3 * range_mm:.1f} µm "
     room = width - len(left) - len("now")

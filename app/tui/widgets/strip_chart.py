@@ -7,8 +7,8 @@ from typing import Final
 
 import numpy as np
 
-from app.tui.widgets.braille import DOTS_ACROSS, DOTS_DOWN, Canvas, Floats
-from app.tui.widgets.inks import Line
+from catseye.app.tui.widgets.braille import DOTS_ACROSS, DOTS_DOWN, Canvas, Floats
+from catseye.app.tui.widgets.inks import Line
 
 TRACE: Final = "trace"
 AXIS: Final = "axis"

@@ -12,7 +12,7 @@ from textual.geometry import Size
 from textual.scroll_view import ScrollView
 from textual.strip import Strip
 
-from app.tui.wire_lines import Row, WireLine, bytes_a_row, rows_of, wire_line
+from catseye.app.tui.wire_lines import Row, WireLine, bytes_a_row, rows_of, wire_line
 
 _HEAD: Final = Style(dim=True)
 _SENT: Final = Style(color="cyan", bold=True)

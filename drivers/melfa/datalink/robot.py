@@ -12,9 +12,9 @@ from typing import Any, ClassVar, Self
 
 from pydantic import Field
 
-from drivers.clock import Clock
-from drivers.endpoint import open_transport
-from drivers.errors import (
+from catseye.drivers.clock import Clock
+from catseye.drivers.endpoint import open_transport
+from catseye.drivers.errors import (
     AlarmError,
     LinkError,
     NotArrivedError,
@@ -23,17 +23,17 @@ from drivers.errors import (
     RefusedError,
     WrongDeviceError,
 )
-from drivers.healing import Repeat, reopened
-from drivers.link import RequestLink, uninterrupted
-from drivers.melfa.datalink import codec
-from drivers.melfa.datalink.codec import Record, RecordDecoder
-from drivers.melfa.led import LedArm, parted, require_way
-from drivers.melfa.motion import LOOK_WHY, STILL_LOOKS, asking_under_way, off_target, sent_once
-from drivers.melfa.robot import MelfaR3
-from drivers.melfa.settings import MelfaSettings
-from drivers.readings import Identity, Joints
-from drivers.record import Sink
-from drivers.transport import Transport
+from catseye.drivers.healing import Repeat, reopened
+from catseye.drivers.link import RequestLink, uninterrupted
+from catseye.drivers.melfa.datalink import codec
+from catseye.drivers.melfa.datalink.codec import Record, RecordDecoder
+from catseye.drivers.melfa.led import LedArm, parted, require_way
+from catseye.drivers.melfa.motion import LOOK_WHY, STILL_LOOKS, asking_under_way, off_target, sent_once
+from catseye.drivers.melfa.robot import MelfaR3
+from catseye.drivers.melfa.settings import MelfaSettings
+from catseye.drivers.readings import Identity, Joints
+from catseye.drivers.record import Sink
+from catseye.drivers.transport import Transport
 
 _VERSION = 1
 _LOOK_S = 0.2

@@ -11,9 +11,9 @@ import contextlib
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from typing import Any, ClassVar, Self
 
-from drivers.clock import Clock
-from drivers.endpoint import open_transport
-from drivers.errors import (
+from catseye.drivers.clock import Clock
+from catseye.drivers.endpoint import open_transport
+from catseye.drivers.errors import (
     DeviceError,
     LinkError,
     LinkTimeoutError,
@@ -22,19 +22,19 @@ from drivers.errors import (
     ProtocolError,
     RefusedError,
 )
-from drivers.guarding import LinkGuard, guarded
-from drivers.link import uninterrupted
-from drivers.melfa.codec import parse_number
-from drivers.melfa.led import LedArm, parted, require_way
-from drivers.melfa.motion import LOOK_WHY, off_target
-from drivers.melfa.mxt import codec
-from drivers.melfa.mxt.codec import Command
-from drivers.melfa.mxt.profile import Bounds, WayProfile
-from drivers.melfa.mxt.settings import MxtSettings
-from drivers.melfa.mxt.stream import SetPointStream
-from drivers.melfa.robot import MelfaR3
-from drivers.readings import Identity, Joints
-from drivers.record import Sink
+from catseye.drivers.guarding import LinkGuard, guarded
+from catseye.drivers.link import uninterrupted
+from catseye.drivers.melfa.codec import parse_number
+from catseye.drivers.melfa.led import LedArm, parted, require_way
+from catseye.drivers.melfa.motion import LOOK_WHY, off_target
+from catseye.drivers.melfa.mxt import codec
+from catseye.drivers.melfa.mxt.codec import Command
+from catseye.drivers.melfa.mxt.profile import Bounds, WayProfile
+from catseye.drivers.melfa.mxt.settings import MxtSettings
+from catseye.drivers.melfa.mxt.stream import SetPointStream
+from catseye.drivers.melfa.robot import MelfaR3
+from catseye.drivers.readings import Identity, Joints
+from catseye.drivers.record import Sink
 
 LONGEST_TIMEOUT_S = 0.5
 """A real arm that gets no set point any more ends the control by itself after so long at most."""

@@ -4,7 +4,7 @@ from typing import Annotated, Self
 
 from pydantic import Field, model_validator
 
-from drivers.melfa.settings import MelfaSettings
+from catseye.drivers.melfa.settings import MelfaSettings
 
 Speed = Annotated[float, Field(gt=0)]
 

@@ -3,13 +3,13 @@
 import asyncio
 from collections.abc import Iterable
 
-from drivers.clock import Clock
-from drivers.errors import LinkError, LinkTimeoutError, ProtocolError, WrongDeviceError
-from drivers.melfa.mxt import codec
-from drivers.melfa.mxt.codec import Command, Kind, Reply
-from drivers.melfa.mxt.settings import MxtSettings
-from drivers.readings import Joints
-from drivers.transport import Transport
+from catseye.drivers.clock import Clock
+from catseye.drivers.errors import LinkError, LinkTimeoutError, ProtocolError, WrongDeviceError
+from catseye.drivers.melfa.mxt import codec
+from catseye.drivers.melfa.mxt.codec import Command, Kind, Reply
+from catseye.drivers.melfa.mxt.settings import MxtSettings
+from catseye.drivers.readings import Joints
+from catseye.drivers.transport import Transport
 
 _TIMED_CYCLES = 8
 _SHORTEST = 0.75

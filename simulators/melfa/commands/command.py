@@ -4,10 +4,10 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 from datetime import UTC, datetime, timedelta
 
-from simulators.melfa import alarms
-from simulators.melfa.alarms import Refusal
-from simulators.melfa.controller import Controller, Run
-from simulators.melfa.values import number
+from catseye.simulators.melfa import alarms
+from catseye.simulators.melfa.alarms import Refusal
+from catseye.simulators.melfa.controller import Controller, Run
+from catseye.simulators.melfa.values import number
 
 _EPOCH = datetime(2026, 1, 1, tzinfo=UTC)
 """The controller's clock starts here at bench time 0, so that a transcript can be repeated."""

@@ -6,12 +6,12 @@ layout.
 
 import re
 
-from simulators.melfa import alarms, statements
-from simulators.melfa.alarms import Refusal
-from simulators.melfa.commands.command import Client, Command, place_in, whole
-from simulators.melfa.controller import Controller
-from simulators.melfa.programs import Program
-from simulators.melfa.values import value_text
+from catseye.simulators.melfa import alarms, statements
+from catseye.simulators.melfa.alarms import Refusal
+from catseye.simulators.melfa.commands.command import Client, Command, place_in, whole
+from catseye.simulators.melfa.controller import Controller
+from catseye.simulators.melfa.programs import Program
+from catseye.simulators.melfa.values import value_text
 
 _LINE = re.compile(r"\s*(\d{1,5})(?:\s(.*))?", re.DOTALL)
 _VARIABLE = re.compile(r"\s*([JP][A-Z0-9_]{0,15})\s*=\s*(\(.*)", re.IGNORECASE | re.DOTALL)

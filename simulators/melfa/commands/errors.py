@@ -6,9 +6,9 @@ either may be empty.
 
 from collections import Counter
 
-from simulators.melfa import alarms
-from simulators.melfa.alarms import Refusal
-from simulators.melfa.commands.command import (
+from catseye.simulators.melfa import alarms
+from catseye.simulators.melfa.alarms import Refusal
+from catseye.simulators.melfa.commands.command import (
     Client,
     Command,
     clock,
@@ -18,7 +18,7 @@ from simulators.melfa.commands.command import (
     say,
     whole,
 )
-from simulators.melfa.controller import Controller, LogLine
+from catseye.simulators.melfa.controller import Controller, LogLine
 
 _LETTERS = {alarms.HIGH: "H", alarms.LOW: "L", alarms.CAUTION: "C"}
 

@@ -6,11 +6,11 @@ PDIR and FDIR take the place in the list; FDIR answers the first fields of PDIR,
 import re
 from dataclasses import replace
 
-from simulators.melfa import alarms
-from simulators.melfa.alarms import Refusal
-from simulators.melfa.commands.command import Client, Command, OpenFile, clock, place_in, say
-from simulators.melfa.controller import Controller
-from simulators.melfa.programs import EXTENSION, TOTAL_BYTES, Program
+from catseye.simulators.melfa import alarms
+from catseye.simulators.melfa.alarms import Refusal
+from catseye.simulators.melfa.commands.command import Client, Command, OpenFile, clock, place_in, say
+from catseye.simulators.melfa.controller import Controller
+from catseye.simulators.melfa.programs import EXTENSION, TOTAL_BYTES, Program
 
 _BLOCK_BYTES = 100
 _LARGEST_FILE = 65_536

@@ -6,10 +6,10 @@ is refused with 3110. Axes beyond the fourth do not exist and are left out.
 
 import re
 
-from simulators.melfa import alarms
-from simulators.melfa.alarms import Refusal
-from simulators.melfa.commands.command import Command, say
-from simulators.melfa.controller import Controller
+from catseye.simulators.melfa import alarms
+from catseye.simulators.melfa.alarms import Refusal
+from catseye.simulators.melfa.commands.command import Command, say
+from catseye.simulators.melfa.controller import Controller
 
 _ARGUMENTS = re.compile(r"([0-9A-F]{2});00;([0-9A-F]{2});([0-9A-F]{2});(0[0-2])", re.IGNORECASE)
 _JOINT_MODE = 0

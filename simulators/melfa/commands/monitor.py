@@ -5,8 +5,8 @@ layout of PTIME (here: hours of power, servo and operation) and CYCLETIME (here:
 are 0 at rest and in proportion to the joint's speed in motion; temperatures and voltages are constant.
 """
 
-from simulators.melfa.commands.command import Client, Command, clock, nothing, say, whole
-from simulators.melfa.controller import Controller
+from catseye.simulators.melfa.commands.command import Client, Command, clock, nothing, say, whole
+from catseye.simulators.melfa.controller import Controller
 
 _AXES = 8
 _ROBOT_AXES = 4

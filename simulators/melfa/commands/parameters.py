@@ -1,9 +1,9 @@
 """Parameters (sheet, section 1.14). The list of changed ones comes as in PAL: more follow, count, names."""
 
-from simulators.melfa import alarms
-from simulators.melfa.alarms import Refusal
-from simulators.melfa.commands.command import Client, Command, say
-from simulators.melfa.controller import Controller
+from catseye.simulators.melfa import alarms
+from catseye.simulators.melfa.alarms import Refusal
+from catseye.simulators.melfa.commands.command import Client, Command, say
+from catseye.simulators.melfa.controller import Controller
 
 _NAMES_IN_ONE_ANSWER = 20
 

@@ -7,12 +7,12 @@ R, angle T and Z in the place of X, Y and Z.
 import math
 from collections.abc import Callable
 
-from simulators.config import Joints
-from simulators.melfa import alarms
-from simulators.melfa.alarms import Refusal
-from simulators.melfa.commands.command import Command, say
-from simulators.melfa.controller import Controller
-from simulators.melfa.values import flags_text, joint_pairs, position_pairs
+from catseye.simulators.config import Joints
+from catseye.simulators.melfa import alarms
+from catseye.simulators.melfa.alarms import Refusal
+from catseye.simulators.melfa.commands.command import Command, say
+from catseye.simulators.melfa.controller import Controller
+from catseye.simulators.melfa.values import flags_text, joint_pairs, position_pairs
 
 _NO_FLAGS = "****,****"
 Pairs = list[tuple[str, float]]

@@ -2,10 +2,10 @@
 
 import re
 
-from simulators.melfa import alarms, statements
-from simulators.melfa.alarms import Refusal
-from simulators.melfa.commands.command import Client, Command, do, required_number, say, whole
-from simulators.melfa.controller import Controller, Run
+from catseye.simulators.melfa import alarms, statements
+from catseye.simulators.melfa.alarms import Refusal
+from catseye.simulators.melfa.commands.command import Client, Command, do, required_number, say, whole
+from catseye.simulators.melfa.controller import Controller, Run
 
 _LAST_TOOL = 16
 

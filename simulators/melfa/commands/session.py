@@ -1,8 +1,8 @@
 """Session: OPEN, CLOSE, operation right (sheet, sections 1.7 and 1.8)."""
 
-from simulators.melfa.commands.command import Client, Command, nothing
-from simulators.melfa.controller import Controller
-from simulators.melfa.programs import EXTENSION
+from catseye.simulators.melfa.commands.command import Client, Command, nothing
+from catseye.simulators.melfa.controller import Controller
+from catseye.simulators.melfa.programs import EXTENSION
 
 _PATTERNS = {4: ("27", "0F"), 6: ("3F", "3F"), 8: ("FF", "FF")}
 

@@ -1,8 +1,8 @@
 """Signals, hands, stop sources (sheet, section 1.12)."""
 
-from simulators.melfa.commands.command import Command, say
-from simulators.melfa.controller import Controller
-from simulators.melfa.signals import WORD, hexadecimal, register_number, signal_number, word
+from catseye.simulators.melfa.commands.command import Command, say
+from catseye.simulators.melfa.controller import Controller
+from catseye.simulators.melfa.signals import WORD, hexadecimal, register_number, signal_number, word
 
 _FIRST_HAND_SIGNAL = 900
 _OPEN, _CLOSED = 1, 2

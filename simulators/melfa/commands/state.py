@@ -4,8 +4,8 @@ The bit of cycle stop is set while one is asked for; WAIT while a program is pau
 none is.
 """
 
-from simulators.melfa.commands.command import Client, Command
-from simulators.melfa.controller import Controller
+from catseye.simulators.melfa.commands.command import Client, Command
+from catseye.simulators.melfa.controller import Controller
 
 _REPEAT, _CYCLE_STOP, _TEACH, _SERVO, _RUN, _RIGHT = 0x01, 0x02, 0x08, 0x20, 0x40, 0x80
 _EMERGENCY, _STOP, _WAIT, _SELECT, _PSEUDO = 0x01, 0x02, 0x04, 0x10, 0x40

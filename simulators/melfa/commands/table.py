@@ -7,9 +7,9 @@ ERRORRD, HC framing, and what is seen but undocumented (PRTVER, CHGPRT, SNREAD, 
 
 import re
 
-from simulators.melfa import alarms
-from simulators.melfa.alarms import Refusal
-from simulators.melfa.commands import (
+from catseye.simulators.melfa import alarms
+from catseye.simulators.melfa.alarms import Refusal
+from catseye.simulators.melfa.commands import (
     editing,
     errors,
     files,
@@ -23,8 +23,8 @@ from simulators.melfa.commands import (
     state,
     variables,
 )
-from simulators.melfa.commands.command import Client, Command
-from simulators.melfa.controller import Controller, Run
+from catseye.simulators.melfa.commands.command import Client, Command
+from catseye.simulators.melfa.controller import Controller, Run
 
 COMMANDS: dict[str, Command] = {
     **session.COMMANDS,

@@ -4,11 +4,11 @@ A name whose second letter is an underscore is global. VALS and GVALS tell as ma
 answer; the client asks on with +1.
 """
 
-from simulators.melfa import alarms, statements
-from simulators.melfa.alarms import Refusal
-from simulators.melfa.commands.command import Client, Command, place_in, say
-from simulators.melfa.controller import Controller
-from simulators.melfa.values import value_text
+from catseye.simulators.melfa import alarms, statements
+from catseye.simulators.melfa.alarms import Refusal
+from catseye.simulators.melfa.commands.command import Client, Command, place_in, say
+from catseye.simulators.melfa.controller import Controller
+from catseye.simulators.melfa.values import value_text
 
 _TYPES = {"M", "C", "P", "J"}
 _LONGEST_LIST = 200

@@ -6,14 +6,14 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from app.aim import find_aim
-from app.analysis.path_rows import path_measurement
-from app.analysis.validation import established_rows
-from app.errors import StorageError, UsageError
-from app.store.reader import RunReader
-from app.store.run_store import RunStore
-from calibration.points import Commands
-from procedures.context import Json, Row
+from catseye.app.aim import find_aim
+from catseye.app.analysis.path_rows import path_measurement
+from catseye.app.analysis.validation import established_rows
+from catseye.app.errors import StorageError, UsageError
+from catseye.app.store.reader import RunReader
+from catseye.app.store.run_store import RunStore
+from catseye.calibration.points import Commands
+from catseye.procedures.context import Json, Row
 from tests.unit.app.store.fakes import TickingClock
 from tests.unit.procedures.benches import bench
 

@@ -6,8 +6,8 @@ from pathlib import Path
 import pytest
 from typer.testing import CliRunner
 
-from app.cli import cli
-from app.errors import StorageError, UsageError
+from catseye.app.cli import cli
+from catseye.app.errors import StorageError, UsageError
 
 COMMANDS = {
     "identify": ["identify", "--points", "points.csv", "--cell", "cell.toml"],

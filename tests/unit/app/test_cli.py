@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 from typer.testing import CliRunner
 
-from app.cli import cli
+from catseye.app.cli import cli
 
 
 def test_the_version_is_that_of_the_package() -> None:
@@ -25,7 +25,7 @@ def test_help_says_what_the_software_stop_is_not() -> None:
 
 def ended(words: list[str], stdout: int) -> "subprocess.CompletedProcess[bytes]":
     """Return how the command ended with this stdout."""
-    command = [sys.executable, "-m", "app", *words]
+    command = [sys.executable, "-m", "catseye", *words]
     root = Path(__file__).parents[3]
     return subprocess.run(command, stdout=stdout, stderr=subprocess.PIPE, cwd=root, timeout=60, check=False)
 

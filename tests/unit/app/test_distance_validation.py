@@ -8,17 +8,17 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from app.analysis.distance_validation import DistancePath, validate_on_distances
-from app.analysis.path_rows import distance_path, path_measurement
-from app.errors import UsageError
-from app.store.reader import RunReader
-from app.store.run_store import RunStore
-from calibration.errors import InsufficientPointsError
-from calibration.extension import j4_map, thermal_drift
-from calibration.identification import Identification, identify
-from calibration.layout import ModelName
-from calibration.points import Commands, Points
-from procedures.context import Row
+from catseye.app.analysis.distance_validation import DistancePath, validate_on_distances
+from catseye.app.analysis.path_rows import distance_path, path_measurement
+from catseye.app.errors import UsageError
+from catseye.app.store.reader import RunReader
+from catseye.app.store.run_store import RunStore
+from catseye.calibration.errors import InsufficientPointsError
+from catseye.calibration.extension import j4_map, thermal_drift
+from catseye.calibration.identification import Identification, identify
+from catseye.calibration.layout import ModelName
+from catseye.calibration.points import Commands, Points
+from catseye.procedures.context import Row
 from tests.unit.app.store.fakes import TickingClock
 from tests.unit.calibration.paper import (
     NODES1_DEG,

@@ -4,9 +4,9 @@ import tomllib
 
 import pytest
 
-from app.cell.model import Cell
-from app.cell.template import TEMPLATE
-from app.emulation import emulation_config
+from catseye.app.cell.model import Cell
+from catseye.app.cell.template import TEMPLATE
+from catseye.app.emulation import emulation_config
 
 
 def cell(alignment: str = "", optics: str = "") -> Cell:

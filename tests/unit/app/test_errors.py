@@ -4,11 +4,11 @@ import asyncio
 
 import pytest
 
-from app import errors
-from app.errors import exit_code_of, text_of
-from calibration.errors import ConvergenceError, OutOfReachError
-from drivers.errors import AlarmError, LinkTimeoutError, ProfileError
-from procedures.errors import BeamLostError, PlanError, PlanLimitError
+from catseye.app import errors
+from catseye.app.errors import exit_code_of, text_of
+from catseye.calibration.errors import ConvergenceError, OutOfReachError
+from catseye.drivers.errors import AlarmError, LinkTimeoutError, ProfileError
+from catseye.procedures.errors import BeamLostError, PlanError, PlanLimitError
 
 
 @pytest.mark.parametrize(

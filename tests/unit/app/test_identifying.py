@@ -8,11 +8,11 @@ from typing import Any
 import numpy as np
 import pytest
 
-from app.analysis.identifying import identify_rows
-from app.analysis.truth import compare_with_truth, gauge_turn_rad, turned_places
-from app.files.points_csv import PointRow
-from calibration.errors import InsufficientPointsError, MapRangeError, UnidentifiableError
-from calibration.identification import Identification
+from catseye.app.analysis.identifying import identify_rows
+from catseye.app.analysis.truth import compare_with_truth, gauge_turn_rad, turned_places
+from catseye.app.files.points_csv import PointRow
+from catseye.calibration.errors import InsufficientPointsError, MapRangeError, UnidentifiableError
+from catseye.calibration.identification import Identification
 from tests.unit.calibration.paper import (
     MDEG,
     NAMES,

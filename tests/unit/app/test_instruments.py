@@ -6,12 +6,12 @@ from typing import Any
 
 import pytest
 
-from app.cell.model import Cell
-from app.cell.template import TEMPLATE
-from app.commands.doctor import doctor_command
-from app.errors import ConfigError
-from app.instruments import device_builder, stop_request
-from drivers.clock import SystemClock
+from catseye.app.cell.model import Cell
+from catseye.app.cell.template import TEMPLATE
+from catseye.app.commands.doctor import doctor_command
+from catseye.app.errors import ConfigError
+from catseye.app.instruments import device_builder, stop_request
+from catseye.drivers.clock import SystemClock
 
 
 def cell(**sections: dict[str, Any]) -> Cell:

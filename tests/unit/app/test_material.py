@@ -6,10 +6,10 @@ from typing import Any, cast
 import pytest
 from pydantic import ValidationError
 
-from app.analysis.material import with_reference_links
-from app.cell.model import Cell
-from app.cell.template import TEMPLATE
-from app.store.reader import RunReader
+from catseye.app.analysis.material import with_reference_links
+from catseye.app.cell.model import Cell
+from catseye.app.cell.template import TEMPLATE
+from catseye.app.store.reader import RunReader
 from tests.unit.app.report.sample import hand_made
 
 _SENSOR = {"name": "on-link", "driver": "modbus-air", "endpoint": "tcp://127.0.0.1:10600"}

@@ -6,10 +6,10 @@ from typing import Any
 import pytest
 from pydantic import BaseModel
 
-from app.errors import UsageError
-from app.parameter_words import param_text, range_text, typed_fault, value_text
-from app.procedure_list import load_procedure, parse_params, procedure_names
-from procedures.open_loop.open_loop import OpenLoopParams
+from catseye.app.errors import UsageError
+from catseye.app.parameter_words import param_text, range_text, typed_fault, value_text
+from catseye.app.procedure_list import load_procedure, parse_params, procedure_names
+from catseye.procedures.open_loop.open_loop import OpenLoopParams
 
 
 @pytest.mark.parametrize(

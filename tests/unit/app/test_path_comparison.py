@@ -6,12 +6,12 @@ from pathlib import Path
 
 import numpy as np
 
-from app.analysis.path_comparison import compare_path
-from app.cell.model import Cell
-from app.cell.template import TEMPLATE
-from app.store.reader import RunReader
-from app.store.run_store import RunStore
-from procedures.context import Json, Row
+from catseye.app.analysis.path_comparison import compare_path
+from catseye.app.cell.model import Cell
+from catseye.app.cell.template import TEMPLATE
+from catseye.app.store.reader import RunReader
+from catseye.app.store.run_store import RunStore
+from catseye.procedures.context import Json, Row
 from tests.unit.app.engine.fakes import point
 from tests.unit.app.store.fakes import TickingClock
 from tests.unit.app.test_distance_validation import COUNT, TRUTH, commands, true_length, true_place

@@ -2,11 +2,11 @@
 
 import pytest
 
-from app.errors import UsageError
-from app.procedure_list import load_procedure, parse_params, procedure_names
-from procedures.open_loop.open_loop import OpenLoopParams
-from procedures.path.validation_path import PathParams
-from procedures.search.reflector_search import SearchParams
+from catseye.app.errors import UsageError
+from catseye.app.procedure_list import load_procedure, parse_params, procedure_names
+from catseye.procedures.open_loop.open_loop import OpenLoopParams
+from catseye.procedures.path.validation_path import PathParams
+from catseye.procedures.search.reflector_search import SearchParams
 
 
 def test_the_built_in_procedures_are_installed() -> None:

@@ -5,9 +5,9 @@ from pathlib import Path
 
 import pytest
 
-from app.analysis.identifying import are_simulated
-from app.analysis.reporting import result_report, run_report
-from app.files.result_json import Result, read_result, write_result
+from catseye.app.analysis.identifying import are_simulated
+from catseye.app.analysis.reporting import result_report, run_report
+from catseye.app.files.result_json import Result, read_result, write_result
 from tests.unit.app.report import sample
 from tests.unit.app.report.page_reader import Page, read_page
 from tests.unit.app.test_path_comparison import measured, stored

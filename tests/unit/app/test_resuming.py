@@ -9,16 +9,16 @@ from typing import Any
 
 import pytest
 
-from app.cell.load import load_cell
-from app.cell.template import TEMPLATE
-from app.errors import StorageError, UsageError
-from app.plan_digest import plan_digest
-from app.procedure_list import load_procedure, parse_params
-from app.resuming import plan_resume
-from app.running import PlannedRun, plan_run, run_meta
-from app.store.resumable import MOVED
-from app.store.run_store import RunStore
-from procedures.context import Json
+from catseye.app.cell.load import load_cell
+from catseye.app.cell.template import TEMPLATE
+from catseye.app.errors import StorageError, UsageError
+from catseye.app.plan_digest import plan_digest
+from catseye.app.procedure_list import load_procedure, parse_params
+from catseye.app.resuming import plan_resume
+from catseye.app.running import PlannedRun, plan_run, run_meta
+from catseye.app.store.resumable import MOVED
+from catseye.app.store.run_store import RunStore
+from catseye.procedures.context import Json
 from tests.unit.app.engine.fakes import ManualClock
 
 SMALL = re.sub(

@@ -6,13 +6,13 @@ from typing import Any
 
 import pytest
 
-import app
-from app.cell.template import TEMPLATE
-from app.commands.compensate import compensate_command
-from app.commands.design import DesignOptions, design_command
-from app.commands.export import export_command
-from app.commands.predict import predict_command
-from procedures.context import Row
+from catseye import app
+from catseye.app.cell.template import TEMPLATE
+from catseye.app.commands.compensate import compensate_command
+from catseye.app.commands.design import DesignOptions, design_command
+from catseye.app.commands.export import export_command
+from catseye.app.commands.predict import predict_command
+from catseye.procedures.context import Row
 from tests.unit.app.commands.arms import bare, estimate, stored, text_file
 from tests.unit.app.engine.fakes import point
 from tests.unit.app.files.spreadsheet import formulas

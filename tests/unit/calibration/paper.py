@@ -8,8 +8,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from calibration.points import Commands, Points
-from calibration.types import Floats, Ints
+from catseye.calibration.points import Commands, Points
+from catseye.calibration.types import Floats, Ints
 
 NODES1_DEG = [-140.0 + 20.0 * i for i in range(11)]
 NODES2_DEG = [20.0 * i for i in range(8)]

@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from calibration.agreement import Agreement, agreement
-from calibration.comparison import compare, rigid_fit
-from calibration.errors import UnidentifiableError
-from calibration.types import Floats
+from catseye.calibration.agreement import Agreement, agreement
+from catseye.calibration.comparison import compare, rigid_fit
+from catseye.calibration.errors import UnidentifiableError
+from catseye.calibration.types import Floats
 
 ROWS = 30
 COMMAND = np.random.default_rng(1).uniform(-400.0, 400.0, (ROWS, 2))

@@ -6,9 +6,9 @@ import math
 import numpy as np
 import pytest
 
-from calibration.alignment import fit_offset, fit_pitch
-from calibration.errors import InsufficientPointsError, UnidentifiableError
-from calibration.types import Floats
+from catseye.calibration.alignment import fit_offset, fit_pitch
+from catseye.calibration.errors import InsufficientPointsError, UnidentifiableError
+from catseye.calibration.types import Floats
 
 
 def length_of(turn_rad: float, distance_mm: float, offset_mm: float) -> float:

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from calibration.centred_sums import CentredSums
+from catseye.calibration.centred_sums import CentredSums
 
 
 def test_one_by_one_gives_the_same_as_all_at_once() -> None:

@@ -5,8 +5,8 @@ import math
 import numpy as np
 import pytest
 
-from calibration.kinematics import forward
-from calibration.kinematics.chain import Chain, Joint
+from catseye.calibration.kinematics import forward
+from catseye.calibration.kinematics.chain import Chain, Joint
 
 SCARA = Chain(
     (

@@ -8,13 +8,13 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from calibration.compensation import Compensation, compensate
-from calibration.errors import ConvergenceError
-from calibration.extension import Term
-from calibration.identification import IdentifiedArm
-from calibration.layout import Layout
-from calibration.points import Commands
-from calibration.types import Floats, Ints
+from catseye.calibration.compensation import Compensation, compensate
+from catseye.calibration.errors import ConvergenceError
+from catseye.calibration.extension import Term
+from catseye.calibration.identification import IdentifiedArm
+from catseye.calibration.layout import Layout
+from catseye.calibration.points import Commands
+from catseye.calibration.types import Floats, Ints
 
 NODES1 = [-140.0 + 20.0 * i for i in range(11)]
 NODES2 = [-140.0 + 20.0 * i for i in range(15)]

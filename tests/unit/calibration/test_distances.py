@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from calibration.kinematics.distances import depth_in_box_mm, segment_to_box_mm, segment_to_segment_mm
-from calibration.types import Floats
+from catseye.calibration.kinematics.distances import depth_in_box_mm, segment_to_box_mm, segment_to_segment_mm
+from catseye.calibration.types import Floats
 
 SHARE = np.linspace(0.0, 1.0, 401)
 RNG = np.random.default_rng(8)

@@ -2,7 +2,7 @@
 
 import pytest
 
-from calibration.expansion import Material, at_reference
+from catseye.calibration.expansion import Material, at_reference
 
 
 def test_a_steel_link_two_kelvin_too_warm() -> None:

@@ -5,9 +5,9 @@ import math
 import numpy as np
 import pytest
 
-from calibration.distance_model import distance_model
-from calibration.errors import UnidentifiableError
-from calibration.extension import Term, crosstalk, j4_map, periodic, thermal_drift
+from catseye.calibration.distance_model import distance_model
+from catseye.calibration.errors import UnidentifiableError
+from catseye.calibration.extension import Term, crosstalk, j4_map, periodic, thermal_drift
 from tests.unit.calibration.diagnostics.bench import (
     Extra,
     coefficients,

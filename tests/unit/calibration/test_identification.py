@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 
-from calibration.errors import InsufficientPointsError, MapRangeError, UnidentifiableError
-from calibration.identification import Identification, identify
-from calibration.layout import ModelName
-from calibration.points import Points
+from catseye.calibration.errors import InsufficientPointsError, MapRangeError, UnidentifiableError
+from catseye.calibration.identification import Identification, identify
+from catseye.calibration.layout import ModelName
+from catseye.calibration.points import Points
 from tests.unit.calibration.paper import (
     MDEG,
     NODES1_DEG,

@@ -5,8 +5,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from calibration.errors import OutOfReachError
-from calibration.kinematics import forward, inverse, position_jacobian, wrap_rad
+from catseye.calibration.errors import OutOfReachError
+from catseye.calibration.kinematics import forward, inverse, position_jacobian, wrap_rad
 
 L1, L2 = 325.0, 225.0
 

@@ -8,13 +8,13 @@ from functools import cache
 import numpy as np
 import pytest
 
-from calibration.errors import MapRangeError, UnidentifiableError
-from calibration.identification import identify
-from calibration.live_map import Innovation, LiveMap
-from calibration.points import Points
-from calibration.types import Floats
-from calibration.uncertainty.budget import radial_motions
-from calibration.uncertainty.radial import RadialBudget
+from catseye.calibration.errors import MapRangeError, UnidentifiableError
+from catseye.calibration.identification import identify
+from catseye.calibration.live_map import Innovation, LiveMap
+from catseye.calibration.points import Points
+from catseye.calibration.types import Floats
+from catseye.calibration.uncertainty.budget import radial_motions
+from catseye.calibration.uncertainty.radial import RadialBudget
 from tests.unit.calibration.paper import (
     NAMES,
     NODES1_DEG,

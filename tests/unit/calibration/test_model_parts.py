@@ -5,11 +5,11 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from calibration.distance_model import distance_model
-from calibration.error_map import BidirectionalMap
-from calibration.errors import MapRangeError
-from calibration.layout import Layout, ModelName
-from calibration.pointing import (
+from catseye.calibration.distance_model import distance_model
+from catseye.calibration.error_map import BidirectionalMap
+from catseye.calibration.errors import MapRangeError
+from catseye.calibration.layout import Layout, ModelName
+from catseye.calibration.pointing import (
     aim,
     beam_direction,
     beam_miss,

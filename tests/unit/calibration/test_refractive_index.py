@@ -7,14 +7,14 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from calibration.refractive_index import (
+from catseye.calibration.refractive_index import (
     AirUncertainty,
     Formula,
     index_uncertainty,
     outside_nist_range,
     refractive_index,
 )
-from calibration.vapour_pressure import vapour_pressure_pa
+from catseye.calibration.vapour_pressure import vapour_pressure_pa
 
 # NIST Engineering Metrology Toolbox, table 1 (450 ppm): t °C, RH %, p kPa, vacuum wavelength nm, Ciddor, Edlén.
 NIST_TABLE = [

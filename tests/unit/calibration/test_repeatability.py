@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from calibration.errors import InsufficientPointsError, UnidentifiableError
-from calibration.repeatability import along_beam, conditioning, in_plane, interval_of_s
-from calibration.standards.iso9283 import pose_repeatability
+from catseye.calibration.errors import InsufficientPointsError, UnidentifiableError
+from catseye.calibration.repeatability import along_beam, conditioning, in_plane, interval_of_s
+from catseye.calibration.standards.iso9283 import pose_repeatability
 
 Floats = NDArray[np.float64]
 

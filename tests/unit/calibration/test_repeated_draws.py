@@ -5,9 +5,9 @@ from functools import cache
 
 import numpy as np
 
-from calibration.identification import Identification, identify
-from calibration.points import Commands
-from calibration.prediction import predict
+from catseye.calibration.identification import Identification, identify
+from catseye.calibration.points import Commands
+from catseye.calibration.prediction import predict
 from tests.unit.calibration.paper import (
     NODES1_DEG,
     NODES2_DEG,

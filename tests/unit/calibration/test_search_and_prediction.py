@@ -5,12 +5,12 @@ import math
 import numpy as np
 import pytest
 
-from calibration.comparison import compare, rigid_fit
-from calibration.errors import InsufficientPointsError
-from calibration.identification import identify
-from calibration.points import Commands
-from calibration.prediction import predict
-from calibration.reflector_search import Sightings, locate_reflectors
+from catseye.calibration.comparison import compare, rigid_fit
+from catseye.calibration.errors import InsufficientPointsError
+from catseye.calibration.identification import identify
+from catseye.calibration.points import Commands
+from catseye.calibration.prediction import predict
+from catseye.calibration.reflector_search import Sightings, locate_reflectors
 from tests.unit.calibration.paper import (
     NODES1_DEG,
     NODES2_DEG,

@@ -5,9 +5,9 @@ import math
 import numpy as np
 import pytest
 
-from calibration.reflector_search import Sightings, locate_reflectors
-from calibration.search_outlier import Outlier, find_outlier
-from calibration.types import Floats
+from catseye.calibration.reflector_search import Sightings, locate_reflectors
+from catseye.calibration.search_outlier import Outlier, find_outlier
+from catseye.calibration.types import Floats
 
 PLACES = [(650.0, -400.0), (680.0, 10.0)]
 POSES = [

@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from calibration.kinematics.bodies import Box, Capsule, Gaps, Scene, Table
-from calibration.kinematics.chain import Chain, Joint
-from calibration.kinematics.sweep import RESOLUTION_MM, first_contact
+from catseye.calibration.kinematics.bodies import Box, Capsule, Gaps, Scene, Table
+from catseye.calibration.kinematics.chain import Chain, Joint
+from catseye.calibration.kinematics.sweep import RESOLUTION_MM, first_contact
 
 SLIDE = Chain(
     (

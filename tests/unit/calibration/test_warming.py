@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from calibration.warming import drift_rate, settling
+from catseye.calibration.warming import drift_rate, settling
 
 Floats = NDArray[np.float64]
 TIMES_S = np.arange(0.0, 7200.0, 60.0)

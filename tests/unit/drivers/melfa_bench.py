@@ -4,9 +4,9 @@ from collections.abc import AsyncIterator, Callable, Iterable
 from contextlib import asynccontextmanager
 from typing import Any
 
-from drivers.melfa.motion import VARIABLES
-from drivers.melfa.robot import MelfaR3
-from drivers.melfa.settings import MelfaSettings
+from catseye.drivers.melfa.motion import VARIABLES
+from catseye.drivers.melfa.robot import MelfaR3
+from catseye.drivers.melfa.settings import MelfaSettings
 from tests.unit.drivers.peers import Peer, StepClock
 
 # Section 1.8: sixteen fields and a trailing semicolon; patterns 0F of a four-axis RH are inferred there.

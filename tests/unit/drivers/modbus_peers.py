@@ -8,8 +8,8 @@ from contextlib import AbstractAsyncContextManager
 
 import pytest
 
-from drivers.errors import LinkError
-from simulators.modbus.rtu import crc16
+from catseye.drivers.errors import LinkError
+from catseye.simulators.modbus.rtu import crc16
 from tests.unit.drivers.peers import FarEnd, loopback
 
 
@@ -62,7 +62,7 @@ class RtuDevice(FarEnd):
             await opened()
 
         patch.setattr(self.near, "open", open_slowly)
-        patch.setattr("drivers.modbus.client.open_transport", lambda *_args, **_options: self.near)
+        patch.setattr("catseye.drivers.modbus.client.open_transport", lambda *_args, **_options: self.near)
 
     async def _serve(self) -> None:
         loop = asyncio.get_running_loop()

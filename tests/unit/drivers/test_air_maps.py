@@ -7,8 +7,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 from pydantic import ValidationError
 
-from drivers.air.maps import AirSettings, Quantity, RegisterMap, check_plausible, decode, resolve
-from drivers.errors import ProfileError, ProtocolError
+from catseye.drivers.air.maps import AirSettings, Quantity, RegisterMap, check_plausible, decode, resolve
+from catseye.drivers.errors import ProfileError, ProtocolError
 
 
 def resolved(**settings: object) -> RegisterMap:

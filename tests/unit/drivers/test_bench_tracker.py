@@ -8,9 +8,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from drivers.clock import SystemClock
-from drivers.errors import LinkTimeoutError, ProtocolError, WrongDeviceError
-from drivers.tracker.bench_tracker import (
+from catseye.drivers.clock import SystemClock
+from catseye.drivers.errors import LinkTimeoutError, ProtocolError, WrongDeviceError
+from catseye.drivers.tracker.bench_tracker import (
     BenchTracker,
     BenchTrackerSettings,
     ObjectDecoder,

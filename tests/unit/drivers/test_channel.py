@@ -8,12 +8,12 @@ from contextlib import asynccontextmanager
 
 import pytest
 
-from drivers.channel import Channel
-from drivers.errors import LinkError
-from drivers.inbox import TURN_BYTES, TURN_S, Inbox
-from drivers.memory import pipe
-from drivers.record import RecordingTransport
-from drivers.tcp import TcpTransport
+from catseye.drivers.channel import Channel
+from catseye.drivers.errors import LinkError
+from catseye.drivers.inbox import TURN_BYTES, TURN_S, Inbox
+from catseye.drivers.memory import pipe
+from catseye.drivers.record import RecordingTransport
+from catseye.drivers.tcp import TcpTransport
 
 STOP = b"1;1;STOP\r"
 

@@ -6,9 +6,15 @@ from typing import Any
 
 import pytest
 
-from drivers.counter.counter import LineCounter
-from drivers.counter.profile import CounterProfile, load_profile
-from drivers.errors import LinkTimeoutError, ProfileError, ProtocolError, RefusedError, WrongDeviceError
+from catseye.drivers.counter.counter import LineCounter
+from catseye.drivers.counter.profile import CounterProfile, load_profile
+from catseye.drivers.errors import (
+    LinkTimeoutError,
+    ProfileError,
+    ProtocolError,
+    RefusedError,
+    WrongDeviceError,
+)
 from tests.unit.drivers.peers import Peer, StepClock
 
 QUIET_S = 0.001

@@ -9,10 +9,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from drivers.counter import codec
-from drivers.counter.codec import LineDecoder
-from drivers.counter.profile import CounterProfile, Scale, Status, load_profile
-from drivers.errors import ProtocolError
+from catseye.drivers.counter import codec
+from catseye.drivers.counter.codec import LineDecoder
+from catseye.drivers.counter.profile import CounterProfile, Scale, Status, load_profile
+from catseye.drivers.errors import ProtocolError
 
 DEFAULT = load_profile("default")
 

@@ -4,8 +4,8 @@ from pathlib import Path
 
 import pytest
 
-from drivers.counter.profile import built_in_profiles, load_profile, parse_profile
-from drivers.errors import ProfileError
+from catseye.drivers.counter.profile import built_in_profiles, load_profile, parse_profile
+from catseye.drivers.errors import ProfileError
 
 GOOD = """
 format = "catseye-counter/1"

@@ -11,11 +11,11 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from drivers.counter import codec
-from drivers.counter.counter import LineCounter
-from drivers.counter.profile import CounterProfile, load_profile, parse_profile
-from drivers.counter.streamed import StreamedCounter
-from drivers.errors import LinkTimeoutError, ProfileError, RefusedError, WrongDeviceError
+from catseye.drivers.counter import codec
+from catseye.drivers.counter.counter import LineCounter
+from catseye.drivers.counter.profile import CounterProfile, load_profile, parse_profile
+from catseye.drivers.counter.streamed import StreamedCounter
+from catseye.drivers.errors import LinkTimeoutError, ProfileError, RefusedError, WrongDeviceError
 from tests.unit.drivers.peers import Peer, StepClock
 
 T = TypeVar("T")

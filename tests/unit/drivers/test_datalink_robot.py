@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 import pytest
 
-from drivers.errors import (
+from catseye.drivers.errors import (
     LinkError,
     NotArrivedError,
     NotReadyError,
@@ -16,12 +16,12 @@ from drivers.errors import (
     RefusedError,
     WrongDeviceError,
 )
-from drivers.guarding import Unguarded
-from drivers.melfa.datalink.robot import DatalinkSettings, MelfaDatalink
-from drivers.melfa.robot import MelfaR3
-from drivers.melfa.settings import MelfaSettings
-from drivers.readings import Joints
-from procedures.devices import JogRobot
+from catseye.drivers.guarding import Unguarded
+from catseye.drivers.melfa.datalink.robot import DatalinkSettings, MelfaDatalink
+from catseye.drivers.melfa.robot import MelfaR3
+from catseye.drivers.melfa.settings import MelfaSettings
+from catseye.drivers.readings import Joints
+from catseye.procedures.devices import JogRobot
 from tests.patience import HANG_S, until
 from tests.unit.drivers.melfa_bench import JPOS, STATE, Controller
 from tests.unit.drivers.peers import Peer, StepClock
@@ -166,7 +166,7 @@ async def test_a_lost_answer_to_a_way_is_asked_about_and_the_way_is_not_sent_aga
 
 async def test_a_lost_answer_to_a_way_is_not_waited_for(monkeypatch: pytest.MonkeyPatch) -> None:
     """The program runs on while it waits for the next request: only the joints tell that the way is over."""
-    monkeypatch.setattr("drivers.melfa.datalink.robot._LOOK_S", 0.005)
+    monkeypatch.setattr("catseye.drivers.melfa.datalink.robot._LOOK_S", 0.005)
     async with linked(move_timeout_s=1e3) as bench:
         bench.program.silent = {2}
         async with asyncio.timeout(HANG_S):
@@ -187,7 +187,7 @@ async def test_a_program_that_somebody_else_stopped_is_not_waited_for(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     """A STOP of the pendant is no alarm; STATE tells that nothing runs (sheet, section 1.10)."""
-    monkeypatch.setattr("drivers.melfa.datalink.robot._LOOK_S", 0.005)
+    monkeypatch.setattr("catseye.drivers.melfa.datalink.robot._LOOK_S", 0.005)
     async with linked(move_timeout_s=30.0) as bench:
         bench.program.silent = {2}
         bench.program.moves = False
@@ -214,7 +214,7 @@ async def test_a_question_refused_on_the_way_leaves_no_arm_driving(
     question: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """A line that garbles bytes has the controller refuse a question with L3810."""
-    monkeypatch.setattr("drivers.melfa.datalink.robot._LOOK_S", 0.005)
+    monkeypatch.setattr("catseye.drivers.melfa.datalink.robot._LOOK_S", 0.005)
     async with linked(move_timeout_s=30.0) as bench:
         bench.program.silent = {2}
         bench.program.moves = False

@@ -7,14 +7,14 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from drivers.counter.counter import LineCounter
-from drivers.counter.profile import CounterProfile, load_profile
-from drivers.errors import DeviceError, LinkError
-from drivers.faulty import KINDS, SENT_KINDS, Fault, FaultyTransport, random_faults
-from drivers.melfa.robot import MelfaR3
-from drivers.melfa.settings import MelfaSettings
-from drivers.memory import MemoryTransport, pipe
-from drivers.readings import Joints
+from catseye.drivers.counter.counter import LineCounter
+from catseye.drivers.counter.profile import CounterProfile, load_profile
+from catseye.drivers.errors import DeviceError, LinkError
+from catseye.drivers.faulty import KINDS, SENT_KINDS, Fault, FaultyTransport, random_faults
+from catseye.drivers.melfa.robot import MelfaR3
+from catseye.drivers.melfa.settings import MelfaSettings
+from catseye.drivers.memory import MemoryTransport, pipe
+from catseye.drivers.readings import Joints
 from tests.patience import HANG_S
 from tests.unit.drivers.melfa_bench import Controller
 from tests.unit.drivers.peers import Answer, Peer
@@ -173,7 +173,7 @@ def test_random_faults_come_again_with_their_seed() -> None:
 
 
 def faults(foreign: bytes) -> st.SearchStrategy[list[Fault]]:
-    """Return scripts of faults that a driver can notice (see the table of `drivers.faulty`)."""
+    """Return scripts of faults that a driver can notice (see the table of `catseye.drivers.faulty`)."""
     amounts = st.sampled_from([0.001, 0.03, 0.2])
     received = st.builds(
         Fault,

@@ -5,11 +5,11 @@ from collections.abc import Callable, Iterable, Iterator
 
 import pytest
 
-from drivers.errors import LinkError, LinkTimeoutError, ProtocolError, UnreachableError
-from drivers.healing import ATTEMPTS, Losses, Repeat, repeated
-from drivers.link import RequestLink
-from drivers.stream import MOST_BYTES_A_SECOND, StreamLink
-from drivers.transport import Transport
+from catseye.drivers.errors import LinkError, LinkTimeoutError, ProtocolError, UnreachableError
+from catseye.drivers.healing import ATTEMPTS, Losses, Repeat, repeated
+from catseye.drivers.link import RequestLink
+from catseye.drivers.stream import MOST_BYTES_A_SECOND, StreamLink
+from catseye.drivers.transport import Transport
 from tests.unit.drivers.peers import Peer, StepClock
 from tests.unit.drivers.test_link import Line
 

@@ -5,10 +5,10 @@ from collections.abc import Iterable
 
 import pytest
 
-from drivers.errors import LinkError, LinkTimeoutError, ProtocolError
-from drivers.healing import Repeat
-from drivers.link import RequestLink, uninterrupted
-from drivers.transport import Transport
+from catseye.drivers.errors import LinkError, LinkTimeoutError, ProtocolError
+from catseye.drivers.healing import Repeat
+from catseye.drivers.link import RequestLink, uninterrupted
+from catseye.drivers.transport import Transport
 from tests.patience import until
 from tests.unit.drivers.peers import Peer
 

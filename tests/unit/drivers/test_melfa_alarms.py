@@ -4,7 +4,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from drivers.melfa.alarms import describe
+from catseye.drivers.melfa.alarms import describe
 
 
 @pytest.mark.parametrize(

@@ -7,9 +7,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from drivers.errors import ProtocolError
-from drivers.melfa import codec
-from drivers.melfa.codec import Answer, AnswerDecoder, Layout
+from catseye.drivers.errors import ProtocolError
+from catseye.drivers.melfa import codec
+from catseye.drivers.melfa.codec import Answer, AnswerDecoder, Layout
 
 # Sheet 1.8, first capture; the copyright text is left open there.
 OPEN_RV1A = (

@@ -5,7 +5,7 @@ from collections.abc import Iterable, Iterator
 
 import pytest
 
-from drivers.errors import (
+from catseye.drivers.errors import (
     AlarmError,
     LinkError,
     LinkTimeoutError,
@@ -13,10 +13,10 @@ from drivers.errors import (
     NotReadyError,
     RefusedError,
 )
-from drivers.healing import ATTEMPTS
-from drivers.melfa.robot import MelfaR3
-from drivers.melfa.settings import MelfaSettings
-from drivers.readings import RobotStatus
+from catseye.drivers.healing import ATTEMPTS
+from catseye.drivers.melfa.robot import MelfaR3
+from catseye.drivers.melfa.settings import MelfaSettings
+from catseye.drivers.readings import RobotStatus
 from tests.patience import until
 from tests.unit.drivers.melfa_bench import JPOS, QUICK, START, STATE, TARGET, Controller, bench
 from tests.unit.drivers.peers import Peer

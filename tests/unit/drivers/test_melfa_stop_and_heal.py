@@ -4,7 +4,7 @@ import asyncio
 
 import pytest
 
-from drivers.errors import (
+from catseye.drivers.errors import (
     LinkError,
     LinkTimeoutError,
     NotArrivedError,
@@ -12,11 +12,11 @@ from drivers.errors import (
     RefusedError,
     WrongDeviceError,
 )
-from drivers.healing import ATTEMPTS
-from drivers.melfa.robot import MelfaR3
-from drivers.melfa.settings import MelfaSettings
-from drivers.memory import MemoryTransport
-from drivers.record import RecordingTransport
+from catseye.drivers.healing import ATTEMPTS
+from catseye.drivers.melfa.robot import MelfaR3
+from catseye.drivers.melfa.settings import MelfaSettings
+from catseye.drivers.memory import MemoryTransport
+from catseye.drivers.record import RecordingTransport
 from tests.patience import until
 from tests.unit.drivers.melfa_bench import JPOS, OPEN, QUICK, START, STATE, TARGET, Controller, bench
 from tests.unit.drivers.peers import Peer, StepClock
@@ -318,7 +318,7 @@ async def test_stop_goes_out_as_soon_as_a_link_is_open_again() -> None:
 
 
 async def test_close_does_not_wait_for_a_motion(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("drivers.melfa.robot._CLOSE_TIMEOUT_S", 0.01)
+    monkeypatch.setattr("catseye.drivers.melfa.robot._CLOSE_TIMEOUT_S", 0.01)
     controller = Controller()
     controller.replies["EXEC2"] = list
     async with bench(controller) as b:

@@ -5,9 +5,9 @@ from typing import Any
 
 import pytest
 
-from drivers.air.maps import AirSettings, resolve
-from drivers.air.modbus_air import ModbusAir
-from drivers.errors import LinkError, ProtocolError, RefusedError
+from catseye.drivers.air.maps import AirSettings, resolve
+from catseye.drivers.air.modbus_air import ModbusAir
+from catseye.drivers.errors import LinkError, ProtocolError, RefusedError
 from tests.unit.drivers.modbus_peers import modbus_server, registers_of_the_sheet
 from tests.unit.drivers.peers import StepClock
 

@@ -6,9 +6,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from drivers.air.ptu300 import PtuSettings, VaisalaAscii
-from drivers.air.ptu300_codec import TextDecoder, checked, parse_values
-from drivers.errors import LinkError, ProtocolError, WrongDeviceError
+from catseye.drivers.air.ptu300 import PtuSettings, VaisalaAscii
+from catseye.drivers.air.ptu300_codec import TextDecoder, checked, parse_values
+from catseye.drivers.errors import LinkError, ProtocolError, WrongDeviceError
 from tests.transcripts.vaisala_ptu300 import DEFAULT_LINE, FORMATS, READINGS
 from tests.unit.drivers.peers import Peer, StepClock
 

@@ -5,14 +5,14 @@ from typing import Any
 
 import pytest
 
-from drivers import registry
-from drivers.melfa.robot import MelfaR3
+from catseye.drivers import registry
+from catseye.drivers.melfa.robot import MelfaR3
 
 ENTRIES = metadata.EntryPoints(
     [
-        metadata.EntryPoint("melfa-r3", "drivers.melfa.robot:MelfaR3", registry.GROUP),
-        metadata.EntryPoint("line-counter", "drivers.counter.counter:LineCounter", registry.GROUP),
-        metadata.EntryPoint("modbus-air", "drivers.air.modbus_air:ModbusAir", registry.GROUP),
+        metadata.EntryPoint("melfa-r3", "catseye.drivers.melfa.robot:MelfaR3", registry.GROUP),
+        metadata.EntryPoint("line-counter", "catseye.drivers.counter.counter:LineCounter", registry.GROUP),
+        metadata.EntryPoint("modbus-air", "catseye.drivers.air.modbus_air:ModbusAir", registry.GROUP),
         metadata.EntryPoint("other", "elsewhere:Thing", "other.group"),
     ]
 )

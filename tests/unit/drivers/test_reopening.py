@@ -5,11 +5,11 @@ from collections.abc import Awaitable, Callable
 
 import pytest
 
-from drivers.errors import LinkError, UnreachableError
-from drivers.healing import REOPEN_S, Repeat
-from drivers.link import RequestLink
-from drivers.memory import MemoryTransport
-from drivers.stream import StreamLink
+from catseye.drivers.errors import LinkError, UnreachableError
+from catseye.drivers.healing import REOPEN_S, Repeat
+from catseye.drivers.link import RequestLink
+from catseye.drivers.memory import MemoryTransport
+from catseye.drivers.stream import StreamLink
 from tests.unit.drivers.peers import Peer, StepClock
 from tests.unit.drivers.test_healing import Bytes, link_to, scripted
 from tests.unit.drivers.test_link import Line

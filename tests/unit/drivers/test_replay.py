@@ -6,11 +6,11 @@ from pathlib import Path
 
 import pytest
 
-from drivers.counter.counter import LineCounter
-from drivers.counter.profile import load_profile
-from drivers.errors import LinkError
-from drivers.record import Direction, RecordingTransport
-from drivers.replay import DeviationError, ReplayTransport, Step, load_transcript
+from catseye.drivers.counter.counter import LineCounter
+from catseye.drivers.counter.profile import load_profile
+from catseye.drivers.errors import LinkError
+from catseye.drivers.record import Direction, RecordingTransport
+from catseye.drivers.replay import DeviationError, ReplayTransport, Step, load_transcript
 from tests.unit.drivers.peers import Peer, StepClock
 from tests.unit.drivers.test_counter import Counter
 from tests.unit.drivers.virtual_time import run

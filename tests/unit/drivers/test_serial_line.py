@@ -9,10 +9,10 @@ from dataclasses import dataclass
 
 import pytest
 
-from drivers.endpoint import open_transport
-from drivers.errors import LinkError
-from drivers.inbox import Inbox
-from drivers.serial_line import LineSettings, SerialTransport
+from catseye.drivers.endpoint import open_transport
+from catseye.drivers.errors import LinkError
+from catseye.drivers.inbox import Inbox
+from catseye.drivers.serial_line import LineSettings, SerialTransport
 
 
 @dataclass

@@ -6,7 +6,7 @@ from contextlib import AbstractAsyncContextManager
 
 import pytest
 
-from drivers.endpoint import (
+from catseye.drivers.endpoint import (
     Endpoint,
     SerialEndpoint,
     TcpEndpoint,
@@ -14,10 +14,10 @@ from drivers.endpoint import (
     open_transport,
     parse_endpoint,
 )
-from drivers.errors import LinkError
-from drivers.memory import pipe
-from drivers.record import RecordingTransport
-from drivers.tcp import TcpTransport
+from catseye.drivers.errors import LinkError
+from catseye.drivers.memory import pipe
+from catseye.drivers.record import RecordingTransport
+from catseye.drivers.tcp import TcpTransport
 from tests.free_ports import free_port
 from tests.unit.drivers.peers import loopback
 

@@ -5,9 +5,9 @@ import socket
 
 import pytest
 
-from drivers.endpoint import open_transport
-from drivers.errors import LinkError
-from drivers.udp import UdpTransport
+from catseye.drivers.endpoint import open_transport
+from catseye.drivers.errors import LinkError
+from catseye.drivers.udp import UdpTransport
 from tests.patience import HANG_S, until
 
 

@@ -7,17 +7,17 @@ from contextlib import asynccontextmanager
 from dataclasses import dataclass
 from typing import Any
 
-from drivers.errors import LinkError
-from drivers.memory import MemoryTransport
-from simulators.air_probe import AirProbe
-from simulators.bench.bench import Bench
-from simulators.config import EmulatedDevice, Option
-from simulators.journal import Journal
-from simulators.melfa.controller import Controller
-from simulators.protocols import session_maker
-from simulators.serving import Pending, Session
-from simulators.timekeeper import TimeKeeper
-from simulators.world import World
+from catseye.drivers.errors import LinkError
+from catseye.drivers.memory import MemoryTransport
+from catseye.simulators.air_probe import AirProbe
+from catseye.simulators.bench.bench import Bench
+from catseye.simulators.config import EmulatedDevice, Option
+from catseye.simulators.journal import Journal
+from catseye.simulators.melfa.controller import Controller
+from catseye.simulators.protocols import session_maker
+from catseye.simulators.serving import Pending, Session
+from catseye.simulators.timekeeper import TimeKeeper
+from catseye.simulators.world import World
 from tests.unit.drivers.peers import FarEnd, StepClock
 from tests.unit.simulators.benches import QUIET, aimed, go, quiet_bench
 

@@ -9,13 +9,13 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from drivers.attocube import codec
-from drivers.attocube.ids import AttocubeIds, IdsSettings
-from drivers.errors import ProtocolError, RefusedError, WrongDeviceError
-from drivers.memory import MemoryTransport
-from simulators.attocube.cutter import JsonCutter
-from simulators.serving import Session
-from simulators.world import World
+from catseye.drivers.attocube import codec
+from catseye.drivers.attocube.ids import AttocubeIds, IdsSettings
+from catseye.drivers.errors import ProtocolError, RefusedError, WrongDeviceError
+from catseye.drivers.memory import MemoryTransport
+from catseye.simulators.attocube.cutter import JsonCutter
+from catseye.simulators.serving import Session
+from catseye.simulators.world import World
 from tests.transcripts import attocube_ids as transcript
 from tests.unit.drivers.peers import Peer, StepClock
 from tests.unit.interferometers.pairs import new_session, paired, quiet_world

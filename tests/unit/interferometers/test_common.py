@@ -6,14 +6,14 @@ from typing import Any
 
 import pytest
 
-from drivers.attocube.ids import AttocubeIds, IdsSettings
-from drivers.counter.counter import LineCounter
-from drivers.counter.profile import load_profile
-from drivers.heidenhain.nd import HeidenhainNd, NdSettings
-from drivers.lasertex.hpi import HpiSettings, LasertexHpi
-from drivers.umd.display import UmdDisplay, UmdSettings
-from simulators.config import Option
-from simulators.errors import EmulatorError
+from catseye.drivers.attocube.ids import AttocubeIds, IdsSettings
+from catseye.drivers.counter.counter import LineCounter
+from catseye.drivers.counter.profile import load_profile
+from catseye.drivers.heidenhain.nd import HeidenhainNd, NdSettings
+from catseye.drivers.lasertex.hpi import HpiSettings, LasertexHpi
+from catseye.drivers.umd.display import UmdDisplay, UmdSettings
+from catseye.simulators.config import Option
+from catseye.simulators.errors import EmulatorError
 from tests.unit.drivers.virtual_time import run
 from tests.unit.interferometers.pairs import Make, Pair, new_session, paired, quiet_world
 from tests.unit.simulators.benches import aimed, driven_mm, go

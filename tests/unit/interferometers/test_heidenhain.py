@@ -8,12 +8,12 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from drivers.errors import ProtocolError, RefusedError, WrongDeviceError
-from drivers.heidenhain import codec
-from drivers.heidenhain.nd import HeidenhainNd, NdSettings
-from drivers.memory import MemoryTransport
-from simulators.serving import Session
-from simulators.world import World
+from catseye.drivers.errors import ProtocolError, RefusedError, WrongDeviceError
+from catseye.drivers.heidenhain import codec
+from catseye.drivers.heidenhain.nd import HeidenhainNd, NdSettings
+from catseye.drivers.memory import MemoryTransport
+from catseye.simulators.serving import Session
+from catseye.simulators.world import World
 from tests.transcripts import heidenhain_nd as transcript
 from tests.unit.drivers.peers import Peer, StepClock
 from tests.unit.interferometers.pairs import new_session, paired, quiet_world

@@ -10,14 +10,14 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from drivers.errors import LinkTimeoutError, ProtocolError, RefusedError, WrongDeviceError
-from drivers.lasertex import codec
-from drivers.lasertex.hpi import HpiSettings, LasertexHpi
-from drivers.memory import MemoryTransport
-from simulators.air_probe import AirFault
-from simulators.lasertex import frames
-from simulators.serving import Session
-from simulators.world import World
+from catseye.drivers.errors import LinkTimeoutError, ProtocolError, RefusedError, WrongDeviceError
+from catseye.drivers.lasertex import codec
+from catseye.drivers.lasertex.hpi import HpiSettings, LasertexHpi
+from catseye.drivers.memory import MemoryTransport
+from catseye.simulators.air_probe import AirFault
+from catseye.simulators.lasertex import frames
+from catseye.simulators.serving import Session
+from catseye.simulators.world import World
 from tests.transcripts import lasertex_hpi as transcript
 from tests.unit.drivers.peers import Peer, StepClock
 from tests.unit.interferometers.pairs import new_session, paired, quiet_world

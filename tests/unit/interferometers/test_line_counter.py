@@ -1,8 +1,8 @@
 """The line counter's dialect: driver and emulator are held to the same bytes."""
 
-from drivers.counter.counter import LineCounter
-from drivers.counter.profile import load_profile
-from simulators.serving import Session
+from catseye.drivers.counter.counter import LineCounter
+from catseye.drivers.counter.profile import load_profile
+from catseye.simulators.serving import Session
 from tests.transcripts import line_counter as transcript
 from tests.unit.drivers.peers import Peer, StepClock
 from tests.unit.interferometers.pairs import new_session, quiet_world

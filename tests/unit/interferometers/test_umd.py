@@ -10,14 +10,14 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from drivers.errors import LinkTimeoutError, RefusedError, WrongDeviceError
-from drivers.memory import MemoryTransport
-from drivers.umd import codec
-from drivers.umd.display import UmdDisplay, UmdSettings
-from simulators.air_probe import AirProbe
-from simulators.timekeeper import TimeKeeper
-from simulators.umd import session as umd_session
-from simulators.umd.session import Umd, UmdOptions, UmdSession
+from catseye.drivers.errors import LinkTimeoutError, RefusedError, WrongDeviceError
+from catseye.drivers.memory import MemoryTransport
+from catseye.drivers.umd import codec
+from catseye.drivers.umd.display import UmdDisplay, UmdSettings
+from catseye.simulators.air_probe import AirProbe
+from catseye.simulators.timekeeper import TimeKeeper
+from catseye.simulators.umd import session as umd_session
+from catseye.simulators.umd.session import Umd, UmdOptions, UmdSession
 from tests.transcripts import umd as transcript
 from tests.unit.drivers.peers import Peer, StepClock
 from tests.unit.interferometers.pairs import new_session, paired, quiet_world

@@ -1,7 +1,7 @@
 """Collisions judged another way: bodies as strings of balls, the motion sampled densely, trigonometry by hand.
 
-Nothing of `calibration.kinematics` is used but the description of the bodies. A string of balls is a little smaller
-than the capsule, and samples of a motion miss its worst moment by a little: what is found is never too small.
+Nothing of `catseye.calibration.kinematics` is used but the description of the bodies. A string of balls is a little
+smaller than the capsule, and samples of a motion miss its worst moment by a little: what is found is never too small.
 """
 
 import math
@@ -12,9 +12,9 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
-from calibration.kinematics.bodies import Box, Capsule
-from procedures.bench import Bench, Following, Reflector, Workspace
-from procedures.devices import Joints
+from catseye.calibration.kinematics.bodies import Box, Capsule
+from catseye.procedures.bench import Bench, Following, Reflector, Workspace
+from catseye.procedures.devices import Joints
 from tests.unit.procedures.benches import LINK1_MM, LINK2_MM, WORKSPACE, bench
 
 Floats = NDArray[np.float64]

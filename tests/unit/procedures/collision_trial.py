@@ -6,8 +6,8 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from procedures.bench import Bench
-from procedures.devices import Joints
+from catseye.procedures.bench import Bench
+from catseye.procedures.devices import Joints
 from tests.unit.procedures.collision_oracle import (
     generated,
     judged,

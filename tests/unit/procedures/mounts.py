@@ -7,8 +7,8 @@ from typing import Any
 
 import numpy as np
 
-from procedures.bench import Alignment, Bench
-from procedures.context import Live, Measurement, Prompt
+from catseye.procedures.bench import Alignment, Bench
+from catseye.procedures.context import Live, Measurement, Prompt
 from tests.unit.procedures.benches import IdealContext, StillAir, arm_xy, bench
 
 

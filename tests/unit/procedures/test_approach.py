@@ -7,8 +7,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from procedures.errors import PlanLimitError
-from procedures.motion.approach import (
+from catseye.procedures.errors import PlanLimitError
+from catseye.procedures.motion.approach import (
     Command,
     Waypoint,
     bidirectional_sequence,

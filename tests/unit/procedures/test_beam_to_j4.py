@@ -7,10 +7,10 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from procedures.alignment.beam_to_j4 import BeamToJ4, BeamToJ4Params, BeamToJ4Plan
-from procedures.alignment.screws import Observed, Screw, respond
-from procedures.bench import Bench, Reflector
-from procedures.errors import (
+from catseye.procedures.alignment.beam_to_j4 import BeamToJ4, BeamToJ4Params, BeamToJ4Plan
+from catseye.procedures.alignment.screws import Observed, Screw, respond
+from catseye.procedures.bench import Bench, Reflector
+from catseye.procedures.errors import (
     AlignmentError,
     BeamLostError,
     NoBeamError,

@@ -7,13 +7,13 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from calibration.kinematics.bodies import Box
-from procedures.bench import Bench
-from procedures.devices import Joints
-from procedures.errors import PlanError
-from procedures.motion.clear_way import clear_part, legs_refusal, require_clear_way, way_refusal
-from procedures.open_loop.open_loop_plan import plan_open_loop
-from procedures.path.path_plan import plan_path
+from catseye.calibration.kinematics.bodies import Box
+from catseye.procedures.bench import Bench
+from catseye.procedures.devices import Joints
+from catseye.procedures.errors import PlanError
+from catseye.procedures.motion.clear_way import clear_part, legs_refusal, require_clear_way, way_refusal
+from catseye.procedures.open_loop.open_loop_plan import plan_open_loop
+from catseye.procedures.path.path_plan import plan_path
 from tests.unit.procedures.benches import arm_xy, bench
 from tests.unit.procedures.collision_trial import tried
 

@@ -6,12 +6,12 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from procedures.beam.re_aim import AimCorrection
-from procedures.devices import Joints
-from procedures.errors import WayBlockedError
-from procedures.motion.entry import approach, stands_at, way_in
-from procedures.open_loop.open_loop import OpenLoop
-from procedures.open_loop.open_loop_plan import plan_open_loop
+from catseye.procedures.beam.re_aim import AimCorrection
+from catseye.procedures.devices import Joints
+from catseye.procedures.errors import WayBlockedError
+from catseye.procedures.motion.entry import approach, stands_at, way_in
+from catseye.procedures.open_loop.open_loop import OpenLoop
+from catseye.procedures.open_loop.open_loop_plan import plan_open_loop
 from tests.unit.procedures.benches import PLACES, arm_xy, bench, miss_along
 from tests.unit.procedures.troubles import TroubledContext
 

@@ -9,11 +9,11 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from procedures.bench import Bench, Reflector
-from procedures.devices import Joints
-from procedures.errors import PlanError, PlanLimitError
-from procedures.open_loop.open_loop import OpenLoop, OpenLoopParams
-from procedures.open_loop.open_loop_plan import OpenLoopPlan, ReflectorPlan, plan_open_loop
+from catseye.procedures.bench import Bench, Reflector
+from catseye.procedures.devices import Joints
+from catseye.procedures.errors import PlanError, PlanLimitError
+from catseye.procedures.open_loop.open_loop import OpenLoop, OpenLoopParams
+from catseye.procedures.open_loop.open_loop_plan import OpenLoopPlan, ReflectorPlan, plan_open_loop
 from tests.unit.procedures.benches import (
     PLACES,
     arm_xy,

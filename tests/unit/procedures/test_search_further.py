@@ -8,11 +8,11 @@ from typing import TypeVar
 import numpy as np
 import pytest
 
-from procedures.context import Prompt
-from procedures.devices import Joints
-from procedures.errors import PlanError, ReflectorNotFoundError
-from procedures.search.reflector_search import ReflectorSearch, SearchParams
-from procedures.search.search_plan import SearchPlan, plan_search
+from catseye.procedures.context import Prompt
+from catseye.procedures.devices import Joints
+from catseye.procedures.errors import PlanError, ReflectorNotFoundError
+from catseye.procedures.search.reflector_search import ReflectorSearch, SearchParams
+from catseye.procedures.search.search_plan import SearchPlan, plan_search
 from tests.unit.procedures.benches import IdealContext, arm_xy, bench, with_optics
 
 JOLT_DEG = 0.05

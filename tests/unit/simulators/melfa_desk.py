@@ -2,12 +2,12 @@
 
 from dataclasses import replace
 
-from simulators.bench.bench import Bench
-from simulators.config import EmulationConfig
-from simulators.melfa.choices import Choices
-from simulators.melfa.controller import Controller
-from simulators.melfa.session import MelfaSession
-from simulators.serving import Pending
+from catseye.simulators.bench.bench import Bench
+from catseye.simulators.config import EmulationConfig
+from catseye.simulators.melfa.choices import Choices
+from catseye.simulators.melfa.controller import Controller
+from catseye.simulators.melfa.session import MelfaSession
+from catseye.simulators.serving import Pending
 from tests.unit.simulators.benches import QUIET, perfect_arm, without_j4_play
 
 

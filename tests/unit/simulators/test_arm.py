@@ -8,11 +8,11 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from calibration.error_map import BidirectionalMap
-from simulators.bench.arm import Arm, RadialError
-from simulators.bench.bench import Bench
-from simulators.config import EmulationConfig, ErrorBudget
-from simulators.truth import TrueArm, draw_truth
+from catseye.calibration.error_map import BidirectionalMap
+from catseye.simulators.bench.arm import Arm, RadialError
+from catseye.simulators.bench.bench import Bench
+from catseye.simulators.config import EmulationConfig, ErrorBudget
+from catseye.simulators.truth import TrueArm, draw_truth
 from tests.unit.simulators.benches import (
     QUIET,
     axis_mm,

@@ -9,12 +9,12 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from calibration.refractive_index import refractive_index
-from simulators.bench.bench import Bench
-from simulators.bench.counter import Reading
-from simulators.config import AirState, EmulationConfig, ErrorBudget, Joints
-from simulators.errors import BenchError
-from simulators.truth import draw_truth
+from catseye.calibration.refractive_index import refractive_index
+from catseye.simulators.bench.bench import Bench
+from catseye.simulators.bench.counter import Reading
+from catseye.simulators.config import AirState, EmulationConfig, ErrorBudget, Joints
+from catseye.simulators.errors import BenchError
+from catseye.simulators.truth import draw_truth
 from tests.unit.simulators.benches import (
     P1,
     P2,

@@ -9,11 +9,11 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from simulators.control import LONGEST_BYTES, ControlSession
-from simulators.launch import EmulatedBench
-from simulators.melfa.session import MelfaSession
-from simulators.modbus.air_sensor import AirSensor
-from simulators.tracker import Tracker
+from catseye.simulators.control import LONGEST_BYTES, ControlSession
+from catseye.simulators.launch import EmulatedBench
+from catseye.simulators.melfa.session import MelfaSession
+from catseye.simulators.modbus.air_sensor import AirSensor
+from catseye.simulators.tracker import Tracker
 from tests.unit.simulators.benches import QUIET, aimed
 
 CONFIG = replace(QUIET, start_joints=aimed(20.0, 30.0))

@@ -5,8 +5,8 @@ import struct
 
 import pytest
 
-from simulators.config import EmulatedDevice, EmulationConfig
-from simulators.launch import EmulatedBench, EmulatorError
+from catseye.simulators.config import EmulatedDevice, EmulationConfig
+from catseye.simulators.launch import EmulatedBench, EmulatorError
 from tests.patience import HANG_S
 from tests.transcripts import melfa_datalink, melfa_mxt
 from tests.unit.simulators.benches import P1

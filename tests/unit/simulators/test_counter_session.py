@@ -7,8 +7,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from simulators.bench.bench import Bench
-from simulators.counter.session import CounterSession
+from catseye.simulators.bench.bench import Bench
+from catseye.simulators.counter.session import CounterSession
 from tests.unit.simulators.benches import QUIET, aimed, go, perfect_arm, quiet_bench, without_j4_play
 
 VALUE = re.compile(r"^(?P<ch>[A-Z0-9]*)\s*(?P<val>[+-]?\s*\d+(?:[.,]\d+)?(?:[Ee][+-]?\d+)?)\s*(?P<unit>\S*)")

@@ -8,12 +8,12 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from simulators.bench.bench import Bench
-from simulators.melfa.alarms import Refusal
-from simulators.melfa.choices import Choices
-from simulators.melfa.controller import Controller
-from simulators.melfa.datalink import Datalink, DatalinkSession
-from simulators.serving import Pending
+from catseye.simulators.bench.bench import Bench
+from catseye.simulators.melfa.alarms import Refusal
+from catseye.simulators.melfa.choices import Choices
+from catseye.simulators.melfa.controller import Controller
+from catseye.simulators.melfa.datalink import Datalink, DatalinkSession
+from catseye.simulators.serving import Pending
 from tests.transcripts import melfa_datalink as records
 from tests.unit.simulators.benches import QUIET, perfect_arm, without_j4_play
 

@@ -9,8 +9,8 @@ from dataclasses import replace
 
 import pytest
 
-from simulators.config import EmulatedDevice
-from simulators.launch import EmulatedBench, EmulationConfig, EmulatorError, ServedEndpoint
+from catseye.simulators.config import EmulatedDevice
+from catseye.simulators.launch import EmulatedBench, EmulationConfig, EmulatorError, ServedEndpoint
 from tests.patience import HANG_S
 from tests.unit.simulators.benches import QUIET, aimed
 

@@ -2,7 +2,7 @@
 
 import pytest
 
-from simulators.lossy import Lossy
+from catseye.simulators.lossy import Lossy
 
 
 def test_a_share_of_the_answers_is_spoilt_in_three_ways() -> None:

@@ -8,7 +8,7 @@ import pytest
 from hypothesis import example, given
 from hypothesis import strategies as st
 
-from simulators.serving import Pending
+from catseye.simulators.serving import Pending
 from tests.unit.simulators.benches import QUIET
 from tests.unit.simulators.melfa_desk import Desk
 

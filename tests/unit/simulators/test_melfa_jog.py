@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import pytest
 
-from simulators.melfa.choices import Choices
+from catseye.simulators.melfa.choices import Choices
 from tests.unit.simulators.benches import QUIET
 from tests.unit.simulators.melfa_desk import Desk, Talker
 

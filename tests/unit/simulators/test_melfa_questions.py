@@ -4,10 +4,10 @@ import re
 
 import pytest
 
-from simulators.config import EmulatedDevice
-from simulators.errors import EmulatorError
-from simulators.melfa.choices import Choices
-from simulators.melfa.commands.table import COMMANDS
+from catseye.simulators.config import EmulatedDevice
+from catseye.simulators.errors import EmulatorError
+from catseye.simulators.melfa.choices import Choices
+from catseye.simulators.melfa.commands.table import COMMANDS
 from tests.unit.simulators.melfa_desk import Desk, with_axes
 
 

@@ -6,12 +6,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from simulators.air_probe import AirProbe
-from simulators.bench.bench import Bench, Instrument
-from simulators.counter.session import CounterSession
-from simulators.errors import BenchError
-from simulators.lasertex.session import Hpi
-from simulators.options import LengthOptions
+from catseye.simulators.air_probe import AirProbe
+from catseye.simulators.bench.bench import Bench, Instrument
+from catseye.simulators.counter.session import CounterSession
+from catseye.simulators.errors import BenchError
+from catseye.simulators.lasertex.session import Hpi
+from catseye.simulators.options import LengthOptions
 from tests.unit.simulators.benches import QUIET, go, quiet_bench
 
 HALF_WAVE_MM = 316.5e-6

@@ -8,10 +8,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from simulators.air_probe import AirFault, AirProbe
-from simulators.bench.bench import Bench
-from simulators.modbus.air_sensor import AirSensor, dew_point_c
-from simulators.modbus.protocol import ILLEGAL_ADDRESS, ModbusError, ModbusSession, respond
+from catseye.simulators.air_probe import AirFault, AirProbe
+from catseye.simulators.bench.bench import Bench
+from catseye.simulators.modbus.air_sensor import AirSensor, dew_point_c
+from catseye.simulators.modbus.protocol import ILLEGAL_ADDRESS, ModbusError, ModbusSession, respond
 from tests.unit.simulators.benches import QUIET, perfect_arm, quiet_bench, without_j4_play
 
 

@@ -7,12 +7,12 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from simulators.air_probe import AirFault, AirProbe
-from simulators.config import EmulatedDevice, Option
-from simulators.errors import EmulatorError
-from simulators.modbus.devices import air_registers
-from simulators.modbus.protocol import ModbusError
-from simulators.modbus.rtu import RtuSession, crc16
+from catseye.simulators.air_probe import AirFault, AirProbe
+from catseye.simulators.config import EmulatedDevice, Option
+from catseye.simulators.errors import EmulatorError
+from catseye.simulators.modbus.devices import air_registers
+from catseye.simulators.modbus.protocol import ModbusError
+from catseye.simulators.modbus.rtu import RtuSession, crc16
 from tests.unit.simulators.benches import quiet_bench
 from tests.unit.simulators.test_modbus import Bank
 

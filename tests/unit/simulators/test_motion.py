@@ -5,8 +5,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from simulators.bench.motion import plan_motion, plan_stop
-from simulators.config import ArmDynamics, Joints
+from catseye.simulators.bench.motion import plan_motion, plan_stop
+from catseye.simulators.config import ArmDynamics, Joints
 
 DYNAMICS = ArmDynamics(max_speed=(100.0, 200.0, 50.0, 400.0), max_acceleration=(500.0, 1000.0, 100.0, 2000.0))
 HOME: Joints = (0.0, 0.0, 0.0, 0.0)

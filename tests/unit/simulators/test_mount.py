@@ -6,10 +6,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from simulators.bench.bench import Bench
-from simulators.bench.mount import Mount, Screw
-from simulators.config import ErrorBudget, Screws
-from simulators.errors import BenchError
+from catseye.simulators.bench.bench import Bench
+from catseye.simulators.bench.mount import Mount, Screw
+from catseye.simulators.config import ErrorBudget, Screws
+from catseye.simulators.errors import BenchError
 from tests.unit.simulators.benches import QUIET, go, quiet_bench
 
 EXACT = replace(QUIET, screws=Screws(setting_turns=0.0, play_turns=0.0))

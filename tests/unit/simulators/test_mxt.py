@@ -8,11 +8,11 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from simulators.bench.bench import Bench
-from simulators.config import EmulationConfig, Joints
-from simulators.melfa.controller import Controller
-from simulators.melfa.mxt import Mxt, MxtOptions, MxtSession
-from simulators.serving import Pending
+from catseye.simulators.bench.bench import Bench
+from catseye.simulators.config import EmulationConfig, Joints
+from catseye.simulators.melfa.controller import Controller
+from catseye.simulators.melfa.mxt import Mxt, MxtOptions, MxtSession
+from catseye.simulators.serving import Pending
 from tests.transcripts import melfa_mxt
 from tests.unit.simulators.benches import QUIET, perfect_arm, without_j4_play
 

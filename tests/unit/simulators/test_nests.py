@@ -5,8 +5,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from simulators.bench.bench import Bench
-from simulators.errors import BenchError
+from catseye.simulators.bench.bench import Bench
+from catseye.simulators.errors import BenchError
 from tests.unit.simulators.benches import P1, P2, QUIET, aimed, go, quiet_bench
 
 CARRIED = replace(QUIET, reflectors=(P2, P1), one_reflector=True)

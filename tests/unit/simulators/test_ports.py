@@ -14,13 +14,13 @@ from typing import Any
 import pytest
 import serial
 
-from simulators.errors import EmulatorError
-from simulators.ports.address import LineAddress, parse_address
-from simulators.ports.pacer import Pacer
-from simulators.ports.port import Port
-from simulators.ports.udp import MOST_PEERS
-from simulators.serving import Answer, Pending, Session
-from simulators.timekeeper import TimeKeeper
+from catseye.simulators.errors import EmulatorError
+from catseye.simulators.ports.address import LineAddress, parse_address
+from catseye.simulators.ports.pacer import Pacer
+from catseye.simulators.ports.port import Port
+from catseye.simulators.ports.udp import MOST_PEERS
+from catseye.simulators.serving import Answer, Pending, Session
+from catseye.simulators.timekeeper import TimeKeeper
 from tests.patience import HANG_S, until
 from tests.unit.simulators.benches import quiet_bench
 

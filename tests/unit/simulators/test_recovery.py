@@ -7,12 +7,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from calibration.error_map import BidirectionalMap
-from calibration.identification import identify
-from calibration.points import Commands, Points
-from calibration.types import Floats
-from simulators.bench.bench import Bench
-from simulators.truth import TrueArm
+from catseye.calibration.error_map import BidirectionalMap
+from catseye.calibration.identification import identify
+from catseye.calibration.points import Commands, Points
+from catseye.calibration.types import Floats
+from catseye.simulators.bench.bench import Bench
+from catseye.simulators.truth import TrueArm
 from tests.unit.simulators.benches import QUIET, go, without_j4_play
 
 MDEG = math.pi / 180e3

@@ -2,11 +2,11 @@
 
 import pytest
 
-from simulators.config import EmulatedDevice, Option
-from simulators.errors import EmulatorError
-from simulators.modbus.devices import io_block
-from simulators.modbus.protocol import respond
-from simulators.modbus.remote_io import Door, RemoteIo
+from catseye.simulators.config import EmulatedDevice, Option
+from catseye.simulators.errors import EmulatorError
+from catseye.simulators.modbus.devices import io_block
+from catseye.simulators.modbus.protocol import respond
+from catseye.simulators.modbus.remote_io import Door, RemoteIo
 
 
 def block(door: Door, **options: Option) -> RemoteIo:

@@ -4,7 +4,7 @@ import asyncio
 
 import pytest
 
-from simulators.timekeeper import TimeKeeper
+from catseye.simulators.timekeeper import TimeKeeper
 from tests.patience import HANG_S
 from tests.unit.simulators.benches import quiet_bench
 

@@ -7,10 +7,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from calibration.error_map import BidirectionalMap
-from simulators.config import EmulationConfig, TruthText
-from simulators.errors import TruthFileError
-from simulators.truth import TrueArm, draw_truth, true_arm, truth_document, write_truth
+from catseye.calibration.error_map import BidirectionalMap
+from catseye.simulators.config import EmulationConfig, TruthText
+from catseye.simulators.errors import TruthFileError
+from catseye.simulators.truth import TrueArm, draw_truth, true_arm, truth_document, write_truth
 from tests.unit.simulators.benches import QUIET
 
 MINIMAL = {

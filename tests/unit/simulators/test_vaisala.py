@@ -6,9 +6,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from simulators.air_probe import AirFault, AirProbe
-from simulators.bench.air import AirSample
-from simulators.vaisala.session import Ptu300, Ptu300Session
+from catseye.simulators.air_probe import AirFault, AirProbe
+from catseye.simulators.bench.air import AirSample
+from catseye.simulators.vaisala.session import Ptu300, Ptu300Session
 from tests.transcripts.vaisala_ptu300 import DEFAULT_LINE, FORMATS, READINGS
 from tests.unit.simulators.benches import quiet_bench
 

@@ -11,12 +11,12 @@ import pytest
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
-from simulators.bench.bench import Bench
-from simulators.bench.motion import blend, plan_way
-from simulators.bench.types import Floats
-from simulators.config import ArmDynamics, EmulationConfig, ErrorBudget, Joints
-from simulators.errors import BenchError
-from simulators.truth import draw_truth
+from catseye.simulators.bench.bench import Bench
+from catseye.simulators.bench.motion import blend, plan_way
+from catseye.simulators.bench.types import Floats
+from catseye.simulators.config import ArmDynamics, EmulationConfig, ErrorBudget, Joints
+from catseye.simulators.errors import BenchError
+from catseye.simulators.truth import draw_truth
 from tests.unit.simulators.benches import (
     P1,
     P2,

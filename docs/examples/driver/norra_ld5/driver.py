@@ -5,15 +5,15 @@ from typing import Any, ClassVar, Literal, Self, TypeVar
 
 from pydantic import BaseModel, ConfigDict, Field
 
-from drivers.clock import Clock
-from drivers.endpoint import open_transport
-from drivers.errors import ProtocolError, RefusedError, WrongDeviceError
-from drivers.healing import Repeat
-from drivers.latches import Latches
-from drivers.link import RequestLink
-from drivers.readings import CounterReading, CounterStatus, Identity
-from drivers.record import Sink
-from drivers.transport import Transport
+from catseye.drivers.clock import Clock
+from catseye.drivers.endpoint import open_transport
+from catseye.drivers.errors import ProtocolError, RefusedError, WrongDeviceError
+from catseye.drivers.healing import Repeat
+from catseye.drivers.latches import Latches
+from catseye.drivers.link import RequestLink
+from catseye.drivers.readings import CounterReading, CounterStatus, Identity
+from catseye.drivers.record import Sink
+from catseye.drivers.transport import Transport
 from norra_ld5 import codec
 
 T = TypeVar("T")

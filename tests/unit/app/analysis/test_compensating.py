@@ -5,14 +5,14 @@ import math
 import numpy as np
 import pytest
 
-from app.analysis.compensating import CompensatedPath, compensate_path, require_limits
-from app.errors import LimitError
-from app.files.path_csv import CommandPath, cartesian_commands
-from calibration.identification import IdentifiedArm
-from calibration.kinematics import forward
-from calibration.layout import Layout
-from calibration.points import Commands
-from calibration.types import Floats
+from catseye.app.analysis.compensating import CompensatedPath, compensate_path, require_limits
+from catseye.app.errors import LimitError
+from catseye.app.files.path_csv import CommandPath, cartesian_commands
+from catseye.calibration.identification import IdentifiedArm
+from catseye.calibration.kinematics import forward
+from catseye.calibration.layout import Layout
+from catseye.calibration.points import Commands
+from catseye.calibration.types import Floats
 
 NOMINAL = (325.0, 225.0)
 NODES = [-170.0, 170.0]

@@ -8,14 +8,14 @@ from typing import get_args
 import numpy as np
 import pytest
 
-from app.analysis.design_layouts import Places, candidate_places
-from app.analysis.design_problem import Problem, Wish, problem_of
-from app.cell.bench import bench_of
-from app.cell.model import Cell
-from app.cell.template import TEMPLATE
-from calibration.design.criteria import CriterionName
-from calibration.design.exchange import exchange, greedy_start, random_start
-from calibration.types import Floats
+from catseye.app.analysis.design_layouts import Places, candidate_places
+from catseye.app.analysis.design_problem import Problem, Wish, problem_of
+from catseye.app.cell.bench import bench_of
+from catseye.app.cell.model import Cell
+from catseye.app.cell.template import TEMPLATE
+from catseye.calibration.design.criteria import CriterionName
+from catseye.calibration.design.exchange import exchange, greedy_start, random_start
+from catseye.calibration.types import Floats
 
 
 def criteria_of(name: CriterionName, covariances: Floats, gradient: Floats) -> Floats:

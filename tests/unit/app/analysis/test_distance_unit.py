@@ -5,13 +5,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from app.analysis.distance_source import load_distances
-from app.analysis.scan_identifying import identify_scan_file
-from app.cell.bench import bench_of
-from app.cell.load import load_cell
-from app.cell.template import TEMPLATE
-from app.errors import UsageError
-from app.files.points_csv import COLUMNS
+from catseye.app.analysis.distance_source import load_distances
+from catseye.app.analysis.scan_identifying import identify_scan_file
+from catseye.app.cell.bench import bench_of
+from catseye.app.cell.load import load_cell
+from catseye.app.cell.template import TEMPLATE
+from catseye.app.errors import UsageError
+from catseye.app.files.points_csv import COLUMNS
 
 
 def written(folder: Path, factor: float) -> Path:

@@ -2,9 +2,9 @@
 
 import pytest
 
-from app.analysis.extension_words import parse_extensions
-from app.errors import UsageError
-from calibration.extension import Term
+from catseye.app.analysis.extension_words import parse_extensions
+from catseye.app.errors import UsageError
+from catseye.calibration.extension import Term
 
 
 def test_words_stand_for_these_terms() -> None:

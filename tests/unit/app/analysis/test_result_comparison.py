@@ -9,10 +9,10 @@ import numpy as np
 import pytest
 from typer.testing import CliRunner
 
-from app.analysis.result_comparison import compare_results
-from app.cli import cli
-from app.errors import UsageError
-from app.files.result_json import Result
+from catseye.app.analysis.result_comparison import compare_results
+from catseye.app.cli import cli
+from catseye.app.errors import UsageError
+from catseye.app.files.result_json import Result
 
 
 def estimate(value: float, u: float = 0.0) -> dict[str, float]:

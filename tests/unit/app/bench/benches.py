@@ -2,10 +2,10 @@
 
 import tomllib
 
-from app.cell.bench import bench_of
-from app.cell.model import Cell
-from app.cell.template import TEMPLATE
-from procedures.bench import Bench
+from catseye.app.cell.bench import bench_of
+from catseye.app.cell.model import Cell
+from catseye.app.cell.template import TEMPLATE
+from catseye.procedures.bench import Bench
 
 
 def cell_from_template() -> Cell:

@@ -2,7 +2,7 @@
 
 import pytest
 
-from app.cell.model import Cell
+from catseye.app.cell.model import Cell
 from tests.unit.app.bench.benches import cell_from_template
 
 

@@ -4,9 +4,9 @@ import asyncio
 from collections.abc import Awaitable, Callable
 from typing import Any
 
-from app.bench.jogging import Jogging
-from app.cell.model import Cell
-from app.service.messages import JogHold, JogMode, JogStep
+from catseye.app.bench.jogging import Jogging
+from catseye.app.cell.model import Cell
+from catseye.app.service.messages import JogHold, JogMode, JogStep
 from tests.unit.app.bench.timed_arm import HandFixture, TimedArm
 from tests.unit.drivers.virtual_time import run
 

@@ -5,16 +5,16 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from app.bench.gauges import Gauges
-from app.bench.idle import CellDevices
-from app.bench.observed import ObservedDevice, observed
-from app.bench.telemetry import Topic
-from app.engine.devices import Devices
-from app.engine.handle import RunHandle
-from drivers.errors import DeviceError, LinkError
-from drivers.readings import AirSample, CounterReading, CounterStatus, Identity, Joints, RobotStatus
-from drivers.stream import ValueHook
-from procedures.context import Json
+from catseye.app.bench.gauges import Gauges
+from catseye.app.bench.idle import CellDevices
+from catseye.app.bench.observed import ObservedDevice, observed
+from catseye.app.bench.telemetry import Topic
+from catseye.app.engine.devices import Devices
+from catseye.app.engine.handle import RunHandle
+from catseye.drivers.errors import DeviceError, LinkError
+from catseye.drivers.readings import AirSample, CounterReading, CounterStatus, Identity, Joints, RobotStatus
+from catseye.drivers.stream import ValueHook
+from catseye.procedures.context import Json
 from tests.unit.drivers.virtual_time import VirtualClock
 
 
@@ -139,7 +139,7 @@ class PulledCell:
 
 @dataclass
 class Listeners:
-    """Implements `app.bench.telemetry.Audience`: what everybody was told, and when."""
+    """Implements `catseye.app.bench.telemetry.Audience`: what everybody was told, and when."""
 
     topics: set[Topic] = field(default_factory=set)
     run: RunHandle | None = None

@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from app.bench.approach import MARGIN_DEG, STOP_S, Approach
+from catseye.app.bench.approach import MARGIN_DEG, STOP_S, Approach
 
 FASTEST_DEG_S = 40.0
 LIMITS = (-170.0, 170.0)

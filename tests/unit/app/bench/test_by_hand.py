@@ -8,16 +8,16 @@ from typing import Any
 
 import pytest
 
-from app.bench.by_hand import ByHand
-from app.bench.facts import DeviceFacts
-from app.errors import ArmInUseError
-from app.exitcode import ExitCode
-from app.guard import raw
-from app.service.errors import RefusedError
-from app.service.hub import Hub, Member
-from app.service.mailbox import Mailbox
-from app.service.messages import JogHold, JogMode, JogStep, Raw, Send
-from drivers.errors import LinkError
+from catseye.app.bench.by_hand import ByHand
+from catseye.app.bench.facts import DeviceFacts
+from catseye.app.errors import ArmInUseError
+from catseye.app.exitcode import ExitCode
+from catseye.app.guard import raw
+from catseye.app.service.errors import RefusedError
+from catseye.app.service.hub import Hub, Member
+from catseye.app.service.mailbox import Mailbox
+from catseye.app.service.messages import JogHold, JogMode, JogStep, Raw, Send
+from catseye.drivers.errors import LinkError
 from tests.unit.app.bench.benches import cell_from_template
 from tests.unit.app.bench.timed_arm import HandFixture, TimedArm
 from tests.unit.app.guard.fakes import FakeGuard

@@ -7,7 +7,7 @@ import pytest
 from hypothesis import example, given
 from hypothesis import strategies as st
 
-from app.bench.columns import Columns
+from catseye.app.bench.columns import Columns
 
 SAMPLES = st.lists(
     st.tuples(st.integers(0, 120), st.floats(-1000.0, 1000.0, allow_subnormal=False)), max_size=60

@@ -6,15 +6,15 @@ from dataclasses import dataclass, field
 
 import pytest
 
-from app.bench.gauges import Gauges
-from app.bench.idle import WAKING_LIMIT_S, IdleBench
-from app.bench.keeper import CLOSE_LIMIT_S
-from app.bench.questions import AIR_S
-from app.engine.waiting import cancel
-from app.errors import ConfigError
-from app.service.errors import RefusedError
-from drivers.errors import RefusedError as DeviceRefusedError
-from drivers.readings import AirSample
+from catseye.app.bench.gauges import Gauges
+from catseye.app.bench.idle import WAKING_LIMIT_S, IdleBench
+from catseye.app.bench.keeper import CLOSE_LIMIT_S
+from catseye.app.bench.questions import AIR_S
+from catseye.app.engine.waiting import cancel
+from catseye.app.errors import ConfigError
+from catseye.app.service.errors import RefusedError
+from catseye.drivers.errors import RefusedError as DeviceRefusedError
+from catseye.drivers.readings import AirSample
 from tests.unit.app.bench.kept import PulledCell, lost
 from tests.unit.drivers.virtual_time import VirtualClock, run
 

@@ -5,11 +5,11 @@ from dataclasses import replace
 
 import pytest
 
-from app.bench.hand_arm import SILENCE_S
-from app.bench.jogging import Jogging
-from app.cell.model import Cell
-from app.exitcode import ExitCode
-from app.service.errors import RefusedError
+from catseye.app.bench.hand_arm import SILENCE_S
+from catseye.app.bench.jogging import Jogging
+from catseye.app.cell.model import Cell
+from catseye.app.exitcode import ExitCode
+from catseye.app.service.errors import RefusedError
 from tests.unit.app.bench.jogs import alive, fed, hold, jogged, mode, nothing, now_s, step
 from tests.unit.app.bench.timed_arm import HOME, HandFixture, StepsOnlyArm, TimedArm
 from tests.unit.drivers.virtual_time import run

@@ -5,9 +5,9 @@ import math
 
 import pytest
 
-from app.bench.jogging import Jogging
-from app.cell.model import Cell
-from app.service.errors import RefusedError
+from catseye.app.bench.jogging import Jogging
+from catseye.app.cell.model import Cell
+from catseye.app.service.errors import RefusedError
 from tests.unit.app.bench.jogs import alive, fed, hold, jogged, nothing, step
 from tests.unit.app.bench.timed_arm import HOME, HandFixture, TimedArm
 

@@ -6,12 +6,12 @@ from dataclasses import replace
 
 import pytest
 
-from app.bench.jogging import Jogging
-from app.cell.model import Cell
-from app.engine.waiting import cancel
-from app.exitcode import ExitCode
-from app.service.errors import RefusedError
-from drivers.errors import LinkError
+from catseye.app.bench.jogging import Jogging
+from catseye.app.cell.model import Cell
+from catseye.app.engine.waiting import cancel
+from catseye.app.exitcode import ExitCode
+from catseye.app.service.errors import RefusedError
+from catseye.drivers.errors import LinkError
 from tests.unit.app.bench.jogs import alive, fed, hold, jogged, mode, nothing, now_s, step
 from tests.unit.app.bench.timed_arm import HandFixture, TimedArm
 from tests.unit.drivers.virtual_time import run

@@ -9,9 +9,9 @@ from hypothesis import settings
 from hypothesis import strategies as st
 from hypothesis.stateful import RuleBasedStateMachine, invariant, precondition, rule
 
-from app.bench.jogging import Jogging
-from app.service.errors import RefusedError
-from app.service.messages import JogHold, JogMode, JogStep
+from catseye.app.bench.jogging import Jogging
+from catseye.app.service.errors import RefusedError
+from catseye.app.service.messages import JogHold, JogMode, JogStep
 from tests.unit.app.bench.benches import cell_from_template
 from tests.unit.app.bench.timed_arm import HandFixture, TimedArm
 from tests.unit.drivers.virtual_time import runner

@@ -5,13 +5,13 @@ from collections.abc import Sequence
 
 import pytest
 
-from app.bench.gauges import Gauges
-from app.bench.observed import ObservedAir, ObservedInterferometer, ObservedIo, observed
-from app.engine.devices import Devices
-from app.engine.interlock import Light
-from drivers.errors import AlarmError, DeviceError, LinkTimeoutError, ProtocolError, RefusedError
-from drivers.readings import Joints
-from procedures.devices import Interferometer, Robot, WayRobot
+from catseye.app.bench.gauges import Gauges
+from catseye.app.bench.observed import ObservedAir, ObservedInterferometer, ObservedIo, observed
+from catseye.app.engine.devices import Devices
+from catseye.app.engine.interlock import Light
+from catseye.drivers.errors import AlarmError, DeviceError, LinkTimeoutError, ProtocolError, RefusedError
+from catseye.drivers.readings import Joints
+from catseye.procedures.devices import Interferometer, Robot, WayRobot
 from tests.unit.app.bench.kept import Pulled, PulledAir, PulledCell, PulledRobot, StreamingCounter
 from tests.unit.drivers.virtual_time import VirtualClock, run
 

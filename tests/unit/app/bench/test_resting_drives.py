@@ -9,11 +9,11 @@ from typing import Any
 
 import pytest
 
-from app.bench.drives import RestingDrives
-from app.errors import ArmInUseError
-from app.service.errors import RefusedError
-from drivers.errors import LinkError
-from procedures.context import Json
+from catseye.app.bench.drives import RestingDrives
+from catseye.app.errors import ArmInUseError
+from catseye.app.service.errors import RefusedError
+from catseye.drivers.errors import LinkError
+from catseye.procedures.context import Json
 from tests.unit.app.engine.fakes import FakeRobot
 from tests.unit.app.engine.test_door_watch import SteppedClock
 

@@ -5,10 +5,10 @@ from collections.abc import Awaitable, Callable
 
 import pytest
 
-from app.bench.gauges import Gauges
-from app.bench.run_sampler import RunSampler
-from app.engine.control import RunControl
-from app.engine.states import State
+from catseye.app.bench.gauges import Gauges
+from catseye.app.bench.run_sampler import RunSampler
+from catseye.app.engine.control import RunControl
+from catseye.app.engine.states import State
 from tests.unit.app.bench.kept import PulledCell, lost
 from tests.unit.drivers.virtual_time import VirtualClock, run
 

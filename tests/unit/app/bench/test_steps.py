@@ -8,10 +8,10 @@ import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as st
 
-from app.bench.steps import step_target
-from app.errors import UsageError
-from procedures.bench import Bench, Reflector
-from procedures.devices import Joints
+from catseye.app.bench.steps import step_target
+from catseye.app.errors import UsageError
+from catseye.procedures.bench import Bench, Reflector
+from catseye.procedures.devices import Joints
 from tests.unit.app.bench.benches import bench_from_template
 
 BENCH: Bench = bench_from_template()

@@ -1,6 +1,6 @@
 """What goes over the wires: shortened, bounded, counted, and only while somebody listens."""
 
-from app.bench.traffic import MOST_LINES, SHOWN_BYTES, Traffic
+from catseye.app.bench.traffic import MOST_LINES, SHOWN_BYTES, Traffic
 from tests.unit.app.engine.fakes import ManualClock
 
 

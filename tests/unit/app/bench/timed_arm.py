@@ -7,15 +7,15 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any, Literal, cast
 
-from app.bench.facts import BenchFacts, DeviceFacts
-from app.bench.lending import HandBench
-from app.cell.bench import air_rule, bench_of
-from app.cell.model import Cell
-from app.engine.devices import Devices
-from app.engine.interlock import Light
-from drivers.errors import DeviceError, RefusedError
-from drivers.readings import Identity, Joints, RobotStatus
-from procedures.context import Json
+from catseye.app.bench.facts import BenchFacts, DeviceFacts
+from catseye.app.bench.lending import HandBench
+from catseye.app.cell.bench import air_rule, bench_of
+from catseye.app.cell.model import Cell
+from catseye.app.engine.devices import Devices
+from catseye.app.engine.interlock import Light
+from catseye.drivers.errors import DeviceError, RefusedError
+from catseye.drivers.readings import Identity, Joints, RobotStatus
+from catseye.procedures.context import Json
 from tests.unit.app.guard.fakes import FakeGuard
 from tests.unit.drivers.virtual_time import VirtualClock
 

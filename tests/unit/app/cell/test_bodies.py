@@ -4,15 +4,15 @@ from pathlib import Path
 
 import pytest
 
-from app.analysis.identifying import cell_of_run
-from app.cell.arm import shipped_arm, shipped_arms
-from app.cell.bench import bench_of
-from app.cell.load import load_cell
-from app.cell.plausible import implausible
-from app.cell.template import TEMPLATE
-from app.errors import ConfigError
-from app.store.reader import RunReader
-from procedures.context import Json
+from catseye.app.analysis.identifying import cell_of_run
+from catseye.app.cell.arm import shipped_arm, shipped_arms
+from catseye.app.cell.bench import bench_of
+from catseye.app.cell.load import load_cell
+from catseye.app.cell.plausible import implausible
+from catseye.app.cell.template import TEMPLATE
+from catseye.app.errors import ConfigError
+from catseye.app.store.reader import RunReader
+from catseye.procedures.context import Json
 from tests.unit.procedures.benches import WORKSPACE
 
 BODY = """

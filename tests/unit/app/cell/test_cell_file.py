@@ -4,10 +4,10 @@ from pathlib import Path
 
 import pytest
 
-from app.cell.bench import bench_of
-from app.cell.load import load_cell
-from app.cell.template import TEMPLATE
-from app.errors import ConfigError
+from catseye.app.cell.bench import bench_of
+from catseye.app.cell.load import load_cell
+from catseye.app.cell.template import TEMPLATE
+from catseye.app.errors import ConfigError
 
 
 def written(folder: Path, text: str) -> Path:

@@ -8,13 +8,13 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from app.cell.load import load_cell
-from app.cell.model import Cell
-from app.cell.template import TEMPLATE
-from app.cell.wizard.draft import Draft, default_text
-from app.cell.wizard.pages import PAGES
-from app.cell.wizard.question import numbers_of, text_of
-from app.errors import ConfigError
+from catseye.app.cell.load import load_cell
+from catseye.app.cell.model import Cell
+from catseye.app.cell.template import TEMPLATE
+from catseye.app.cell.wizard.draft import Draft, default_text
+from catseye.app.cell.wizard.pages import PAGES
+from catseye.app.cell.wizard.question import numbers_of, text_of
+from catseye.app.errors import ConfigError
 
 PAGE = {page.name: page for page in PAGES}
 

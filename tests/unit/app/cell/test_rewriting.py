@@ -7,8 +7,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from app.cell.rewriting import CommentsLostError, plain, rewritten, toml_value
-from app.cell.template import TEMPLATE
+from catseye.app.cell.rewriting import CommentsLostError, plain, rewritten, toml_value
+from catseye.app.cell.template import TEMPLATE
 
 TEXTS = st.text(st.characters(codec="utf-8"), max_size=12)
 SCALARS = TEXTS | st.booleans() | st.integers(-(10**12), 10**12) | st.floats(allow_nan=False)

@@ -6,11 +6,11 @@ from pathlib import Path
 
 import pytest
 
-from app.cell.load import load_cell
-from app.cell.model import Cell
-from app.cell.template import TEMPLATE
-from app.cell.uncertainty import Uncertainty
-from app.errors import ConfigError
+from catseye.app.cell.load import load_cell
+from catseye.app.cell.model import Cell
+from catseye.app.cell.template import TEMPLATE
+from catseye.app.cell.uncertainty import Uncertainty
+from catseye.app.errors import ConfigError
 
 HEAD = TEMPLATE[: TEMPLATE.index("# The error budget")]
 

@@ -7,10 +7,10 @@ from collections.abc import Iterator
 import numpy as np
 import pytest
 
-from app.cluster.errors import WorkerLostError
-from app.cluster.sharing import Share, cores, sharing
-from app.errors import ConfigError
-from calibration.errors import UnidentifiableError
+from catseye.app.cluster.errors import WorkerLostError
+from catseye.app.cluster.sharing import Share, cores, sharing
+from catseye.app.errors import ConfigError
+from catseye.calibration.errors import UnidentifiableError
 from tests.unit.app.cluster.work import (
     drawn,
     fails_at_three,
@@ -100,7 +100,7 @@ def test_fewer_than_no_workers() -> None:
 
 def test_dask_without_its_package_names_the_remedy(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(sys.modules, "distributed", None)
-    monkeypatch.delitem(sys.modules, "app.cluster.machines", raising=False)
+    monkeypatch.delitem(sys.modules, "catseye.app.cluster.machines", raising=False)
     with (
         pytest.raises(ConfigError, match=r"pip install 'catseye\[cluster\]'"),
         sharing(1, "tcp://127.0.0.1:1"),

@@ -2,10 +2,10 @@
 
 import pytest
 
-from app.cluster.sharing import sharing
-from app.cluster.trust import require_trusted
-from app.errors import ConfigError, exit_code_of
-from app.exitcode import ExitCode
+from catseye.app.cluster.sharing import sharing
+from catseye.app.cluster.trust import require_trusted
+from catseye.app.errors import ConfigError, exit_code_of
+from catseye.app.exitcode import ExitCode
 
 OUTSIDE = [
     "tcp://192.168.0.7:8786",

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
-from calibration.errors import UnidentifiableError
+from catseye.calibration.errors import UnidentifiableError
 
 
 def drawn(seed: np.random.SeedSequence) -> float:

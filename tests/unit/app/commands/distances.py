@@ -4,8 +4,8 @@ from pathlib import Path
 
 import numpy as np
 
-from app.cell.template import TEMPLATE
-from calibration.points import Points
+from catseye.app.cell.template import TEMPLATE
+from catseye.calibration.points import Points
 
 
 def write_points(points: Points, folder: Path, name: str = "points.csv") -> Path:

@@ -10,12 +10,12 @@ from typing import Any
 
 import pytest
 
-from app.commands.attached import People, Programs
-from app.engine.operator import Answer
-from app.errors import ReaderGoneError
-from app.exitcode import ExitCode
-from app.service.errors import ServiceError
-from procedures.context import Prompt
+from catseye.app.commands.attached import People, Programs
+from catseye.app.engine.operator import Answer
+from catseye.app.errors import ReaderGoneError
+from catseye.app.exitcode import ExitCode
+from catseye.app.service.errors import ServiceError
+from catseye.procedures.context import Prompt
 from tests.patience import HANG_S
 from tests.unit.app.service.benches import ServiceBench, settled
 
@@ -81,7 +81,7 @@ async def test_a_program_whose_reader_has_gone_ends_quietly(
         def gone(_value: object) -> None:
             raise ReaderGoneError("stdout is closed")
 
-        monkeypatch.setattr("app.commands.attached.emit_json", gone)
+        monkeypatch.setattr("catseye.app.commands.attached.emit_json", gone)
         bench.publish("warning", text="anything")
         assert await task == ExitCode.READER_GONE
 

@@ -9,9 +9,9 @@ from typing import Any
 
 import pytest
 
-from app.cell.template import TEMPLATE
-from app.commands.compensate import compensate_command
-from app.errors import LimitError, MeasurementRejectedError, UsageError
+from catseye.app.cell.template import TEMPLATE
+from catseye.app.commands.compensate import compensate_command
+from catseye.app.errors import LimitError, MeasurementRejectedError, UsageError
 from tests.unit.app.commands.arms import DOWN1, UP1, bare, stored, text_file
 
 JOINTS = "theta1_deg,theta2_deg,direction1,direction2\n"

@@ -1,6 +1,6 @@
 """What doctor says about a controller, from answers in the sheet's layouts."""
 
-from app.commands.controller_look import look_at_controller
+from catseye.app.commands.controller_look import look_at_controller
 from tests.unit.app.engine.fakes import LIMITS
 from tests.unit.drivers.test_melfa_controller import asked
 

@@ -7,18 +7,18 @@ from typing import Any
 import numpy as np
 import pytest
 
-from app.analysis import design_commands
-from app.analysis.design_time import BenchCost, bench_cost
-from app.cell.load import load_cell
-from app.cell.reflectors import with_reflector_tables
-from app.cell.template import TEMPLATE
-from app.commands.design import DesignOptions, design_command
-from app.errors import ConfigError, UsageError, exit_code_of
-from app.exitcode import ExitCode
-from calibration.errors import UnidentifiableError
-from calibration.types import Bools
-from procedures.bench import Bench
-from procedures.motion.approach import Command
+from catseye.app.analysis import design_commands
+from catseye.app.analysis.design_time import BenchCost, bench_cost
+from catseye.app.cell.load import load_cell
+from catseye.app.cell.reflectors import with_reflector_tables
+from catseye.app.cell.template import TEMPLATE
+from catseye.app.commands.design import DesignOptions, design_command
+from catseye.app.errors import ConfigError, UsageError, exit_code_of
+from catseye.app.exitcode import ExitCode
+from catseye.calibration.errors import UnidentifiableError
+from catseye.calibration.types import Bools
+from catseye.procedures.bench import Bench
+from catseye.procedures.motion.approach import Command
 
 NODES1 = "theta1_deg = [-140.0, -120.0, -100.0, -80.0, -60.0, -40.0, -20.0, 0.0, 20.0, 40.0, 60.0]"
 NODES2 = "theta2_deg = [0.0, 20.0, 40.0, 60.0, 80.0, 100.0, 120.0, 140.0]"

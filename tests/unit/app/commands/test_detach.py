@@ -8,8 +8,8 @@ from pathlib import Path
 
 import pytest
 
-from app.commands.engine import detach, engine_command
-from app.service.messages import encode
+from catseye.app.commands.engine import detach, engine_command
+from catseye.app.service.messages import encode
 
 
 @pytest.mark.parametrize(("script", "code"), [("exit 0", 70), ("exit 3", 3), ("kill -TERM $$", 143)])
@@ -35,7 +35,7 @@ def test_a_fault_in_the_start_shows_where_when_asked(
         async def run_once(self, *_: object) -> None:
             raise ZeroDivisionError("a fault of the program")
 
-    monkeypatch.setattr("app.commands.engine.EngineProcess", Faulty)
+    monkeypatch.setattr("catseye.app.commands.engine.EngineProcess", Faulty)
     monkeypatch.setattr(os, "setsid", lambda: None)
     for debug, expected in (("", "set CATSEYE_DEBUG=1 and repeat"), ("1", "in run_once")):
         monkeypatch.setenv("CATSEYE_DEBUG", debug)

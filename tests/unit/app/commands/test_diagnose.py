@@ -8,9 +8,9 @@ from typing import Any
 
 import pytest
 
-from app.commands.diagnose import diagnose_command
-from app.errors import UsageError
-from calibration.points import Points
+from catseye.app.commands.diagnose import diagnose_command
+from catseye.app.errors import UsageError
+from catseye.calibration.points import Points
 from tests.unit.app.commands.distances import write_points
 from tests.unit.calibration.diagnostics.bench import Extra, commands_on_nodes, measured
 from tests.unit.calibration.paper import random_truth

@@ -9,10 +9,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from app.commands.identify import IdentifyOptions, identify_command, verdicts
-from app.errors import UsageError
-from app.files.result_json import Fit, Result, read_result
-from calibration.points import Points
+from catseye.app.commands.identify import IdentifyOptions, identify_command, verdicts
+from catseye.app.errors import UsageError
+from catseye.app.files.result_json import Fit, Result, read_result
+from catseye.calibration.points import Points
 from tests.unit.app.commands.distances import write_points
 from tests.unit.app.report import sample
 from tests.unit.calibration.diagnostics.bench import Extra, commands_on_nodes, measured

@@ -6,10 +6,10 @@ from pathlib import Path
 
 import pytest
 
-from app.cell.model import Cell
-from app.cell.template import TEMPLATE
-from app.commands.config import validate_command
-from app.commands.doctor import Finding, doctor_command
+from catseye.app.cell.model import Cell
+from catseye.app.cell.template import TEMPLATE
+from catseye.app.commands.config import validate_command
+from catseye.app.commands.doctor import Finding, doctor_command
 
 FLAG = "measurement.dwell_time_s = 408: seconds at each point; usual are 0.2 … 5"
 
@@ -27,7 +27,7 @@ def no_devices(monkeypatch: pytest.MonkeyPatch) -> None:
     async def nothing_found(_cell: Cell, _only: str | None) -> list[Finding]:
         return []
 
-    monkeypatch.setattr("app.commands.doctor._examine_all", nothing_found)
+    monkeypatch.setattr("catseye.app.commands.doctor._examine_all", nothing_found)
 
 
 def cell_file(folder: Path, dwell_s: str) -> Path:

@@ -4,8 +4,8 @@ from pathlib import Path
 
 import pytest
 
-from app.cell.template import TEMPLATE
-from app.commands.config import validate_command
+from catseye.app.cell.template import TEMPLATE
+from catseye.app.commands.config import validate_command
 
 _REAL = TEMPLATE.replace("tcp://127.0.0.1:10001", "tcp://192.168.0.20:10001")
 

@@ -11,9 +11,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from app.commands.predict import predict_command
-from app.errors import MeasurementRejectedError, UsageError
-from app.files.path_csv import directions_of, read_path_csv, start_states
+from catseye.app.commands.predict import predict_command
+from catseye.app.errors import MeasurementRejectedError, UsageError
+from catseye.app.files.path_csv import directions_of, read_path_csv, start_states
 from tests.unit.app.commands.arms import bare, stored, text_file
 
 NOMINAL = (325.0, 225.0)

@@ -5,10 +5,10 @@ import sys
 
 import pytest
 
-from app.commands.narrator import Narrator
-from app.commands.output import table
-from app.commands.progress import ProgressBar, duration_text
-from procedures.context import Json
+from catseye.app.commands.narrator import Narrator
+from catseye.app.commands.output import table
+from catseye.app.commands.progress import ProgressBar, duration_text
+from catseye.procedures.context import Json
 
 
 @pytest.mark.parametrize(

@@ -4,9 +4,9 @@ import re
 
 import pytest
 
-from app.commands.narrator import Narrator
-from app.commands.question_line import live_text
-from procedures.context import Json
+from catseye.app.commands.narrator import Narrator
+from catseye.app.commands.question_line import live_text
+from catseye.procedures.context import Json
 
 
 class Screen:

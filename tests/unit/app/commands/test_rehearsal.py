@@ -6,16 +6,16 @@ from pathlib import Path
 
 import pytest
 
-from app.cell.load import load_cell
-from app.cell.template import TEMPLATE
-from app.commands.rehearsal import tell_rehearsal
-from app.engine.dry_run import DryRunContext
-from app.engine.gate import JointLimits
-from app.procedure_list import load_procedure
-from app.running import PlannedRun
-from procedures.bench import Bench
-from procedures.context import Prompt, Row
-from procedures.open_loop.open_loop import OpenLoopParams
+from catseye.app.cell.load import load_cell
+from catseye.app.cell.template import TEMPLATE
+from catseye.app.commands.rehearsal import tell_rehearsal
+from catseye.app.engine.dry_run import DryRunContext
+from catseye.app.engine.gate import JointLimits
+from catseye.app.procedure_list import load_procedure
+from catseye.app.running import PlannedRun
+from catseye.procedures.bench import Bench
+from catseye.procedures.context import Prompt, Row
+from catseye.procedures.open_loop.open_loop import OpenLoopParams
 from tests.unit.procedures.benches import bench
 
 LIMITS = JointLimits((-170.0, 170.0), (-145.0, 145.0), (-360.0, 360.0))

@@ -8,13 +8,13 @@ from pathlib import Path
 
 import pytest
 
-from app.commands.runs import runs_command, show_command, verify_command
-from app.files.atomic import write_atomically
-from app.store.mend import seal_late
-from app.store.run_store import RunStore
-from app.store.seal import DATABASE, read_manifest
-from app.store.verify import verify
-from procedures.context import Json
+from catseye.app.commands.runs import runs_command, show_command, verify_command
+from catseye.app.files.atomic import write_atomically
+from catseye.app.store.mend import seal_late
+from catseye.app.store.run_store import RunStore
+from catseye.app.store.seal import DATABASE, read_manifest
+from catseye.app.store.verify import verify
+from catseye.procedures.context import Json
 from tests.unit.app.engine.fakes import ManualClock
 
 ENOUGH: dict[str, Json] = {

@@ -4,11 +4,11 @@ from pathlib import Path
 
 import pytest
 
-from app.cell.load import load_cell
-from app.cell.model import Cell
-from app.cell.template import TEMPLATE
-from app.commands.terminal import LineEnd, encoded, endpoint_of
-from app.errors import UsageError
+from catseye.app.cell.load import load_cell
+from catseye.app.cell.model import Cell
+from catseye.app.cell.template import TEMPLATE
+from catseye.app.commands.terminal import LineEnd, encoded, endpoint_of
+from catseye.app.errors import UsageError
 
 
 @pytest.mark.parametrize(

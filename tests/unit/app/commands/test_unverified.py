@@ -7,17 +7,17 @@ from pathlib import Path
 
 import pytest
 
-from app.analysis.path_comparison import compare_path
-from app.commands.compare import compare_command
-from app.commands.export import export_command
-from app.commands.identify import IdentifyOptions, identify_command
-from app.commands.report import report_command
-from app.commands.runs import show_command
-from app.errors import StorageError
-from app.files.identified_arm import arm_remarks
-from app.files.points_csv import read_points_csv
-from app.files.result_json import read_result
-from app.store.reader import Accept, RunReader
+from catseye.app.analysis.path_comparison import compare_path
+from catseye.app.commands.compare import compare_command
+from catseye.app.commands.export import export_command
+from catseye.app.commands.identify import IdentifyOptions, identify_command
+from catseye.app.commands.report import report_command
+from catseye.app.commands.runs import show_command
+from catseye.app.errors import StorageError
+from catseye.app.files.identified_arm import arm_remarks
+from catseye.app.files.points_csv import read_points_csv
+from catseye.app.files.result_json import read_result
+from catseye.app.store.reader import Accept, RunReader
 from tests.unit.app.test_path_comparison import distances, measured, stored
 
 OPTIONS = IdentifyOptions("conventional", "jacobian", 2000, 1)

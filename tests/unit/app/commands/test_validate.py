@@ -7,15 +7,15 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from app.analysis.file_validation import validate_files
-from app.analysis.measured_file import travel_of
-from app.analysis.validation import TAKE_UP_DEG
-from app.cell.model import Measurement
-from app.commands.validate import validate_command
-from app.errors import MeasurementRejectedError, UsageError
-from app.files.result_json import write_result
-from calibration.errors import InsufficientPointsError
-from calibration.types import Floats
+from catseye.app.analysis.file_validation import validate_files
+from catseye.app.analysis.measured_file import travel_of
+from catseye.app.analysis.validation import TAKE_UP_DEG
+from catseye.app.cell.model import Measurement
+from catseye.app.commands.validate import validate_command
+from catseye.app.errors import MeasurementRejectedError, UsageError
+from catseye.app.files.result_json import write_result
+from catseye.calibration.errors import InsufficientPointsError
+from catseye.calibration.types import Floats
 from tests.unit.app.commands.arms import bare, stored, text_file
 from tests.unit.app.report import sample
 from tests.unit.app.report.page_reader import read_page

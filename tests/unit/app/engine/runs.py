@@ -2,9 +2,9 @@
 
 from functools import partial
 
-from app.engine.host import run_procedure
-from app.engine.request import RunOutcome
-from procedures.context import Context, Row
+from catseye.app.engine.host import run_procedure
+from catseye.app.engine.request import RunOutcome
+from catseye.procedures.context import Context, Row
 from tests.unit.app.engine.fakes import AWAY, HOME, FakeBench, Script, point
 
 

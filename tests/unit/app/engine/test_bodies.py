@@ -7,14 +7,14 @@ from pathlib import Path
 
 import pytest
 
-from app.engine.before_motion import beyond
-from app.engine.dry_run import DryRunContext
-from app.engine.gate import MotionGate
-from app.errors import LimitError
-from app.exitcode import ExitCode
-from drivers.errors import RefusedError
-from procedures.devices import Joints
-from procedures.motion.clear_way import way_check
+from catseye.app.engine.before_motion import beyond
+from catseye.app.engine.dry_run import DryRunContext
+from catseye.app.engine.gate import MotionGate
+from catseye.app.errors import LimitError
+from catseye.app.exitcode import ExitCode
+from catseye.drivers.errors import RefusedError
+from catseye.procedures.devices import Joints
+from catseye.procedures.motion.clear_way import way_check
 from tests.unit.app.engine.fakes import HOME, LIMITS, FakeBench, FakeRobot, ManualClock
 from tests.unit.app.engine.runs import measuring, run
 from tests.unit.procedures.benches import arm_xy, bench

@@ -8,17 +8,17 @@ from typing import Any
 
 import pytest
 
-from app.engine.conditions import AirInRange, AirLimits, Condition, Watchman
-from app.engine.control import RunControl
-from app.engine.gate import require_ready
-from app.engine.halt import HaltLimits
-from app.engine.measuring import AirCache
-from app.engine.states import State
-from app.engine.waiting import cancel
-from app.errors import InterruptionError, SafetyError
-from drivers.errors import LinkError
-from drivers.readings import AirSample, RobotStatus
-from procedures.devices import ControllerStatus
+from catseye.app.engine.conditions import AirInRange, AirLimits, Condition, Watchman
+from catseye.app.engine.control import RunControl
+from catseye.app.engine.gate import require_ready
+from catseye.app.engine.halt import HaltLimits
+from catseye.app.engine.measuring import AirCache
+from catseye.app.engine.states import State
+from catseye.app.engine.waiting import cancel
+from catseye.app.errors import InterruptionError, SafetyError
+from catseye.drivers.errors import LinkError
+from catseye.drivers.readings import AirSample, RobotStatus
+from catseye.procedures.devices import ControllerStatus
 from tests.unit.app.engine.fakes import FakeAir, FakeRobot, ManualClock
 
 LIMITS = AirLimits({"temperature_c": (15.0, 25.0), "pressure_hpa": (800.0, 1100.0)})

@@ -7,11 +7,10 @@ from typing import Any, Literal
 
 import pytest
 
-import app
-import procedures
-from app.engine.operator import Answer, Operator
-from app.errors import PromptUnansweredError
-from procedures.context import Prompt
+from catseye import app, procedures
+from catseye.app.engine.operator import Answer, Operator
+from catseye.app.errors import PromptUnansweredError
+from catseye.procedures.context import Prompt
 from tests.unit.app.engine.fakes import ManualClock
 
 _ROOMS = [Path(str(room.__file__)).parent for room in (app, procedures)]

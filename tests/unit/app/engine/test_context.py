@@ -8,16 +8,16 @@ from typing import NamedTuple
 
 import pytest
 
-from app.engine.announcer import Announcer
-from app.engine.context import RunContext
-from app.engine.control import RunControl
-from app.engine.devices import Devices
-from app.engine.gate import JointLimits, MotionGate
-from app.engine.hands import Hands
-from app.engine.host import run_procedure
-from app.engine.operator import Answer, Operator
-from app.engine.states import State
-from app.errors import (
+from catseye.app.engine.announcer import Announcer
+from catseye.app.engine.context import RunContext
+from catseye.app.engine.control import RunControl
+from catseye.app.engine.devices import Devices
+from catseye.app.engine.gate import JointLimits, MotionGate
+from catseye.app.engine.hands import Hands
+from catseye.app.engine.host import run_procedure
+from catseye.app.engine.operator import Answer, Operator
+from catseye.app.engine.states import State
+from catseye.app.errors import (
     ConfigError,
     InterruptedRunError,
     LimitError,
@@ -26,12 +26,12 @@ from app.errors import (
     PromptUnansweredError,
     SafetyError,
 )
-from app.exitcode import ExitCode
-from app.store.reader import RunReader
-from app.store.run_store import RunStore
-from drivers.readings import CounterStatus, Joints, RobotStatus
-from procedures.context import Context, Json, Live, Prompt, Row
-from procedures.errors import MeasuredFileError
+from catseye.app.exitcode import ExitCode
+from catseye.app.store.reader import RunReader
+from catseye.app.store.run_store import RunStore
+from catseye.drivers.readings import CounterStatus, Joints, RobotStatus
+from catseye.procedures.context import Context, Json, Live, Prompt, Row
+from catseye.procedures.errors import MeasuredFileError
 from tests.unit.app.engine.fakes import AWAY, HOME, LIMITS, FakeBench, FakeRobot, Script, free_way, point
 
 READY = RobotStatus(True, False, True, False, False, 20.0, 0, "")

@@ -7,13 +7,13 @@ from dataclasses import dataclass, field, replace
 
 import pytest
 
-from app.engine import control
-from app.engine.control import RunControl
-from app.engine.halt import HaltLimits, HaltReport
-from app.engine.states import State
-from app.errors import InterruptedRunError, SafetyError, TerminatedRunError
-from drivers.errors import LinkError, RefusedError
-from drivers.readings import Joints, RobotStatus
+from catseye.app.engine import control
+from catseye.app.engine.control import RunControl
+from catseye.app.engine.halt import HaltLimits, HaltReport
+from catseye.app.engine.states import State
+from catseye.app.errors import InterruptedRunError, SafetyError, TerminatedRunError
+from catseye.drivers.errors import LinkError, RefusedError
+from catseye.drivers.readings import Joints, RobotStatus
 from tests.unit.app.engine.fakes import AWAY, FakeRobot, ManualClock
 
 

@@ -9,10 +9,10 @@ from hypothesis import settings
 from hypothesis import strategies as st
 from hypothesis.stateful import RuleBasedStateMachine, invariant, precondition, rule
 
-from app.engine.control import RunControl
-from app.engine.halt import HaltLimits
-from app.engine.states import ENDED, State
-from app.errors import CatseyeError, SafetyError
+from catseye.app.engine.control import RunControl
+from catseye.app.engine.halt import HaltLimits
+from catseye.app.engine.states import ENDED, State
+from catseye.app.errors import CatseyeError, SafetyError
 from tests.unit.app.engine.fakes import AWAY, FakeRobot, ManualClock
 
 MAY_BEGIN = {State.EXECUTE}

@@ -7,9 +7,9 @@ from pathlib import Path
 
 import pytest
 
-from app.engine import crash_points
-from app.engine.crash_points import POINTS, VARIABLE, arm, crash_point
-from app.errors import UsageError
+from catseye.app.engine import crash_points
+from catseye.app.engine.crash_points import POINTS, VARIABLE, arm, crash_point
+from catseye.app.errors import UsageError
 
 ROOT = Path(crash_points.__file__).parents[2]
 

@@ -4,8 +4,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from app.engine.cut_short import rest_of_way
-from procedures.devices import Joints
+from catseye.app.engine.cut_short import rest_of_way
+from catseye.procedures.devices import Joints
 
 START: Joints = (0.0, 0.0, 0.0, 0.0)
 WAY: tuple[Joints, ...] = ((10.0, 20.0, 0.0, 40.0), (10.0, -20.0, 0.0, 40.0), (30.0, -20.0, 5.0, 0.0))

@@ -4,9 +4,9 @@ from dataclasses import replace
 
 import pytest
 
-from app.engine.measuring import unless_dark
-from drivers.errors import RefusedError
-from procedures.errors import NoBeamError
+from catseye.app.engine.measuring import unless_dark
+from catseye.drivers.errors import RefusedError
+from catseye.procedures.errors import NoBeamError
 from tests.unit.app.engine.fakes import FakeCounter, ManualClock
 
 

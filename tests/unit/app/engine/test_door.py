@@ -7,16 +7,16 @@ from pathlib import Path
 
 import pytest
 
-from app.engine.control import RunControl
-from app.engine.host import run_procedure
-from app.engine.operator import Answer
-from app.engine.request import RunOutcome
-from app.engine.waiting import cancel
-from app.exitcode import ExitCode
-from drivers.errors import LinkError
-from procedures.context import Context, Prompt
-from procedures.devices import Joints
-from procedures.errors import ArmMovedError
+from catseye.app.engine.control import RunControl
+from catseye.app.engine.host import run_procedure
+from catseye.app.engine.operator import Answer
+from catseye.app.engine.request import RunOutcome
+from catseye.app.engine.waiting import cancel
+from catseye.app.exitcode import ExitCode
+from catseye.drivers.errors import LinkError
+from catseye.procedures.context import Context, Prompt
+from catseye.procedures.devices import Joints
+from catseye.procedures.errors import ArmMovedError
 from tests.unit.app.engine.fakes import AWAY, HOME, FakeRobot, Script
 from tests.unit.app.engine.test_interlock import Block, GuardedBench
 

@@ -5,8 +5,8 @@ from collections.abc import Callable, Iterable
 
 import pytest
 
-from app.engine.door_watch import DoorWatch
-from drivers.io.modbus_io import ModbusIo
+from catseye.app.engine.door_watch import DoorWatch
+from catseye.drivers.io.modbus_io import ModbusIo
 from tests.unit.drivers.modbus_peers import RtuDevice, flipped, rtu_frame
 from tests.unit.drivers.virtual_time import VirtualClock, run
 

@@ -5,11 +5,11 @@ from collections.abc import AsyncIterator
 
 import pytest
 
-from app.engine.door_watch import TICK_S, DoorWatch
-from app.engine.gate import MotionGate
-from app.engine.waiting import cancel
-from app.errors import InterruptionError
-from drivers.errors import LinkError
+from catseye.app.engine.door_watch import TICK_S, DoorWatch
+from catseye.app.engine.gate import MotionGate
+from catseye.app.engine.waiting import cancel
+from catseye.app.errors import InterruptionError
+from catseye.drivers.errors import LinkError
 from tests.unit.app.engine.fakes import HOME, LIMITS, FakeRobot, ManualClock, free_way
 from tests.unit.app.engine.test_interlock import Block
 

@@ -6,12 +6,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from app.engine.arm_model import ArmModel
-from app.engine.dry_run import DryRunContext
-from app.errors import LimitError, MeasurementRejectedError
-from procedures.bench import Arm, Bench, Following
-from procedures.context import Context, Prompt, Row
-from procedures.devices import Joints
+from catseye.app.engine.arm_model import ArmModel
+from catseye.app.engine.dry_run import DryRunContext
+from catseye.app.errors import LimitError, MeasurementRejectedError
+from catseye.procedures.bench import Arm, Bench, Following
+from catseye.procedures.context import Context, Prompt, Row
+from catseye.procedures.devices import Joints
 from tests.unit.app.engine.fakes import HOME, LIMITS, point
 from tests.unit.procedures.benches import bench
 

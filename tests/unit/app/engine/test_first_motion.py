@@ -4,9 +4,9 @@ from dataclasses import replace
 
 import pytest
 
-from app.engine.first_motion import PATIENCE_S, REST_S, require_rest
-from app.errors import SafetyError
-from procedures.devices import Joints
+from catseye.app.engine.first_motion import PATIENCE_S, REST_S, require_rest
+from catseye.app.errors import SafetyError
+from catseye.procedures.devices import Joints
 from tests.unit.app.engine.fakes import HOME, FakeRobot, ManualClock
 
 

@@ -6,13 +6,13 @@ from pathlib import Path
 
 import pytest
 
-from app.engine.devices import Devices, WireRecorder
-from app.engine.host import run_procedure
-from app.engine.operator import Answer
-from app.errors import ArmInUseError
-from app.exitcode import ExitCode
-from procedures.context import Context, Prompt
-from procedures.devices import Joints
+from catseye.app.engine.devices import Devices, WireRecorder
+from catseye.app.engine.host import run_procedure
+from catseye.app.engine.operator import Answer
+from catseye.app.errors import ArmInUseError
+from catseye.app.exitcode import ExitCode
+from catseye.procedures.context import Context, Prompt
+from catseye.procedures.devices import Joints
 from tests.unit.app.engine.fakes import AWAY, FakeBench, FakeRobot, Script
 from tests.unit.app.guard.fakes import FakeGuard
 

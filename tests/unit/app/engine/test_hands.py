@@ -6,12 +6,12 @@ from dataclasses import replace
 
 import pytest
 
-from app.engine.hands import Hands
-from app.engine.operator import Answer, Operator, says_done
-from app.errors import ConfigError, LinkFailedError
-from procedures.context import Json, Prompt
-from simulators.config import Screws
-from simulators.launch import EmulatedBench
+from catseye.app.engine.hands import Hands
+from catseye.app.engine.operator import Answer, Operator, says_done
+from catseye.app.errors import ConfigError, LinkFailedError
+from catseye.procedures.context import Json, Prompt
+from catseye.simulators.config import Screws
+from catseye.simulators.launch import EmulatedBench
 from tests.unit.app.engine.fakes import ManualClock
 from tests.unit.simulators.benches import QUIET
 

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 
 import pytest
 
-from app.engine.heap import settled_heap
+from catseye.app.engine.heap import settled_heap
 
 
 class _Ring:

@@ -2,8 +2,8 @@
 
 import asyncio
 
-from app.engine.control import RunControl
-from app.engine.states import State
+from catseye.app.engine.control import RunControl
+from catseye.app.engine.states import State
 from tests.unit.app.engine.fakes import ManualClock
 
 

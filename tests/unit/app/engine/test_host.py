@@ -12,15 +12,15 @@ from typing import NamedTuple
 
 import pytest
 
-from app.engine.conditions import Watchman
-from app.engine.host import run_procedure
-from app.engine.signals import loop_signals
-from app.errors import StorageError, UsageError
-from app.exitcode import ExitCode
-from app.store.reader import RunReader
-from app.store.verify import verify
-from drivers.errors import AlarmError, LinkError
-from procedures.context import Context, Json, Row
+from catseye.app.engine.conditions import Watchman
+from catseye.app.engine.host import run_procedure
+from catseye.app.engine.signals import loop_signals
+from catseye.app.errors import StorageError, UsageError
+from catseye.app.exitcode import ExitCode
+from catseye.app.store.reader import RunReader
+from catseye.app.store.verify import verify
+from catseye.drivers.errors import AlarmError, LinkError
+from catseye.procedures.context import Context, Json, Row
 from tests.patience import HANG_S
 from tests.unit.app.engine.fakes import FakeBench, Script
 from tests.unit.app.engine.runs import measuring, run

@@ -5,13 +5,13 @@ from pathlib import Path
 
 import pytest
 
-from app.engine.devices import Devices, WireRecorder
-from app.engine.host import run_procedure
-from app.engine.interlock import Light, StackLight
-from app.exitcode import ExitCode
-from drivers.errors import LinkTimeoutError
-from drivers.readings import Identity
-from procedures.context import Context
+from catseye.app.engine.devices import Devices, WireRecorder
+from catseye.app.engine.host import run_procedure
+from catseye.app.engine.interlock import Light, StackLight
+from catseye.app.exitcode import ExitCode
+from catseye.drivers.errors import LinkTimeoutError
+from catseye.drivers.readings import Identity
+from catseye.procedures.context import Context
 from tests.unit.app.engine.fakes import AWAY, FakeBench, Script, identity
 
 

@@ -2,10 +2,10 @@
 
 from pathlib import Path
 
-from app.engine.devices import Devices, WireRecorder
-from app.engine.host import run_procedure
-from app.store.reader import RunReader
-from procedures.context import Context
+from catseye.app.engine.devices import Devices, WireRecorder
+from catseye.app.engine.host import run_procedure
+from catseye.app.store.reader import RunReader
+from catseye.procedures.context import Context
 from tests.unit.app.engine.fakes import FakeAir, FakeBench, Script
 
 

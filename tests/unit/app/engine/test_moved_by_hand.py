@@ -7,17 +7,17 @@ from pathlib import Path
 
 import pytest
 
-from app.engine.announcer import Announcer
-from app.engine.context import RunContext
-from app.engine.control import RunControl
-from app.engine.devices import Devices
-from app.engine.gate import MotionGate
-from app.engine.operator import Operator
-from app.engine.states import State
-from app.store.run_store import RunStore
-from procedures.context import Live, Prompt
-from procedures.devices import Joints
-from procedures.errors import ArmMovedError
+from catseye.app.engine.announcer import Announcer
+from catseye.app.engine.context import RunContext
+from catseye.app.engine.control import RunControl
+from catseye.app.engine.devices import Devices
+from catseye.app.engine.gate import MotionGate
+from catseye.app.engine.operator import Operator
+from catseye.app.engine.states import State
+from catseye.app.store.run_store import RunStore
+from catseye.procedures.context import Live, Prompt
+from catseye.procedures.devices import Joints
+from catseye.procedures.errors import ArmMovedError
 from tests.patience import until
 from tests.unit.app.engine.fakes import LIMITS, FakeBench, free_way
 

@@ -4,9 +4,9 @@ import asyncio
 
 import pytest
 
-from app.engine.operator import Answer, Answerer, Operator, fault_of
-from app.errors import ConfigError, PromptUnansweredError
-from procedures.context import Prompt
+from catseye.app.engine.operator import Answer, Answerer, Operator, fault_of
+from catseye.app.errors import ConfigError, PromptUnansweredError
+from catseye.procedures.context import Prompt
 from tests.unit.app.engine.fakes import ManualClock
 
 CLEAR = Prompt("clear", "confirm", "Confirm that the cell is clear.", motion=True)

@@ -6,15 +6,15 @@ from pathlib import Path
 
 import pytest
 
-from app.engine.host import run_procedure
-from app.engine.operator import Answer, Answerer
-from app.engine.request import RunOutcome
-from app.exitcode import ExitCode
-from app.store.reader import RunReader
-from app.store.run_store import RunStore
-from drivers.errors import AlarmError
-from drivers.readings import Identity
-from procedures.context import Context, Prompt, Row
+from catseye.app.engine.host import run_procedure
+from catseye.app.engine.operator import Answer, Answerer
+from catseye.app.engine.request import RunOutcome
+from catseye.app.exitcode import ExitCode
+from catseye.app.store.reader import RunReader
+from catseye.app.store.run_store import RunStore
+from catseye.drivers.errors import AlarmError
+from catseye.drivers.readings import Identity
+from catseye.procedures.context import Context, Prompt, Row
 from tests.unit.app.engine.fakes import AWAY, FakeAir, FakeBench, FakeRobot, Script
 
 CAUSE = "alarm 1: look under the arm"

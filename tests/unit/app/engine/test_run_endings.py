@@ -6,16 +6,16 @@ from pathlib import Path
 
 import pytest
 
-from app.engine.request import RunOutcome
-from app.errors import MeasurementRejectedError, StorageError
-from app.exitcode import ExitCode
-from app.store.reader import RunReader
-from app.store.run_store import RunStore
-from app.store.verify import verify
-from drivers.clock import Clock
-from drivers.errors import AlarmError, LinkError
-from drivers.readings import Identity
-from procedures.context import Context, Prompt, Row
+from catseye.app.engine.request import RunOutcome
+from catseye.app.errors import MeasurementRejectedError, StorageError
+from catseye.app.exitcode import ExitCode
+from catseye.app.store.reader import RunReader
+from catseye.app.store.run_store import RunStore
+from catseye.app.store.verify import verify
+from catseye.drivers.clock import Clock
+from catseye.drivers.errors import AlarmError, LinkError
+from catseye.drivers.readings import Identity
+from catseye.procedures.context import Context, Prompt, Row
 from tests.unit.app.engine.fakes import AWAY, FakeBench, FakeRobot, Script
 from tests.unit.app.engine.runs import measuring, run
 

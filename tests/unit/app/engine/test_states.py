@@ -4,7 +4,7 @@ import pytest
 from hypothesis import strategies as st
 from hypothesis.stateful import RuleBasedStateMachine, invariant, rule
 
-from app.engine.states import ENDED, INTERRUPTED, RUNNING, Effect, Event, State, transition
+from catseye.app.engine.states import ENDED, INTERRUPTED, RUNNING, Effect, Event, State, transition
 
 
 @pytest.mark.parametrize("state", sorted(RUNNING))

@@ -2,8 +2,8 @@
 
 import asyncio
 
-from app.engine.control import RunControl
-from app.engine.timekeeping import Progress
+from catseye.app.engine.control import RunControl
+from catseye.app.engine.timekeeping import Progress
 from tests.unit.app.engine.fakes import ManualClock
 
 

@@ -4,7 +4,7 @@ import asyncio
 
 import pytest
 
-from app.engine.waiting import cancel, together, uncancelled, within
+from catseye.app.engine.waiting import cancel, together, uncancelled, within
 from tests.unit.app.engine.fakes import ManualClock
 
 

@@ -7,18 +7,18 @@ from pathlib import Path
 
 import pytest
 
-from app.cell.load import load_cell
-from app.cell.template import TEMPLATE
-from app.errors import CatseyeError, ConfigError, exit_code_of
-from app.exitcode import ExitCode
-from app.files.documents import parse_json, parse_toml, read_document
-from app.files.result_json import read_result
-from app.running import read_answers
-from app.tui.keys import read_keymap
-from drivers.counter.profile import load_profile
-from drivers.errors import ProfileError
-from drivers.user_file import LARGEST_BYTES
-from simulators.errors import EmulatorError
+from catseye.app.cell.load import load_cell
+from catseye.app.cell.template import TEMPLATE
+from catseye.app.errors import CatseyeError, ConfigError, exit_code_of
+from catseye.app.exitcode import ExitCode
+from catseye.app.files.documents import parse_json, parse_toml, read_document
+from catseye.app.files.result_json import read_result
+from catseye.app.running import read_answers
+from catseye.app.tui.keys import read_keymap
+from catseye.drivers.counter.profile import load_profile
+from catseye.drivers.errors import ProfileError
+from catseye.drivers.user_file import LARGEST_BYTES
+from catseye.simulators.errors import EmulatorError
 
 READERS: dict[str, Callable[[Path], object]] = {
     "cell": load_cell,

@@ -4,9 +4,9 @@ from pathlib import Path
 
 import pytest
 
-from app.errors import UsageError
-from app.files.measured_csv import read_measured_csv
-from procedures.context import MeasuredPoint
+from catseye.app.errors import UsageError
+from catseye.app.files.measured_csv import read_measured_csv
+from catseye.procedures.context import MeasuredPoint
 
 JOINT = "theta1_deg,theta2_deg,direction1,direction2,x_meas_mm,y_meas_mm"
 PLACE = "x_mm,y_mm,x_meas_mm,y_meas_mm"

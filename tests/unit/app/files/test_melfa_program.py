@@ -6,16 +6,16 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from app.analysis.compensating import CompensatedPath, compensate_path
-from app.errors import UsageError
-from app.files.compensated_path import Origin
-from app.files.melfa_program import MelfaSettings, melfa_program
-from app.files.path_csv import CommandPath, cartesian_commands
-from calibration.error_map import BidirectionalMap
-from calibration.identification import IdentifiedArm
-from calibration.layout import Layout
-from simulators.bench.bench import Bench
-from simulators.truth import TrueArm
+from catseye.app.analysis.compensating import CompensatedPath, compensate_path
+from catseye.app.errors import UsageError
+from catseye.app.files.compensated_path import Origin
+from catseye.app.files.melfa_program import MelfaSettings, melfa_program
+from catseye.app.files.path_csv import CommandPath, cartesian_commands
+from catseye.calibration.error_map import BidirectionalMap
+from catseye.calibration.identification import IdentifiedArm
+from catseye.calibration.layout import Layout
+from catseye.simulators.bench.bench import Bench
+from catseye.simulators.truth import TrueArm
 from tests.unit.simulators.benches import QUIET
 from tests.unit.simulators.melfa_desk import Desk
 

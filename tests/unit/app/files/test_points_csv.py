@@ -8,8 +8,8 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from app.errors import UsageError
-from app.files.points_csv import COLUMNS, PointRow, points_csv, read_points_csv, to_points
+from catseye.app.errors import UsageError
+from catseye.app.files.points_csv import COLUMNS, PointRow, points_csv, read_points_csv, to_points
 
 NAMES = ("P1", "P2", "a.b-c+d_e")
 HEADER = ",".join(COLUMNS)

@@ -10,11 +10,11 @@ from typing import Any
 import numpy as np
 import pytest
 
-from app.errors import StorageError, UsageError
-from app.files.atomic import write_atomically
-from app.files.identified_arm import arm_of
-from app.files.result_json import Result, read_result, result_of, result_text, write_result
-from calibration.identification import IdentifiedArm, identify
+from catseye.app.errors import StorageError, UsageError
+from catseye.app.files.atomic import write_atomically
+from catseye.app.files.identified_arm import arm_of
+from catseye.app.files.result_json import Result, read_result, result_of, result_text, write_result
+from catseye.calibration.identification import IdentifiedArm, identify
 from tests.unit.calibration.paper import (
     MDEG,
     NODES1_DEG,

@@ -5,14 +5,14 @@ import math
 import numpy as np
 import pytest
 
-from app.errors import UsageError
-from app.files.compensated_path import Origin
-from app.files.ssfk_table import maps_of, ssfk_table
-from calibration.error_map import BidirectionalMap
-from calibration.extension import Term
-from calibration.identification import IdentifiedArm
-from calibration.layout import Layout
-from calibration.types import Floats
+from catseye.app.errors import UsageError
+from catseye.app.files.compensated_path import Origin
+from catseye.app.files.ssfk_table import maps_of, ssfk_table
+from catseye.calibration.error_map import BidirectionalMap
+from catseye.calibration.extension import Term
+from catseye.calibration.identification import IdentifiedArm
+from catseye.calibration.layout import Layout
+from catseye.calibration.types import Floats
 
 ORIGIN = Origin(
     "result.json",

@@ -8,15 +8,15 @@ from pathlib import Path
 
 import pytest
 
-from app.analysis.scan_identifying import is_scan
-from app.errors import UsageError
-from app.files.csv_table import LONGEST_LINE
-from app.files.joint_rows import read_joint_rows
-from app.files.measured_csv import read_measured_csv, read_typed_csv
-from app.files.path_csv import read_path_csv
-from app.files.points_blocks import points_blocks
-from app.files.points_csv import COLUMNS, read_points_csv
-from app.procedure_list import load_procedure, parse_params
+from catseye.app.analysis.scan_identifying import is_scan
+from catseye.app.errors import UsageError
+from catseye.app.files.csv_table import LONGEST_LINE
+from catseye.app.files.joint_rows import read_joint_rows
+from catseye.app.files.measured_csv import read_measured_csv, read_typed_csv
+from catseye.app.files.path_csv import read_path_csv
+from catseye.app.files.points_blocks import points_blocks
+from catseye.app.files.points_csv import COLUMNS, read_points_csv
+from catseye.app.procedure_list import load_procedure, parse_params
 
 POINTS = ",".join(COLUMNS)
 ROW = "P1,0,-40.0,20.0,1,-1,0.25"

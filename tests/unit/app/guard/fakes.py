@@ -4,9 +4,9 @@ from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
 from pathlib import Path
 
-from app.errors import CatseyeError
-from app.guard.client import ArmGuard
-from drivers.guarding import GuardError
+from catseye.app.errors import CatseyeError
+from catseye.app.guard.client import ArmGuard
+from catseye.drivers.guarding import GuardError
 
 
 class FakeGuard(ArmGuard):

@@ -5,9 +5,9 @@ import sys
 from pathlib import Path
 from unittest.mock import patch
 
-from app.errors import ArmInUseError
-from app.guard import lock
-from app.guard.lock import Owner, OwnerLock
+from catseye.app.errors import ArmInUseError
+from catseye.app.guard import lock
+from catseye.app.guard.lock import Owner, OwnerLock
 
 NOBODY = 65_534
 

@@ -9,10 +9,10 @@ from pathlib import Path
 
 import pytest
 
-from app.guard import client, guard, lock, process
-from app.guard.client import LOG_NAME, ArmGuard
-from app.guard.lock import lock_path
-from drivers.guarding import GuardError
+from catseye.app.guard import client, guard, lock, process
+from catseye.app.guard.client import LOG_NAME, ArmGuard
+from catseye.app.guard.lock import lock_path
+from catseye.drivers.guarding import GuardError
 from tests.system.guarded import guards_of
 
 STOP = b"\r1;1;STOP\r"

@@ -9,8 +9,8 @@ from pathlib import Path
 
 import pytest
 
-from app.guard import guard
-from app.guard.guard import DIED, Connection, Guard
+from catseye.app.guard import guard
+from catseye.app.guard.guard import DIED, Connection, Guard
 
 STOP = b"\r1;1;STOP\r"
 

@@ -11,10 +11,10 @@ from pathlib import Path
 
 import pytest
 
-from app.errors import ArmInUseError, exit_code_of
-from app.exitcode import ExitCode
-from app.guard import lock
-from app.guard.lock import Owner, OwnerLock, arms_behind
+from catseye.app.errors import ArmInUseError, exit_code_of
+from catseye.app.exitcode import ExitCode
+from catseye.app.guard import lock
+from catseye.app.guard.lock import Owner, OwnerLock, arms_behind
 
 ARM = "192.168.0.20"
 ANNA = Owner("12", "anna", "catseye run", "run 20260101T120000Z_open-loop_a1", "2026-01-01T12:00:00+00:00")

@@ -1,6 +1,6 @@
 """When a loop that gives no sign of life is stopped."""
 
-from app.guard.guard import SILENCE_S, Silence
+from catseye.app.guard.guard import SILENCE_S, Silence
 
 TICK_S = 0.02
 

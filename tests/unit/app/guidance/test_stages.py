@@ -8,19 +8,19 @@ from pathlib import Path
 
 import pytest
 
-from app.cell.bench import bench_of
-from app.cell.load import load_cell
-from app.commands.config import init_command
-from app.commands.procedures import procedures_command
-from app.guidance.cell_runs import runs_of_cell
-from app.guidance.need import Need, links_need
-from app.guidance.needs import aim_of
-from app.guidance.stages import Stage, results_in, stages_of
-from app.guidance.survey import Survey, survey_cell
-from app.guidance.words import age_text
-from app.procedure_list import procedure_names
-from app.store.run_store import RunStore
-from procedures.context import Json
+from catseye.app.cell.bench import bench_of
+from catseye.app.cell.load import load_cell
+from catseye.app.commands.config import init_command
+from catseye.app.commands.procedures import procedures_command
+from catseye.app.guidance.cell_runs import runs_of_cell
+from catseye.app.guidance.need import Need, links_need
+from catseye.app.guidance.needs import aim_of
+from catseye.app.guidance.stages import Stage, results_in, stages_of
+from catseye.app.guidance.survey import Survey, survey_cell
+from catseye.app.guidance.words import age_text
+from catseye.app.procedure_list import procedure_names
+from catseye.app.store.run_store import RunStore
+from catseye.procedures.context import Json
 from tests.unit.app.engine.fakes import ManualClock
 
 START = datetime(2026, 11, 21, 9, 0, tzinfo=UTC)

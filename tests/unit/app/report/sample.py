@@ -6,11 +6,11 @@ from functools import cache
 
 import numpy as np
 
-from app.analysis.validation import PathMeasurement, PathValidation, validate_on_path
-from app.cell.bench import bench_of
-from app.cell.model import Cell
-from app.cell.template import TEMPLATE
-from app.files.result_json import (
+from catseye.app.analysis.validation import PathMeasurement, PathValidation, validate_on_path
+from catseye.app.cell.bench import bench_of
+from catseye.app.cell.model import Cell
+from catseye.app.cell.template import TEMPLATE
+from catseye.app.files.result_json import (
     DeadPath,
     Estimate,
     Fit,
@@ -23,7 +23,7 @@ from app.files.result_json import (
     Result,
     result_of,
 )
-from app.report.content import (
+from catseye.app.report.content import (
     DeviceRecord,
     EnvironmentSummary,
     ReportContent,
@@ -32,12 +32,12 @@ from app.report.content import (
     TruthMap,
     TruthTables,
 )
-from app.report.page import render_html
-from calibration.identification import Identification, identify
-from calibration.kinematics import forward, inverse
-from calibration.layout import ModelName
-from calibration.points import Commands, Points
-from calibration.types import Floats
+from catseye.app.report.page import render_html
+from catseye.calibration.identification import Identification, identify
+from catseye.calibration.kinematics import forward, inverse
+from catseye.calibration.layout import ModelName
+from catseye.calibration.points import Commands, Points
+from catseye.calibration.types import Floats
 from tests.unit.calibration.paper import (
     MDEG,
     NODES1_DEG,

@@ -5,12 +5,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from app.analysis.distance_validation import DistancePath, DistanceValidation, ModelOnDistances
-from app.report.content import ReportContent
-from app.report.figures.distance_deviation import distance_figure
-from app.report.page import render_html
-from app.report.verdict import verdict
-from calibration.points import Commands, Points
+from catseye.app.analysis.distance_validation import DistancePath, DistanceValidation, ModelOnDistances
+from catseye.app.report.content import ReportContent
+from catseye.app.report.figures.distance_deviation import distance_figure
+from catseye.app.report.page import render_html
+from catseye.app.report.verdict import verdict
+from catseye.calibration.points import Commands, Points
 from tests.unit.app.report import sample
 from tests.unit.app.report.page_reader import read_page
 

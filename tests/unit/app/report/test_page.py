@@ -6,8 +6,8 @@ from xml.etree import ElementTree
 
 import pytest
 
-from app.report.content import ReportContent
-from app.report.page import render_html
+from catseye.app.report.content import ReportContent
+from catseye.app.report.page import render_html
 from tests.unit.app.report import sample
 from tests.unit.app.report.page_reader import Page, read_page
 

@@ -6,10 +6,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from app.report.figures.layout import layout_figure
-from app.report.figures.residuals import residual_figure
-from app.report.markup import Html, element, join, section, table
-from app.report.numbers import (
+from catseye.app.report.figures.layout import layout_figure
+from catseye.app.report.figures.residuals import residual_figure
+from catseye.app.report.markup import Html, element, join, section, table
+from catseye.app.report.numbers import (
     counted,
     decimals_for,
     duration,
@@ -20,8 +20,8 @@ from app.report.numbers import (
     three_digits,
     unbroken,
 )
-from app.report.residual_groups import pose_means, reference
-from app.report.scene import scene_of
+from catseye.app.report.residual_groups import pose_means, reference
+from catseye.app.report.scene import scene_of
 from tests.unit.app.report import sample
 
 

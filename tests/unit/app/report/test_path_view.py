@@ -6,13 +6,13 @@ import numpy as np
 import pytest
 from matplotlib.lines import Line2D
 
-from app.analysis.validation import ModelOnPath, validate_on_path
-from app.report.figures.canvas import svg
-from app.report.figures.path_deviation import path_figure
-from app.report.figures.trajectories import magnification, trajectory_figure
-from app.report.page import render_html
-from app.report.path_view import gaps, path_axis
-from calibration.types import Floats
+from catseye.app.analysis.validation import ModelOnPath, validate_on_path
+from catseye.app.report.figures.canvas import svg
+from catseye.app.report.figures.path_deviation import path_figure
+from catseye.app.report.figures.trajectories import magnification, trajectory_figure
+from catseye.app.report.page import render_html
+from catseye.app.report.path_view import gaps, path_axis
+from catseye.calibration.types import Floats
 from tests.unit.app.report import sample
 from tests.unit.app.report.page_reader import read_page
 

@@ -5,9 +5,9 @@ import math
 import numpy as np
 import pytest
 
-from app.files.result_json import Covariance
-from app.report.result_sections import models_of
-from app.report.reversal import u_reversal_mdeg
+from catseye.app.files.result_json import Covariance
+from catseye.app.report.result_sections import models_of
+from catseye.app.report.reversal import u_reversal_mdeg
 from tests.unit.app.report import sample
 from tests.unit.app.report.page_reader import Page, read_page
 

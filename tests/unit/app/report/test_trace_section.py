@@ -3,10 +3,10 @@
 import re
 from dataclasses import replace
 
-from app.report.content import RunRecord
-from app.report.page import render_html
-from app.report.run_sections import cell_lines
-from app.report.trace_section import trace_section
+from catseye.app.report.content import RunRecord
+from catseye.app.report.page import render_html
+from catseye.app.report.run_sections import cell_lines
+from catseye.app.report.trace_section import trace_section
 from tests.unit.app.report import sample
 from tests.unit.app.report.page_reader import read_page
 

@@ -6,13 +6,13 @@ from functools import cache
 
 import numpy as np
 
-from app.analysis.identified_uncertainty import by_jacobian
-from app.cell.model import Cell
-from app.cell.template import TEMPLATE
-from app.files.result_json import Result, result_of
-from app.report.uncertainty_section import uncertainty_section
-from calibration.identification import identify
-from calibration.uncertainty.budget import Budget
+from catseye.app.analysis.identified_uncertainty import by_jacobian
+from catseye.app.cell.model import Cell
+from catseye.app.cell.template import TEMPLATE
+from catseye.app.files.result_json import Result, result_of
+from catseye.app.report.uncertainty_section import uncertainty_section
+from catseye.calibration.identification import identify
+from catseye.calibration.uncertainty.budget import Budget
 from tests.unit.calibration.paper import (
     NODES1_DEG,
     NODES2_DEG,

@@ -4,11 +4,11 @@ from dataclasses import replace
 
 import pytest
 
-from app.analysis.validation import validate_on_path
-from app.files.result_json import Fit, RobustPart
-from app.report.agreement import normalised_errors
-from app.report.content import TruthMap
-from app.report.verdict import fit_verdict, truth_verdict, verdict
+from catseye.app.analysis.validation import validate_on_path
+from catseye.app.files.result_json import Fit, RobustPart
+from catseye.app.report.agreement import normalised_errors
+from catseye.app.report.content import TruthMap
+from catseye.app.report.verdict import fit_verdict, truth_verdict, verdict
 from tests.unit.app.report import sample
 
 

@@ -9,16 +9,16 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
-from app.engine.control import RunControl
-from app.engine.gate import MotionGate
-from app.engine.halt import HaltLimits
-from app.engine.handle import RunHandle
-from app.engine.states import State
-from app.service.client import EngineClient, over
-from app.service.hub import Hub
-from app.service.messages import MAX_LINE_BYTES, Message
-from app.service.server import Server
-from procedures.context import Json
+from catseye.app.engine.control import RunControl
+from catseye.app.engine.gate import MotionGate
+from catseye.app.engine.halt import HaltLimits
+from catseye.app.engine.handle import RunHandle
+from catseye.app.engine.states import State
+from catseye.app.service.client import EngineClient, over
+from catseye.app.service.hub import Hub
+from catseye.app.service.messages import MAX_LINE_BYTES, Message
+from catseye.app.service.server import Server
+from catseye.procedures.context import Json
 from tests.patience import HANG_S
 from tests.unit.app.engine.fakes import LIMITS, FakeRobot, ManualClock, free_way
 

@@ -7,8 +7,8 @@ from pathlib import Path
 
 import pytest
 
-from app.service.address import all_sockets, find_socket, listening, socket_folder, socket_name
-from app.service.errors import ServiceError
+from catseye.app.service.address import all_sockets, find_socket, listening, socket_folder, socket_name
+from catseye.app.service.errors import ServiceError
 
 
 def test_a_socket_is_for_its_owner_only_and_gone_at_the_end(tmp_path: Path, runtime: Path) -> None:

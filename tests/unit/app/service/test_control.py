@@ -5,12 +5,12 @@ from typing import cast
 
 import pytest
 
-from app.engine.states import State
-from app.errors import SafetyError
-from app.service.errors import RefusedError, ServiceError
-from app.service.hub import Policy
-from app.service.messages import decode_request
-from app.service.orders import Engine, Orders
+from catseye.app.engine.states import State
+from catseye.app.errors import SafetyError
+from catseye.app.service.errors import RefusedError, ServiceError
+from catseye.app.service.hub import Policy
+from catseye.app.service.messages import decode_request
+from catseye.app.service.orders import Engine, Orders
 from tests.unit.app.engine.fakes import HOME
 from tests.unit.app.service.benches import ServiceBench, close, event_of, settled
 

@@ -13,12 +13,12 @@ from typing import Any
 
 import pytest
 
-from app.service.address import listening
-from app.service.errors import RefusedError
-from app.service.hub import MOST_CLIENTS
-from app.service.server import MOST_STRANGERS, Server
-from app.service.session import Patience
-from app.service.sparse_log import EVERY_S, SparseLog
+from catseye.app.service.address import listening
+from catseye.app.service.errors import RefusedError
+from catseye.app.service.hub import MOST_CLIENTS
+from catseye.app.service.server import MOST_STRANGERS, Server
+from catseye.app.service.session import Patience
+from catseye.app.service.sparse_log import EVERY_S, SparseLog
 from tests.unit.app.engine.fakes import ManualClock
 from tests.unit.app.service.benches import ServiceBench, close, settled
 

@@ -4,14 +4,14 @@ from pathlib import Path
 
 import pytest
 
-from app.bench.cell_devices import cell_devices
-from app.bench.gauges import Gauges
-from app.bench.observed import ObservedAir, ObservedSensor
-from app.cell.model import FurtherDevice, Material
-from app.cell.template import TEMPLATE
-from app.service.engine_bench import EngineBench
-from app.service.errors import RefusedError
-from app.service.hub import Hub
+from catseye.app.bench.cell_devices import cell_devices
+from catseye.app.bench.gauges import Gauges
+from catseye.app.bench.observed import ObservedAir, ObservedSensor
+from catseye.app.cell.model import FurtherDevice, Material
+from catseye.app.cell.template import TEMPLATE
+from catseye.app.service.engine_bench import EngineBench
+from catseye.app.service.errors import RefusedError
+from catseye.app.service.hub import Hub
 from tests.unit.app.bench.benches import cell_from_template
 from tests.unit.app.engine.fakes import ManualClock
 

@@ -13,21 +13,21 @@ from typing import Any
 
 import pytest
 
-from app.bench.drives import RestingDrives
-from app.cell.load import load_cell
-from app.engine.host import run_procedure
-from app.engine.waiting import cancel
-from app.errors import UsageError
-from app.exitcode import ExitCode
-from app.service import engine_process
-from app.service.address import find_socket
-from app.service.client import EngineClient, connect
-from app.service.engine_process import EngineProcess
-from app.service.errors import RefusedError
-from app.service.messages import Start, decode_request
-from app.store.reader import RunReader
-from app.store.run_store import RunStore
-from procedures.context import Context, Prompt
+from catseye.app.bench.drives import RestingDrives
+from catseye.app.cell.load import load_cell
+from catseye.app.engine.host import run_procedure
+from catseye.app.engine.waiting import cancel
+from catseye.app.errors import UsageError
+from catseye.app.exitcode import ExitCode
+from catseye.app.service import engine_process
+from catseye.app.service.address import find_socket
+from catseye.app.service.client import EngineClient, connect
+from catseye.app.service.engine_process import EngineProcess
+from catseye.app.service.errors import RefusedError
+from catseye.app.service.messages import Start, decode_request
+from catseye.app.store.reader import RunReader
+from catseye.app.store.run_store import RunStore
+from catseye.procedures.context import Context, Prompt
 from tests.patience import HANG_S
 from tests.unit.app.engine.fakes import FakeBench, Script
 from tests.unit.app.service.benches import event_of

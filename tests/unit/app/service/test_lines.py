@@ -12,7 +12,7 @@ from pathlib import Path
 
 import pytest
 
-from app.service.lines import Lines
+from catseye.app.service.lines import Lines
 from tests.patience import HANG_S
 from tests.unit.app.service.benches import settled
 
@@ -99,7 +99,7 @@ async def test_a_process_in_the_background_leaves_its_terminal_alone(monkeypatch
     tty.setraw(slave)
     foreground = os.getpgrp() + 1
     monkeypatch.setattr(os, "tcgetpgrp", lambda _descriptor: foreground)
-    monkeypatch.setattr("app.service.lines._FOREGROUND_POLL_S", 0.001)
+    monkeypatch.setattr("catseye.app.service.lines._FOREGROUND_POLL_S", 0.001)
     with Lines(slave, typed.append).read():
         os.write(master, b"s\n")
         await settled()

@@ -2,8 +2,8 @@
 
 import pytest
 
-from app.service.mailbox import Mailbox, MailboxFullError
-from app.service.messages import Message
+from catseye.app.service.mailbox import Mailbox, MailboxFullError
+from catseye.app.service.messages import Message
 from tests.unit.app.service.benches import ServiceBench, close, settled
 
 

@@ -6,16 +6,16 @@ from pathlib import Path
 
 import pytest
 
-from app.engine.host import run_procedure
-from app.engine.operator import Answer
-from app.engine.request import RunOutcome
-from app.service.console import Console
-from app.service.errors import RefusedError
-from app.service.prompt_desk import PromptDesk
-from app.service.questions import answer_of, hint, prompt_of
-from app.service.run_service import RunService
-from app.store.reader import RunReader
-from procedures.context import Context, Json, Prompt
+from catseye.app.engine.host import run_procedure
+from catseye.app.engine.operator import Answer
+from catseye.app.engine.request import RunOutcome
+from catseye.app.service.console import Console
+from catseye.app.service.errors import RefusedError
+from catseye.app.service.prompt_desk import PromptDesk
+from catseye.app.service.questions import answer_of, hint, prompt_of
+from catseye.app.service.run_service import RunService
+from catseye.app.store.reader import RunReader
+from catseye.procedures.context import Context, Json, Prompt
 from tests.unit.app.engine.fakes import FakeBench, Script
 from tests.unit.app.service.benches import ServiceBench, settled
 

@@ -7,8 +7,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from app.service.errors import BadMessageError
-from app.service.messages import MAX_LINE_BYTES, decode_request
+from catseye.app.service.errors import BadMessageError
+from catseye.app.service.messages import MAX_LINE_BYTES, decode_request
 from tests.unit.app.service.benches import ServiceBench, close, event_of, settled
 
 

@@ -7,8 +7,8 @@ from typing import Any
 
 import pytest
 
-from app.service.client import STEP_PING_S, over
-from app.service.errors import RefusedError
+from catseye.app.service.client import STEP_PING_S, over
+from catseye.app.service.errors import RefusedError
 from tests.patience import HANG_S
 from tests.unit.app.engine.fakes import ManualClock
 

@@ -4,8 +4,8 @@ from typing import cast
 
 import pytest
 
-from app.running import PlannedRun
-from app.service.errors import RefusedError
+from catseye.app.running import PlannedRun
+from catseye.app.service.errors import RefusedError
 from tests.unit.app.service.benches import ServiceBench
 
 

@@ -2,7 +2,7 @@
 
 from datetime import UTC, datetime, timedelta
 
-from procedures.context import Row
+from catseye.procedures.context import Row
 
 
 class TickingClock:

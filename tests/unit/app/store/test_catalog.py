@@ -6,11 +6,11 @@ from pathlib import Path
 
 import pytest
 
-from app.errors import StorageError, UsageError
-from app.store.catalog import list_runs, resolve_run
-from app.store.reader import RunReader
-from app.store.run_store import RunStore
-from app.store.seal import DATABASE
+from catseye.app.errors import StorageError, UsageError
+from catseye.app.store.catalog import list_runs, resolve_run
+from catseye.app.store.reader import RunReader
+from catseye.app.store.run_store import RunStore
+from catseye.app.store.seal import DATABASE
 from tests.unit.app.store.fakes import TickingClock
 
 

@@ -7,12 +7,12 @@ from pathlib import Path
 
 import pytest
 
-from app.analysis.distance_source import load_distances
-from app.commands.export import export_command
-from app.commands.runs import show_command, verify_command
-from app.errors import StorageError
-from app.exitcode import ExitCode
-from app.store.seal import MANIFEST, read_manifest, unseal
+from catseye.app.analysis.distance_source import load_distances
+from catseye.app.commands.export import export_command
+from catseye.app.commands.runs import show_command, verify_command
+from catseye.app.errors import StorageError
+from catseye.app.exitcode import ExitCode
+from catseye.app.store.seal import MANIFEST, read_manifest, unseal
 from tests.unit.app.test_path_comparison import measured, stored
 
 FLIPS = 60

@@ -8,12 +8,12 @@ from pathlib import Path
 
 import pytest
 
-from app.store import history as module
-from app.store.history import RunHistory
-from app.store.lock import RunLock
-from app.store.run_store import RunStore
-from app.store.schema import open_reader
-from app.store.seal import DATABASE
+from catseye.app.store import history as module
+from catseye.app.store.history import RunHistory
+from catseye.app.store.lock import RunLock
+from catseye.app.store.run_store import RunStore
+from catseye.app.store.schema import open_reader
+from catseye.app.store.seal import DATABASE
 from tests.unit.app.store.fakes import TickingClock
 
 

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from app.store.lines import JsonLines
+from catseye.app.store.lines import JsonLines
 from tests.unit.app.store.fakes import TickingClock
 
 

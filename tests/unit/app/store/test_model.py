@@ -10,10 +10,10 @@ from hypothesis import settings
 from hypothesis import strategies as st
 from hypothesis.stateful import RuleBasedStateMachine, invariant, precondition, rule
 
-from app.store.reader import RunReader
-from app.store.run_store import RunStore
-from app.store.verify import verify
-from procedures.context import Row, Table
+from catseye.app.store.reader import RunReader
+from catseye.app.store.run_store import RunStore
+from catseye.app.store.verify import verify
+from catseye.procedures.context import Row, Table
 from tests.unit.app.store.fakes import SEARCH_ROW, TickingClock
 
 STEP_IDS = st.sampled_from([f"s{number}" for number in range(8)])

@@ -2,8 +2,8 @@
 
 import pytest
 
-from app.store.rows import encode
-from procedures.context import Json, Table
+from catseye.app.store.rows import encode
+from catseye.procedures.context import Json, Table
 from tests.unit.app.store.fakes import PATH_ROW, SEARCH_ROW
 
 

@@ -14,16 +14,16 @@ from pathlib import Path
 
 import pytest
 
-from app.errors import StorageError, UsageError
-from app.store import seal
-from app.store.catalog import list_runs
-from app.store.lock import RunLock, is_being_written
-from app.store.reader import RunReader
-from app.store.run_store import RunStore
-from app.store.schema import RAW_TABLES, UPGRADES, VERSION, open_reader, open_writer
-from app.store.seal import MANIFEST
-from app.store.verify import verify
-from procedures.context import Row
+from catseye.app.errors import StorageError, UsageError
+from catseye.app.store import seal
+from catseye.app.store.catalog import list_runs
+from catseye.app.store.lock import RunLock, is_being_written
+from catseye.app.store.reader import RunReader
+from catseye.app.store.run_store import RunStore
+from catseye.app.store.schema import RAW_TABLES, UPGRADES, VERSION, open_reader, open_writer
+from catseye.app.store.seal import MANIFEST
+from catseye.app.store.verify import verify
+from catseye.procedures.context import Row
 from tests.unit.app.store.fakes import PATH_ROW, SEARCH_ROW, TickingClock
 
 
@@ -144,7 +144,7 @@ async def test_p4_no_run_begins_without_a_reserve(tmp_path: Path) -> None:
 async def test_p4_a_running_experiment_gives_up_before_the_disk_is_full(
     store: RunStore, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("app.store.directory.shutil.disk_usage", lambda _path: Usage())
+    monkeypatch.setattr("catseye.app.store.directory.shutil.disk_usage", lambda _path: Usage())
     monkeypatch.setattr(store, "_reserve_bytes", 1000)
     with pytest.raises(StorageError, match="make room"):
         await store.append_step("s1", 1, "first", {}, [])

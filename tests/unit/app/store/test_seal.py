@@ -11,9 +11,9 @@ from pathlib import Path
 
 import pytest
 
-from app.errors import StorageError
-from app.store import seal
-from app.store.seal import MANIFEST
+from catseye.app.errors import StorageError
+from catseye.app.store import seal
+from catseye.app.store.seal import MANIFEST
 
 NOW_UTC = "2026-01-02T00:00:00+00:00"
 

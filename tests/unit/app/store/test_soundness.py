@@ -9,15 +9,15 @@ from pathlib import Path
 
 import pytest
 
-from app.errors import StorageError
-from app.store import soundness
-from app.store.catalog import list_runs
-from app.store.mend import seal_late
-from app.store.reader import Accept, RunReader
-from app.store.run_store import RunStore
-from app.store.schema import RAW_TABLES
-from app.store.seal import MANIFEST, UNSEALED, digest, unseal
-from app.store.verify import verify
+from catseye.app.errors import StorageError
+from catseye.app.store import soundness
+from catseye.app.store.catalog import list_runs
+from catseye.app.store.mend import seal_late
+from catseye.app.store.reader import Accept, RunReader
+from catseye.app.store.run_store import RunStore
+from catseye.app.store.schema import RAW_TABLES
+from catseye.app.store.seal import MANIFEST, UNSEALED, digest, unseal
+from catseye.app.store.verify import verify
 from tests.unit.app.store.fakes import SEARCH_ROW, TickingClock
 
 CHANGED = "run.sqlite was changed after the end"
@@ -165,7 +165,7 @@ async def test_a_journal_whose_numbers_are_none_is_refused(tmp_path: Path) -> No
 
 async def test_a_list_of_runs_reads_no_file_whole(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     run = await stored(tmp_path)
-    monkeypatch.setattr("app.store.soundness.digest", lambda _directory: pytest.fail("hashed"))
+    monkeypatch.setattr("catseye.app.store.soundness.digest", lambda _directory: pytest.fail("hashed"))
     assert [found.status for found in list_runs(tmp_path)] == ["complete"]
     assert RunReader(run, Accept.UNCHECKED).status == "complete"
 

@@ -7,11 +7,11 @@ from pathlib import Path
 
 import pytest
 
-from app.store import soundness
-from app.store.lock import RunLock
-from app.store.run_store import RunStore
-from app.store.seal import MANIFEST, PROMISED, seal, unseal
-from app.store.verify import verify
+from catseye.app.store import soundness
+from catseye.app.store.lock import RunLock
+from catseye.app.store.run_store import RunStore
+from catseye.app.store.seal import MANIFEST, PROMISED, seal, unseal
+from catseye.app.store.verify import verify
 from tests.unit.app.store.fakes import SEARCH_ROW, TickingClock
 
 

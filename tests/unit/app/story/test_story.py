@@ -4,12 +4,12 @@ from pathlib import Path
 
 import pytest
 
-from app.store.reader import RunReader, StoredEvent
-from app.store.run_store import RunStore
-from app.story.summary import summary
-from app.story.timeline import timeline
-from app.story.words import event_text
-from procedures.context import Json, Row, Table
+from catseye.app.store.reader import RunReader, StoredEvent
+from catseye.app.store.run_store import RunStore
+from catseye.app.story.summary import summary
+from catseye.app.story.timeline import timeline
+from catseye.app.story.words import event_text
+from catseye.procedures.context import Json, Row, Table
 from tests.unit.app.engine.fakes import ManualClock, point
 
 DEVICES: dict[str, Json] = {

@@ -5,8 +5,8 @@ from typing import Any
 
 import pytest
 
-from app.testing.candidate import Candidate, candidate_of, parse_setting
-from app.testing.checks.catalogue import ALL, applicable, not_applicable
+from catseye.app.testing.candidate import Candidate, candidate_of, parse_setting
+from catseye.app.testing.checks.catalogue import ALL, applicable, not_applicable
 
 
 def test_checks_of_a_foreign_device_leave_out_what_needs_our_bench() -> None:

@@ -9,8 +9,8 @@ from typing import Any
 
 import pytest
 
-from app.testing.bench import AsyncBench, RunningBench
-from simulators.config import EmulatedDevice
+from catseye.app.testing.bench import AsyncBench, RunningBench
+from catseye.simulators.config import EmulatedDevice
 from tests.patience import HANG_S
 
 StartBench = Callable[..., RunningBench]
@@ -86,9 +86,9 @@ async def test_a_bench_on_the_loop_of_the_test(
 
 
 def test_the_plugin_loads_nothing_but_pytest() -> None:
-    heavy = "{'app', 'drivers', 'simulators', 'numpy', 'scipy', 'pydantic', 'asyncio'} & set(sys.modules)"
+    heavy = "{'catseye.drivers', 'catseye.simulators', 'numpy', 'scipy', 'pydantic', 'asyncio'} & set(sys.modules)"
     # pytest itself is loaded before, whatever it needs.
-    code = f"import pytest, sys; before = {heavy}; import catseye_pytest; print(sorted({heavy} - before))"
+    code = f"import pytest, sys; before = {heavy}; import catseye.app.testing.plugin; print(sorted({heavy} - before))"
     done: Any = subprocess.run(
         [sys.executable, "-c", code], capture_output=True, text=True, check=True, timeout=HANG_S
     )

@@ -8,8 +8,8 @@ from contextlib import asynccontextmanager
 from pathlib import Path
 from typing import Any
 
-from app.service.address import socket_folder, socket_name
-from app.testing.closing import close_server
+from catseye.app.service.address import socket_folder, socket_name
+from catseye.app.testing.closing import close_server
 from tests.unit.app.tui.scripted import SNAPSHOT
 
 

@@ -8,12 +8,12 @@ from typing import Any
 from textual.app import App
 from textual.pilot import Pilot
 
-from app.service.errors import RefusedError
-from app.tui.app import CatseyeApp
-from app.tui.picture import Picture
-from app.tui.session import Session
-from app.tui.stopping import StopOp
-from app.tui.work import Done
+from catseye.app.service.errors import RefusedError
+from catseye.app.tui.app import CatseyeApp
+from catseye.app.tui.picture import Picture
+from catseye.app.tui.session import Session
+from catseye.app.tui.stopping import StopOp
+from catseye.app.tui.work import Done
 
 GOLDEN = Path(__file__).parent / "golden"
 
@@ -42,7 +42,7 @@ SNAPSHOT: dict[str, Any] = {
 
 
 class ScriptedLink:
-    """Implements `app.tui.link.Link`: nothing comes but what a test tells.
+    """Implements `catseye.app.tui.link.Link`: nothing comes but what a test tells.
 
     Attributes:
         picture: what was told.
@@ -96,7 +96,7 @@ class ScriptedLink:
 
 
 class ScriptedWork:
-    """Implements `app.tui.work.Work`: notes the commands, and answers as a test says.
+    """Implements `catseye.app.tui.work.Work`: notes the commands, and answers as a test says.
 
     Attributes:
         done: commands, in order.

@@ -2,10 +2,10 @@
 
 from pathlib import Path
 
-from app.store.lock import RunLock
-from app.store.run_store import RunStore
-from app.store.seal import DATABASE
-from procedures.context import Json, Row
+from catseye.app.store.lock import RunLock
+from catseye.app.store.run_store import RunStore
+from catseye.app.store.seal import DATABASE
+from catseye.procedures.context import Json, Row
 from tests.unit.app.store.fakes import TickingClock
 
 POINT: Row = {

@@ -8,13 +8,13 @@ from textual.binding import Binding
 from textual.screen import Screen
 from textual.widgets import Button, Input
 
-from app.service.errors import ServiceError
-from app.tui.dialogs.confirm_dialog import ConfirmDialog
-from app.tui.dialogs.error_dialog import ErrorDialog
-from app.tui.dialogs.quit_dialog import QuitDialog
-from app.tui.places import PLACES
-from app.tui.screens.base import MainScreen
-from app.tui.stopping import StopOp
+from catseye.app.service.errors import ServiceError
+from catseye.app.tui.dialogs.confirm_dialog import ConfirmDialog
+from catseye.app.tui.dialogs.error_dialog import ErrorDialog
+from catseye.app.tui.dialogs.quit_dialog import QuitDialog
+from catseye.app.tui.places import PLACES
+from catseye.app.tui.screens.base import MainScreen
+from catseye.app.tui.stopping import StopOp
 from tests.unit.app.tui.scripted import ScriptedLink, make_app, shown
 
 RUN = {
@@ -201,7 +201,7 @@ async def test_a_panel_that_fails_is_told_once_and_everything_else_goes_on(
     def fail(*_: object) -> None:
         raise ZeroDivisionError("a reflector at the axis")
 
-    monkeypatch.setattr("app.tui.screens.bench.BenchScreen.show_picture", fail)
+    monkeypatch.setattr("catseye.app.tui.screens.bench.BenchScreen.show_picture", fail)
     link = ScriptedLink(RUN)
     app = make_app(link)
     async with app.run_test(size=(80, 24)) as pilot:

@@ -4,7 +4,7 @@ from typing import Any
 
 import pytest
 
-from app.tui.bench_words import (
+from catseye.app.tui.bench_words import (
     air_lines,
     alarm_text,
     beam_lines,
@@ -16,8 +16,8 @@ from app.tui.bench_words import (
     signal_bar,
     troubles,
 )
-from app.tui.dialogs.error_dialog import split_remedy
-from app.tui.picture import Picture
+from catseye.app.tui.dialogs.error_dialog import split_remedy
+from catseye.app.tui.picture import Picture
 from tests.unit.app.tui.told_bench import BENCH, bench
 
 ALARM: dict[str, Any] = {

@@ -4,8 +4,8 @@ from pathlib import Path
 
 import pytest
 
-from app.cell.template import TEMPLATE
-from app.tui.dialogs.confirm_dialog import ConfirmDialog
+from catseye.app.cell.template import TEMPLATE
+from catseye.app.tui.dialogs.confirm_dialog import ConfirmDialog
 from tests.unit.app.tui.screens.test_procedures import app_of, settled
 from tests.unit.app.tui.scripted import ScriptedLink, make_app, shown
 from tests.unit.app.tui.told_bench import BENCH

@@ -4,8 +4,8 @@ import itertools
 
 import pytest
 
-from app.commands.progress import ProgressBar
-from app.tui.command_progress import CommandProgress, ProgressReader, progress_of
+from catseye.app.commands.progress import ProgressBar
+from catseye.app.tui.command_progress import CommandProgress, ProgressReader, progress_of
 
 
 def test_line_of_the_program_is_understood(capsys: pytest.CaptureFixture[str]) -> None:

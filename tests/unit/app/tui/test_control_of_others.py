@@ -2,7 +2,7 @@
 
 import pytest
 
-from app.tui.dialogs.confirm_dialog import ConfirmDialog
+from catseye.app.tui.dialogs.confirm_dialog import ConfirmDialog
 from tests.unit.app.tui.scripted import ScriptedLink, make_app, shown
 from tests.unit.app.tui.told_run import SNAPSHOT, end, measure, tell
 

@@ -4,7 +4,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from app.tui.dead_man import FIRST_REPEAT_S, REPEAT_S, DeadMan
+from catseye.app.tui.dead_man import FIRST_REPEAT_S, REPEAT_S, DeadMan
 
 BIT = 1e-6
 

@@ -3,9 +3,9 @@
 import socket
 from pathlib import Path
 
-from app.cell.load import load_cell
-from app.tui.session import EMULATED_BENCH
-from app.tui.setup.emulators import emulated_cell, free_file, is_emulated
+from catseye.app.cell.load import load_cell
+from catseye.app.tui.session import EMULATED_BENCH
+from catseye.app.tui.setup.emulators import emulated_cell, free_file, is_emulated
 
 
 def test_it_loads_and_its_ports_are_free_and_its_own(tmp_path: Path) -> None:

@@ -6,8 +6,8 @@ from typing import Any
 
 import pytest
 
-from app.service.errors import RefusedError
-from app.tui.hands import Hands, Step
+from catseye.app.service.errors import RefusedError
+from catseye.app.tui.hands import Hands, Step
 from tests.unit.app.tui.scripted import ScriptedLink
 
 

@@ -4,8 +4,8 @@ from pathlib import Path
 
 import pytest
 
-from app.errors import ConfigError
-from app.tui.keys import read_keymap
+from catseye.app.errors import ConfigError
+from catseye.app.tui.keys import read_keymap
 
 
 @pytest.fixture

@@ -13,12 +13,12 @@ from pathlib import Path
 
 import pytest
 
-from app.service.address import socket_folder, socket_name
-from app.service.errors import RefusedError, ServiceError
-from app.tui import link as link_module
-from app.tui import stopping
-from app.tui.engines import EngineProcess, find_engine
-from app.tui.link import EngineLink
+from catseye.app.service.address import socket_folder, socket_name
+from catseye.app.service.errors import RefusedError, ServiceError
+from catseye.app.tui import link as link_module
+from catseye.app.tui import stopping
+from catseye.app.tui.engines import EngineProcess, find_engine
+from catseye.app.tui.link import EngineLink
 from tests.patience import HANG_S
 from tests.unit.app.tui.fake_engine import FakeEngine
 from tests.unit.app.tui.scripted import SNAPSHOT

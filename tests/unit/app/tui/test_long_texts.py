@@ -3,8 +3,8 @@
 import copy
 from datetime import UTC, datetime, timedelta
 
-from app.tui.app import CatseyeApp
-from app.tui.screens.run import RunScreen
+from catseye.app.tui.app import CatseyeApp
+from catseye.app.tui.screens.run import RunScreen
 from tests.unit.app.tui.scripted import ScriptedLink, make_app, shown, work_of
 from tests.unit.app.tui.told_bench import BENCH
 from tests.unit.app.tui.told_run import REHEARSAL, SNAPSHOT, ask, end, measure, tell

@@ -3,7 +3,7 @@
 import pytest
 from textual.command import CommandPalette
 
-from app.tui.places import PLACES
+from catseye.app.tui.places import PLACES
 from tests.unit.app.tui.scripted import ScriptedLink, make_app, shown
 from tests.unit.app.tui.told_run import MOTION, SNAPSHOT, ask
 

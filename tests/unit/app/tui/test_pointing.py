@@ -8,7 +8,7 @@ import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as st
 
-from app.tui.pointing import pointing_j4_deg, turn_of_j4
+from catseye.app.tui.pointing import pointing_j4_deg, turn_of_j4
 from tests.unit.app.tui.told_bench import BENCH
 
 LAYOUT = BENCH["layout"]

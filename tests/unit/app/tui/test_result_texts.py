@@ -4,8 +4,8 @@ from typing import Any
 
 import pytest
 
-from app.files.result_json import Result
-from app.tui.result_texts import fit_sentences, residual_text
+from catseye.app.files.result_json import Result
+from catseye.app.tui.result_texts import fit_sentences, residual_text
 from tests.unit.app.tui.stored_results import DIAGNOSIS, error_map
 
 LOST = [f"segment {number} of reflector P2 dropped: 1 distance(s), fewer than 3" for number in range(30)]

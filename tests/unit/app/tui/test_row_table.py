@@ -3,7 +3,7 @@
 from rich.text import Text
 from textual.app import App, ComposeResult
 
-from app.tui.widgets.row_table import RowTable
+from catseye.app.tui.widgets.row_table import RowTable
 
 
 class TableApp(App[None]):

@@ -5,9 +5,9 @@ from typing import Any, cast
 
 import pytest
 
-from app.service.client import EngineClient
-from app.service.errors import ServiceError
-from app.tui.link import EngineLink
+from catseye.app.service.client import EngineClient
+from catseye.app.service.errors import ServiceError
+from catseye.app.tui.link import EngineLink
 from tests.unit.app.engine.fakes import ManualClock
 
 

@@ -5,15 +5,15 @@ from pathlib import Path
 
 import pytest
 
-from app.cell.template import TEMPLATE
-from app.commands import tui
-from app.errors import UsageError
-from app.tui.app import CatseyeApp
-from app.tui.dialogs.confirm_dialog import ConfirmDialog
-from app.tui.dialogs.error_dialog import ErrorDialog
-from app.tui.key_table import key_table
-from app.tui.session import Session
-from app.tui.start_checks import cell_fault, key_clashes, unknown_names
+from catseye.app.cell.template import TEMPLATE
+from catseye.app.commands import tui
+from catseye.app.errors import UsageError
+from catseye.app.tui.app import CatseyeApp
+from catseye.app.tui.dialogs.confirm_dialog import ConfirmDialog
+from catseye.app.tui.dialogs.error_dialog import ErrorDialog
+from catseye.app.tui.key_table import key_table
+from catseye.app.tui.session import Session
+from catseye.app.tui.start_checks import cell_fault, key_clashes, unknown_names
 from tests.unit.app.tui.scripted import ScriptedLink, ScriptedWork, make_app, shown
 
 

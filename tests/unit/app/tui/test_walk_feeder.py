@@ -5,7 +5,7 @@ from collections.abc import AsyncIterator
 
 import pytest
 
-from app.tui.walk_feeder import WalkFeeder
+from catseye.app.tui.walk_feeder import WalkFeeder
 from tests.unit.app.tui.scripted import ScriptedLink
 
 FED = {"op": "walk-feed", "on": True}

@@ -3,7 +3,7 @@
 from hypothesis import given
 from hypothesis import strategies as st
 
-from app.tui.wire_lines import bytes_a_row, rows_of, saved_line, wire_line
+from catseye.app.tui.wire_lines import bytes_a_row, rows_of, saved_line, wire_line
 
 TOLD = {"t": "2026-11-21T09:00:01.234567+00:00", "device": "interferometer", "dir": "rx", "hex": "2b310d0a"}
 

@@ -5,8 +5,8 @@ from pathlib import Path
 import pytest
 from textual.widgets import Select
 
-from app.tui.app import CatseyeApp
-from app.tui.setup.question_row import QuestionRow
+from catseye.app.tui.app import CatseyeApp
+from catseye.app.tui.setup.question_row import QuestionRow
 from tests.unit.app.tui.scripted import ScriptedLink, make_app, shown
 
 

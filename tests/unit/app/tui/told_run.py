@@ -3,8 +3,8 @@
 import json
 from typing import Any, Final
 
-from app.tui.run_picture import SoFar
-from app.tui.work import Done
+from catseye.app.tui.run_picture import SoFar
+from catseye.app.tui.work import Done
 from tests.unit.app.tui.scripted import ScriptedLink
 
 RUN: Final = "20261121T090000Z_open-loop_abc123"

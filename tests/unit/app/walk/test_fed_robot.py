@@ -4,10 +4,10 @@ import asyncio
 
 import pytest
 
-from app.engine.halt import HaltLimits
-from app.errors import SafetyError
-from app.walk.fed_robot import FedRobot
-from app.walk.feed import FED_FOR_S, Feed, FeedLostError
+from catseye.app.engine.halt import HaltLimits
+from catseye.app.errors import SafetyError
+from catseye.app.walk.fed_robot import FedRobot
+from catseye.app.walk.feed import FED_FOR_S, Feed, FeedLostError
 from tests.unit.app.engine.fakes import AWAY, HOME, FakeRobot, ManualClock
 
 LIMITS = HaltLimits(standstill_s=0.5)

@@ -5,8 +5,8 @@ from pathlib import Path
 
 import pytest
 
-from app.engine.request import RunOutcome
-from procedures.devices import Joints
+from catseye.app.engine.request import RunOutcome
+from catseye.procedures.devices import Joints
 from tests.patience import until
 from tests.unit.app.engine.fakes import ManualClock
 from tests.unit.app.walk.tours import ELSEWHERE, FIRST, SECOND, Tour, TourBench
@@ -16,7 +16,7 @@ HALFWAY: Joints = (15.0, 60.0, 50.0, 10.0)
 
 @pytest.fixture
 def bench(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> TourBench:
-    monkeypatch.setattr("app.walk.fed_robot.SystemClock", ManualClock)
+    monkeypatch.setattr("catseye.app.walk.fed_robot.SystemClock", ManualClock)
     bench = TourBench(tmp_path, Tour((SECOND,)))
     bench.fakes.robot.blocks = True
     return bench

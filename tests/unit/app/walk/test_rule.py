@@ -5,13 +5,13 @@ from pathlib import Path
 
 import pytest
 
-from app.errors import UnwalkedError
-from app.store.run_store import RunStore
-from app.walk.rule import WalkRule
-from app.walk.tube import Leg
-from drivers.readings import Identity
-from procedures.context import Json, Prompt
-from procedures.devices import Joints
+from catseye.app.errors import UnwalkedError
+from catseye.app.store.run_store import RunStore
+from catseye.app.walk.rule import WalkRule
+from catseye.app.walk.tube import Leg
+from catseye.drivers.readings import Identity
+from catseye.procedures.context import Json, Prompt
+from catseye.procedures.devices import Joints
 from tests.unit.app.store.fakes import TickingClock
 from tests.unit.app.walk.test_tube import CORNER, WALKED
 

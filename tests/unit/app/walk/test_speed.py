@@ -9,11 +9,11 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 
-from app.errors import SafetyError
-from app.walk.speed import FASTEST_MM_S, walking_percent
-from app.walk.tube import Leg
-from procedures.devices import Joints
-from procedures.motion.body_speed import fastest_mm_s, top_speed_mm_s
+from catseye.app.errors import SafetyError
+from catseye.app.walk.speed import FASTEST_MM_S, walking_percent
+from catseye.app.walk.tube import Leg
+from catseye.procedures.devices import Joints
+from catseye.procedures.motion.body_speed import fastest_mm_s, top_speed_mm_s
 from tests.unit.procedures.benches import LINK1_MM, LINK2_MM, bench
 
 BENCH = bench()

@@ -8,8 +8,8 @@ from hypothesis import example, given, settings
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 
-from app.walk.tube import Leg, Tubes, legs_through
-from procedures.devices import Joints
+from catseye.app.walk.tube import Leg, Tubes, legs_through
+from catseye.procedures.devices import Joints
 
 TOLERANCES = np.array([1.0, 1.0, 5.0, 1.0])
 

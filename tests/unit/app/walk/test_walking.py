@@ -5,17 +5,17 @@ from pathlib import Path
 
 import pytest
 
-from app.analysis.reporting import run_report
-from app.cell.template import TEMPLATE
-from app.exitcode import ExitCode
-from app.store.reader import RunReader
-from app.store.verify import verify
-from app.walk.register import WALK, geometry_digest, own_legs, walked_legs
-from app.walk.rule import PROMPT, WAIVER
-from drivers.errors import LinkError
-from drivers.readings import Identity
-from procedures.context import Context, Row
-from procedures.devices import Joints
+from catseye.app.analysis.reporting import run_report
+from catseye.app.cell.template import TEMPLATE
+from catseye.app.exitcode import ExitCode
+from catseye.app.store.reader import RunReader
+from catseye.app.store.verify import verify
+from catseye.app.walk.register import WALK, geometry_digest, own_legs, walked_legs
+from catseye.app.walk.rule import PROMPT, WAIVER
+from catseye.drivers.errors import LinkError
+from catseye.drivers.readings import Identity
+from catseye.procedures.context import Context, Row
+from catseye.procedures.devices import Joints
 from tests.unit.app.walk.tours import ELSEWHERE, FIRST, SECOND, Tour, TourBench
 
 REASON = "short visit, arm watched at the pendant"

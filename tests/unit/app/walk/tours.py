@@ -7,18 +7,18 @@ from typing import Any
 
 from pydantic import BaseModel
 
-from app.cell.bench import bench_of
-from app.cell.load import load_cell
-from app.cell.template import TEMPLATE
-from app.engine.operator import Answer
-from app.engine.request import RunOutcome
-from app.running import PlannedRun, carry_out
-from app.walk.feed import Feed
-from app.walk.planning import as_walk
-from app.walk.register import own_legs
-from procedures.bench import Bench
-from procedures.context import Context, Prompt, Row
-from procedures.devices import Joints
+from catseye.app.cell.bench import bench_of
+from catseye.app.cell.load import load_cell
+from catseye.app.cell.template import TEMPLATE
+from catseye.app.engine.operator import Answer
+from catseye.app.engine.request import RunOutcome
+from catseye.app.running import PlannedRun, carry_out
+from catseye.app.walk.feed import Feed
+from catseye.app.walk.planning import as_walk
+from catseye.app.walk.register import own_legs
+from catseye.procedures.bench import Bench
+from catseye.procedures.context import Context, Prompt, Row
+from catseye.procedures.devices import Joints
 from tests.unit.app.engine.fakes import FakeBench, ManualClock
 
 FIRST: Joints = (0.0, 60.0, 50.0, 0.0)

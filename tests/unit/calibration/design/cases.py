@@ -2,12 +2,12 @@
 
 import numpy as np
 
-from calibration.design.information import Study
-from calibration.design.sight import Sight
-from calibration.layout import Layout
-from calibration.points import Commands
-from calibration.types import Floats
-from calibration.uncertainty.budget import Budget, Contributor
+from catseye.calibration.design.information import Study
+from catseye.calibration.design.sight import Sight
+from catseye.calibration.layout import Layout
+from catseye.calibration.points import Commands
+from catseye.calibration.types import Floats
+from catseye.calibration.uncertainty.budget import Budget, Contributor
 from tests.unit.calibration.design.dense import LINKS, DenseArm
 
 SMALL = DenseArm((-100.0, -60.0, -20.0, 20.0), (20.0, 60.0, 100.0))

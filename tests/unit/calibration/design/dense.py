@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from calibration.types import Floats
+from catseye.calibration.types import Floats
 
 Row = tuple[int, int, int, int]
 """Node indices of J1 and J2, directions of approach."""

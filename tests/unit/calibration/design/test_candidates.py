@@ -5,10 +5,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from calibration.design.candidates import Floor, apart, grid
-from calibration.design.front import pareto_front
-from calibration.design.refinement import refine
-from calibration.types import Floats
+from catseye.calibration.design.candidates import Floor, apart, grid
+from catseye.calibration.design.front import pareto_front
+from catseye.calibration.design.refinement import refine
+from catseye.calibration.types import Floats
 
 
 @pytest.mark.parametrize(

@@ -6,9 +6,9 @@ from typing import get_args
 import numpy as np
 import pytest
 
-from calibration.design.command_choice import CommandPool, changes_with, choose_commands, usefulness
-from calibration.design.criteria import CriterionName
-from calibration.types import Bools
+from catseye.calibration.design.command_choice import CommandPool, changes_with, choose_commands, usefulness
+from catseye.calibration.design.criteria import CriterionName
+from catseye.calibration.types import Bools
 from tests.unit.calibration.design.cases import RING, SIGMA_MM, SMALL, scaled, seen_by_all, study
 from tests.unit.calibration.design.test_exchange import criterion_of
 

@@ -7,8 +7,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from calibration.design.criteria import Criterion, CriterionName, covariances
-from calibration.types import Floats
+from catseye.calibration.design.criteria import Criterion, CriterionName, covariances
+from catseye.calibration.types import Floats
 
 NAMES = get_args(CriterionName)
 GRADIENT = np.array([[100.0, 0.0, 0.0], [0.0, 300.0, 0.0], [50.0, 50.0, 200.0]])

@@ -6,12 +6,12 @@ from typing import get_args
 import numpy as np
 import pytest
 
-from calibration.design.candidates import apart
-from calibration.design.criteria import Criterion, CriterionName
-from calibration.design.exchange import Pool, exchange, greedy_start, random_start
-from calibration.design.information import Study
-from calibration.types import Floats
-from calibration.uncertainty.budget import Budget, Contributor
+from catseye.calibration.design.candidates import apart
+from catseye.calibration.design.criteria import Criterion, CriterionName
+from catseye.calibration.design.exchange import Pool, exchange, greedy_start, random_start
+from catseye.calibration.design.information import Study
+from catseye.calibration.types import Floats
+from catseye.calibration.uncertainty.budget import Budget, Contributor
 from tests.unit.calibration.design.cases import (
     RING,
     SIGMA_MM,

@@ -5,13 +5,13 @@ from typing import get_args
 import numpy as np
 import pytest
 
-from calibration.design.criteria import Criterion, CriterionName, covariances
-from calibration.design.information import Information
-from calibration.design.sight import Sight
-from calibration.errors import UnidentifiableError
-from calibration.kinematics import forward
-from calibration.types import Floats
-from calibration.uncertainty.budget import Budget, Contributor
+from catseye.calibration.design.criteria import Criterion, CriterionName, covariances
+from catseye.calibration.design.information import Information
+from catseye.calibration.design.sight import Sight
+from catseye.calibration.errors import UnidentifiableError
+from catseye.calibration.kinematics import forward
+from catseye.calibration.types import Floats
+from catseye.calibration.uncertainty.budget import Budget, Contributor
 from tests.unit.calibration.design.cases import RING, SIGMA_MM, SMALL, WHITE, seen_by_all, study
 from tests.unit.calibration.design.dense import DenseArm
 from tests.unit.calibration.paper import NODES1_DEG, NODES2_DEG, NOMINAL_REFLECTORS

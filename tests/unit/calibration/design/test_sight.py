@@ -5,8 +5,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from calibration.design.sight import Rules, Way, best_facing, sight_of
-from calibration.types import Floats
+from catseye.calibration.design.sight import Rules, Way, best_facing, sight_of
+from catseye.calibration.types import Floats
 
 RULES = Rules(
     column_radius_mm=115.0,

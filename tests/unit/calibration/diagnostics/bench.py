@@ -9,11 +9,11 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from calibration.diagnostics.problem import Problem
-from calibration.extension import Term
-from calibration.layout import ModelName
-from calibration.points import Commands, Points
-from calibration.types import Floats
+from catseye.calibration.diagnostics.problem import Problem
+from catseye.calibration.extension import Term
+from catseye.calibration.layout import ModelName
+from catseye.calibration.points import Commands, Points
+from catseye.calibration.types import Floats
 from tests.unit.calibration.paper import NAMES, NODES1_DEG, NODES2_DEG, NOMINAL_REFLECTORS, Truth
 
 NODES1, NODES2 = np.deg2rad(NODES1_DEG), np.deg2rad(NODES2_DEG)

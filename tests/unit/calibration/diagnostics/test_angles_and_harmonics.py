@@ -6,11 +6,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from calibration.diagnostics.harmonics import HarmonicSeries, aliased_orders, harmonic_series
-from calibration.diagnostics.joint_angles import angle_patterns
-from calibration.diagnostics.projection import projection_of
-from calibration.points import Points
-from calibration.uncertainty.budget import Budget, Contributor
+from catseye.calibration.diagnostics.harmonics import HarmonicSeries, aliased_orders, harmonic_series
+from catseye.calibration.diagnostics.joint_angles import angle_patterns
+from catseye.calibration.diagnostics.projection import projection_of
+from catseye.calibration.points import Points
+from catseye.calibration.uncertainty.budget import Budget, Contributor
 from tests.unit.calibration.diagnostics.bench import (
     Extra,
     commands_between,

@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 from scipy import optimize
 
-from calibration.diagnostics.cross_validation import cross_validation, predicted_residuals
-from calibration.diagnostics.projection import Projection, projection_of
-from calibration.distance_model import distance_model
-from calibration.points import Points
-from calibration.types import Floats
+from catseye.calibration.diagnostics.cross_validation import cross_validation, predicted_residuals
+from catseye.calibration.diagnostics.projection import Projection, projection_of
+from catseye.calibration.distance_model import distance_model
+from catseye.calibration.points import Points
+from catseye.calibration.types import Floats
 from tests.unit.calibration.diagnostics.bench import commands_on_nodes, measured, problem, split
 from tests.unit.calibration.paper import Truth, paper_points, random_truth, sequence, true_position
 

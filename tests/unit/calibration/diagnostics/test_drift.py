@@ -6,10 +6,10 @@ from functools import cache
 import numpy as np
 import pytest
 
-from calibration.diagnostics.drift import Change, changes
-from calibration.diagnostics.projection import projection_of
-from calibration.points import Points
-from calibration.types import Floats
+from catseye.calibration.diagnostics.drift import Change, changes
+from catseye.calibration.diagnostics.projection import projection_of
+from catseye.calibration.points import Points
+from catseye.calibration.types import Floats
 from tests.unit.calibration.diagnostics.bench import commands_on_nodes, measured, problem, split, with_noise
 from tests.unit.calibration.paper import random_truth
 

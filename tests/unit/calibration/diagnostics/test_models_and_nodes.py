@@ -7,12 +7,12 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from calibration.diagnostics.information import aicc, bic
-from calibration.diagnostics.nested_models import ComparedModel, Extension, compare_models
-from calibration.diagnostics.node_spacing import node_spacing
-from calibration.extension import crosstalk, j4_map, periodic, thermal_drift
-from calibration.points import Points
-from calibration.uncertainty.budget import Budget, Contributor
+from catseye.calibration.diagnostics.information import aicc, bic
+from catseye.calibration.diagnostics.nested_models import ComparedModel, Extension, compare_models
+from catseye.calibration.diagnostics.node_spacing import node_spacing
+from catseye.calibration.extension import crosstalk, j4_map, periodic, thermal_drift
+from catseye.calibration.points import Points
+from catseye.calibration.uncertainty.budget import Budget, Contributor
 from tests.unit.calibration.diagnostics.bench import (
     Extra,
     commands_between,

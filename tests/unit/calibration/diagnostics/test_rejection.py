@@ -5,9 +5,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from calibration.diagnostics.rejection import reject
-from calibration.errors import RejectionError
-from calibration.points import Points
+from catseye.calibration.diagnostics.rejection import reject
+from catseye.calibration.errors import RejectionError
+from catseye.calibration.points import Points
 from tests.unit.calibration.diagnostics.bench import commands_on_nodes, measured, problem, split
 from tests.unit.calibration.paper import random_truth
 

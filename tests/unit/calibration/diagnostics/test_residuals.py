@@ -6,13 +6,13 @@ from functools import cache
 import numpy as np
 import pytest
 
-from calibration.diagnostics.problem import Problem
-from calibration.diagnostics.projection import projection_of
-from calibration.diagnostics.residuals import studentised
-from calibration.distance_model import distance_model
-from calibration.identification import Identification
-from calibration.points import Points
-from calibration.uncertainty.budget import Budget, Contributor
+from catseye.calibration.diagnostics.problem import Problem
+from catseye.calibration.diagnostics.projection import projection_of
+from catseye.calibration.diagnostics.residuals import studentised
+from catseye.calibration.distance_model import distance_model
+from catseye.calibration.identification import Identification
+from catseye.calibration.points import Points
+from catseye.calibration.uncertainty.budget import Budget, Contributor
 from tests.unit.calibration.diagnostics.bench import commands_on_nodes, measured, problem
 from tests.unit.calibration.paper import random_truth
 

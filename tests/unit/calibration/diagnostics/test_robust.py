@@ -7,11 +7,11 @@ import numpy as np
 import pytest
 from scipy import integrate, optimize, stats
 
-from calibration.diagnostics.robust import TUNING, Loss, loss_weight, robust_fit
-from calibration.distance_model import distance_model
-from calibration.points import Points
-from calibration.types import Floats
-from calibration.uncertainty.budget import Budget, Contributor
+from catseye.calibration.diagnostics.robust import TUNING, Loss, loss_weight, robust_fit
+from catseye.calibration.distance_model import distance_model
+from catseye.calibration.points import Points
+from catseye.calibration.types import Floats
+from catseye.calibration.uncertainty.budget import Budget, Contributor
 from tests.unit.calibration.diagnostics.bench import commands_on_nodes, measured, problem
 from tests.unit.calibration.paper import MDEG, random_truth
 

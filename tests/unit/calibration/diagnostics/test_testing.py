@@ -3,8 +3,8 @@
 import pytest
 from scipy import stats
 
-from calibration.diagnostics.testing import f_test
-from calibration.fit_statistics import Expected
+from catseye.calibration.diagnostics.testing import f_test
+from catseye.calibration.fit_statistics import Expected
 
 
 @pytest.mark.parametrize(("gain", "rank", "rest"), [(12.0, 3, 55.0), (0.0, 2, 40.0), (80.0, 1, 0.9)])

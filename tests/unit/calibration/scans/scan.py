@@ -7,8 +7,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from calibration.points import Commands, Points
-from calibration.types import Floats, Ints
+from catseye.calibration.points import Commands, Points
+from catseye.calibration.types import Floats, Ints
 
 RANGE1_DEG = (-140.0, 60.0)
 RANGE2_DEG = (0.0, 140.0)

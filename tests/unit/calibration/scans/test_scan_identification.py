@@ -5,16 +5,21 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from calibration.errors import CalibrationError, InsufficientPointsError, MapRangeError, UnidentifiableError
-from calibration.extension import Term, crosstalk, j4_map, thermal_drift
-from calibration.identification import identify
-from calibration.layout import ModelName
-from calibration.points import Points
-from calibration.scans.scan_identification import ScanIdentification, identify_scan
-from calibration.scans.source import SlicedPoints
-from calibration.types import Floats
-from calibration.uncertainty.budget import Budget, Contributor, radial_motions
-from calibration.uncertainty.radial import RadialBudget
+from catseye.calibration.errors import (
+    CalibrationError,
+    InsufficientPointsError,
+    MapRangeError,
+    UnidentifiableError,
+)
+from catseye.calibration.extension import Term, crosstalk, j4_map, thermal_drift
+from catseye.calibration.identification import identify
+from catseye.calibration.layout import ModelName
+from catseye.calibration.points import Points
+from catseye.calibration.scans.scan_identification import ScanIdentification, identify_scan
+from catseye.calibration.scans.source import SlicedPoints
+from catseye.calibration.types import Floats
+from catseye.calibration.uncertainty.budget import Budget, Contributor, radial_motions
+from catseye.calibration.uncertainty.radial import RadialBudget
 from tests.unit.calibration.scans.scan import NOMINAL_REFLECTORS, Arm, arm, scan, to_and_fro, true_lengths
 
 TRUTH = arm(1, 10.0)
@@ -96,7 +101,7 @@ def test_without_stated_sigma_the_scatter_gives_the_uncertainty() -> None:
 
 
 def test_few_rows_stand_for_all_and_the_rest_moves_the_estimate_to_its_place() -> None:
-    # Half of so many rows give the starting values, see calibration.scans.used_rows.
+    # Half of so many rows give the starting values, see catseye.calibration.scans.used_rows.
     points = scan(TRUTH, 41_000, noise_mm=0.01, sigma_mm=0.01)
     assert require_same(points).identified.fit.iterations == 2
 

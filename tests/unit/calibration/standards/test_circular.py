@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from calibration.errors import InsufficientPointsError
-from calibration.standards.circular import circular, least_squares_centre
+from catseye.calibration.errors import InsufficientPointsError
+from catseye.calibration.standards.circular import circular, least_squares_centre
 
 
 def test_deviations_placed_by_hand() -> None:

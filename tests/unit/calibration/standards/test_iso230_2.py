@@ -5,8 +5,14 @@ import math
 import numpy as np
 import pytest
 
-from calibration.errors import InsufficientPointsError
-from calibration.standards.iso230_2 import NAMES, SYSTEMATIC, positioning, systematic, systematic_of_map
+from catseye.calibration.errors import InsufficientPointsError
+from catseye.calibration.standards.iso230_2 import (
+    NAMES,
+    SYSTEMATIC,
+    positioning,
+    systematic,
+    systematic_of_map,
+)
 
 UP_UM = np.array([[0, 1, 2, 3, 4], [10, 10, 10, 10, 10], [-4, -2, 0, 2, 4]], dtype=float)
 DOWN_UM = np.array([[-6, -5, -4, -3, -2], [4, 6, 8, 6, 6], [-8, -8, -8, -8, -8]], dtype=float)

@@ -5,8 +5,8 @@ import math
 import numpy as np
 import pytest
 
-from calibration.errors import InsufficientPointsError
-from calibration.standards.iso9283 import (
+from catseye.calibration.errors import InsufficientPointsError
+from catseye.calibration.standards.iso9283 import (
     distance,
     drift,
     multi_directional_variation,

@@ -4,11 +4,11 @@ from dataclasses import replace
 
 import numpy as np
 
-from calibration.extension import Term, crosstalk, j4_map, thermal_drift
-from calibration.identification import Identification, identify
-from calibration.layout import ModelName
-from calibration.points import Points
-from calibration.uncertainty.budget import Budget
+from catseye.calibration.extension import Term, crosstalk, j4_map, thermal_drift
+from catseye.calibration.identification import Identification, identify
+from catseye.calibration.layout import ModelName
+from catseye.calibration.points import Points
+from catseye.calibration.uncertainty.budget import Budget
 from tests.unit.calibration.paper import (
     NODES1_DEG,
     NODES2_DEG,

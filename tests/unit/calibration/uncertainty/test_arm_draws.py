@@ -6,10 +6,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from calibration.errors import CalibrationError
-from calibration.identification import Identification
-from calibration.uncertainty.arm_draws import CHUNK, chunks, joined, solve_chunk, with_draws
-from calibration.uncertainty.budget import Budget, Contributor
+from catseye.calibration.errors import CalibrationError
+from catseye.calibration.identification import Identification
+from catseye.calibration.uncertainty.arm_draws import CHUNK, chunks, joined, solve_chunk, with_draws
+from catseye.calibration.uncertainty.budget import Budget, Contributor
 from tests.unit.calibration.uncertainty.samples import TERMS, identified, noisy_points
 
 DRAWS = 3000

@@ -6,12 +6,12 @@ import numpy as np
 import pytest
 from scipy import optimize
 
-from calibration.distance_model import DistanceModel, distance_model
-from calibration.identification import Identification
-from calibration.least_squares import minimise
-from calibration.points import Points
-from calibration.types import Floats
-from calibration.uncertainty.batched_solver import BatchedProblem, solve_draws
+from catseye.calibration.distance_model import DistanceModel, distance_model
+from catseye.calibration.identification import Identification
+from catseye.calibration.least_squares import minimise
+from catseye.calibration.points import Points
+from catseye.calibration.types import Floats
+from catseye.calibration.uncertainty.batched_solver import BatchedProblem, solve_draws
 from tests.unit.calibration.uncertainty.samples import TERMS, WEAK, identified, noisy_points, segmented
 
 CASES = {
@@ -124,7 +124,7 @@ def test_a_weakly_determined_problem_is_solved_to_the_minimum_too() -> None:
 
 
 def test_draws_that_do_not_settle_are_left_to_the_damped_solver(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("calibration.uncertainty.batched_solver._MOST_STEPS", 1)
+    monkeypatch.setattr("catseye.calibration.uncertainty.batched_solver._MOST_STEPS", 1)
     problem = problem_of(identified(model="conventional"))
     noise = np.random.default_rng(6).normal(0.0, 1.0, (3, 1056))
     noise[1] = 0.0

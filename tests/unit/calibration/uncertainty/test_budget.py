@@ -6,11 +6,11 @@ from typing import get_args
 import numpy as np
 import pytest
 
-from calibration.distance_model import distance_model
-from calibration.layout import Layout
-from calibration.points import Points
-from calibration.types import Floats
-from calibration.uncertainty.budget import (
+from catseye.calibration.distance_model import distance_model
+from catseye.calibration.layout import Layout
+from catseye.calibration.points import Points
+from catseye.calibration.types import Floats
+from catseye.calibration.uncertainty.budget import (
     Axis,
     Budget,
     Contributor,

@@ -5,11 +5,11 @@ import math
 import numpy as np
 import pytest
 
-from calibration.points import Commands
-from calibration.prediction import predict
-from calibration.types import Floats
-from calibration.uncertainty.budget import Budget, Contributor
-from calibration.uncertainty.contributions import contributions, path_variances
+from catseye.calibration.points import Commands
+from catseye.calibration.prediction import predict
+from catseye.calibration.types import Floats
+from catseye.calibration.uncertainty.budget import Budget, Contributor
+from catseye.calibration.uncertainty.contributions import contributions, path_variances
 from tests.unit.calibration.uncertainty.samples import identified, noisy_points
 
 CONTRIBUTORS = (

@@ -6,10 +6,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from calibration.identification import Identification
-from calibration.types import Floats
-from calibration.uncertainty.budget import Budget, Contributor
-from calibration.uncertainty.distance_errors import distance_errors
+from catseye.calibration.identification import Identification
+from catseye.calibration.types import Floats
+from catseye.calibration.uncertainty.budget import Budget, Contributor
+from catseye.calibration.uncertainty.distance_errors import distance_errors
 from tests.unit.calibration.uncertainty.samples import identified, noisy_points
 
 DRAWS = 4000

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from calibration.uncertainty.distributions import (
+from catseye.calibration.uncertainty.distributions import (
     Bounded,
     CurvilinearTrapezoid,
     Distribution,

@@ -7,8 +7,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from calibration.types import Floats
-from calibration.uncertainty.gum import (
+from catseye.calibration.types import Floats
+from catseye.calibration.uncertainty.gum import (
     Inputs,
     correlation,
     coverage_factor,

@@ -6,12 +6,12 @@ from dataclasses import dataclass, replace
 import numpy as np
 import pytest
 
-from calibration.distance_model import distance_model
-from calibration.extension import Term, j4_map
-from calibration.identification import Identification
-from calibration.types import Floats
-from calibration.uncertainty.arm_draws import draw_estimates
-from calibration.uncertainty.budget import Budget, Contributor, Kind, effects, geometry_of
+from catseye.calibration.distance_model import distance_model
+from catseye.calibration.extension import Term, j4_map
+from catseye.calibration.identification import Identification
+from catseye.calibration.types import Floats
+from catseye.calibration.uncertainty.arm_draws import draw_estimates
+from catseye.calibration.uncertainty.budget import Budget, Contributor, Kind, effects, geometry_of
 from tests.unit.calibration.diagnostics.bench import Extra, Pose, commands_on_nodes, measured, problem
 from tests.unit.calibration.paper import random_truth
 

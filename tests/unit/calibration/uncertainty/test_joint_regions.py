@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from calibration.uncertainty.joint_regions import joint_regions
+from catseye.calibration.uncertainty.joint_regions import joint_regions
 
 DRAWS = 200_000
 

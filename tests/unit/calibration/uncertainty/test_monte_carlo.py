@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from calibration.errors import ConvergenceError
-from calibration.types import Floats
-from calibration.uncertainty.coverage import (
+from catseye.calibration.errors import ConvergenceError
+from catseye.calibration.types import Floats
+from catseye.calibration.uncertainty.coverage import (
     Interval,
     fewest_draws,
     numerical_tolerance,
@@ -16,15 +16,15 @@ from calibration.uncertainty.coverage import (
     symmetric_interval,
     validate,
 )
-from calibration.uncertainty.distributions import (
+from catseye.calibration.uncertainty.distributions import (
     Bounded,
     CurvilinearTrapezoid,
     Distribution,
     Normal,
     StudentT,
 )
-from calibration.uncertainty.gum import coverage_factor, independent, propagate
-from calibration.uncertainty.monte_carlo import propagate_distributions, until_stable
+from catseye.calibration.uncertainty.gum import coverage_factor, independent, propagate
+from catseye.calibration.uncertainty.monte_carlo import propagate_distributions, until_stable
 
 DRAWS = 400_000
 

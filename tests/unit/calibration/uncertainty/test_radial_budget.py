@@ -10,12 +10,12 @@ from functools import cache
 import numpy as np
 import pytest
 
-from calibration.errors import BudgetError
-from calibration.identification import Identification, identify
-from calibration.points import Points
-from calibration.types import Floats
-from calibration.uncertainty.budget import Budget, Contributor, radial_motions
-from calibration.uncertainty.radial import RadialBudget, radial_effects
+from catseye.calibration.errors import BudgetError
+from catseye.calibration.identification import Identification, identify
+from catseye.calibration.points import Points
+from catseye.calibration.types import Floats
+from catseye.calibration.uncertainty.budget import Budget, Contributor, radial_motions
+from catseye.calibration.uncertainty.radial import RadialBudget, radial_effects
 from tests.unit.calibration.diagnostics.bench import commands_on_nodes, measured, problem
 from tests.unit.calibration.paper import (
     NODES1_DEG,

@@ -4,7 +4,7 @@ from typing import Any
 
 from textual.pilot import Pilot
 
-from app.tui.app import CatseyeApp
+from catseye.app.tui.app import CatseyeApp
 from tests.unit.app.tui.scripted import ScriptedLink, make_app, shown, work_of
 from tests.unit.app.tui.told_run import REHEARSAL
 

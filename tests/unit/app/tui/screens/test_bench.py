@@ -6,11 +6,11 @@ from typing import Any
 
 import pytest
 
-from app.tui.dialogs.text_dialog import TextDialog
-from app.tui.screens.bench import BenchScreen
-from app.tui.widgets.beam_panel import BeamPanel
-from app.tui.widgets.plan_view import PlanView
-from app.tui.widgets.strip import Strip
+from catseye.app.tui.dialogs.text_dialog import TextDialog
+from catseye.app.tui.screens.bench import BenchScreen
+from catseye.app.tui.widgets.beam_panel import BeamPanel
+from catseye.app.tui.widgets.plan_view import PlanView
+from catseye.app.tui.widgets.strip import Strip
 from tests.unit.app.tui.scripted import ScriptedLink, compare, make_app, shown
 from tests.unit.app.tui.told_bench import BENCH, bench, tell_strip
 

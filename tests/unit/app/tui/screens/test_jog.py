@@ -10,11 +10,11 @@ from textual.events import AppBlur, AppFocus
 from textual.pilot import Pilot
 from textual.widgets import Input
 
-from app.tui.app import CatseyeApp
-from app.tui.dialogs.error_dialog import ErrorDialog
-from app.tui.dialogs.motion_dialog import MotionDialog
-from app.tui.screens.jog import JogScreen
-from app.tui.widgets.strip import Strip
+from catseye.app.tui.app import CatseyeApp
+from catseye.app.tui.dialogs.error_dialog import ErrorDialog
+from catseye.app.tui.dialogs.motion_dialog import MotionDialog
+from catseye.app.tui.screens.jog import JogScreen
+from catseye.app.tui.widgets.strip import Strip
 from tests.unit.app.tui.scripted import SNAPSHOT, ScriptedLink, compare, make_app, shown
 from tests.unit.app.tui.told_bench import BENCH, bench, tell_strip
 

@@ -10,14 +10,14 @@ import pytest
 from textual.pilot import Pilot
 from textual.widgets import Input, OptionList, Select
 
-from app.procedure_list import load_procedure
-from app.tui.app import CatseyeApp
-from app.tui.dialogs.error_dialog import ErrorDialog
-from app.tui.dialogs.start_dialog import StartDialog
-from app.tui.screens.procedures import ProceduresScreen
-from app.tui.screens.run import RunScreen
-from app.tui.widgets.parameter_form import ParameterForm
-from app.tui.work import Done
+from catseye.app.procedure_list import load_procedure
+from catseye.app.tui.app import CatseyeApp
+from catseye.app.tui.dialogs.error_dialog import ErrorDialog
+from catseye.app.tui.dialogs.start_dialog import StartDialog
+from catseye.app.tui.screens.procedures import ProceduresScreen
+from catseye.app.tui.screens.run import RunScreen
+from catseye.app.tui.widgets.parameter_form import ParameterForm
+from catseye.app.tui.work import Done
 from tests.unit.app.tui.scripted import ScriptedLink, ScriptedWork, compare, make_app, shown, work_of
 from tests.unit.app.tui.told_bench import BENCH
 from tests.unit.app.tui.told_run import REHEARSAL, RUN

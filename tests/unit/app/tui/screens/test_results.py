@@ -9,12 +9,12 @@ import pytest
 from textual.pilot import Pilot
 from textual.widgets import ContentSwitcher, DataTable, Input
 
-from app.tui.app import CatseyeApp
-from app.tui.dialogs.error_dialog import ErrorDialog
-from app.tui.dialogs.form_dialog import FormDialog
-from app.tui.dialogs.text_dialog import TextDialog
-from app.tui.screens.results import ResultsScreen
-from app.tui.work import Done
+from catseye.app.tui.app import CatseyeApp
+from catseye.app.tui.dialogs.error_dialog import ErrorDialog
+from catseye.app.tui.dialogs.form_dialog import FormDialog
+from catseye.app.tui.dialogs.text_dialog import TextDialog
+from catseye.app.tui.screens.results import ResultsScreen
+from catseye.app.tui.work import Done
 from tests.unit.app.tui.screens.test_runs import settle
 from tests.unit.app.tui.scripted import ScriptedLink, compare, make_app, shown, work_of
 from tests.unit.app.tui.stored_results import (

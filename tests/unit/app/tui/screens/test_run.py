@@ -4,10 +4,10 @@ from pathlib import Path
 
 import pytest
 
-from app.tui.dialogs.error_dialog import ErrorDialog
-from app.tui.dialogs.override_dialog import OverrideDialog
-from app.tui.dialogs.start_dialog import StartDialog
-from app.tui.work import Done
+from catseye.app.tui.dialogs.error_dialog import ErrorDialog
+from catseye.app.tui.dialogs.override_dialog import OverrideDialog
+from catseye.app.tui.dialogs.start_dialog import StartDialog
+from catseye.app.tui.work import Done
 from tests.unit.app.tui.screens.run_screen import app_of, ops, settled
 from tests.unit.app.tui.scripted import ScriptedLink, compare, make_app, shown, work_of
 from tests.unit.app.tui.told_bench import BENCH

@@ -6,9 +6,9 @@ import pytest
 from textual.widgets import Button, Input
 from textual.widgets._footer import FooterKey  # noqa: PLC2701  # Textual has no public name for it
 
-from app.tui.dialogs.motion_dialog import MotionDialog
-from app.tui.run_picture import SoFar
-from app.tui.screens.run import RunScreen
+from catseye.app.tui.dialogs.motion_dialog import MotionDialog
+from catseye.app.tui.run_picture import SoFar
+from catseye.app.tui.screens.run import RunScreen
 from tests.unit.app.tui.screens.run_screen import answers, app_of, ops, settled
 from tests.unit.app.tui.scripted import ScriptedLink, compare, shown
 from tests.unit.app.tui.told_run import MOTION, SNAPSHOT, ask, measure, tell

@@ -13,15 +13,15 @@ import pytest
 from textual.pilot import Pilot
 from textual.widgets import DataTable, Input, Select
 
-from app.store.seal import DATABASE
-from app.tui.app import CatseyeApp
-from app.tui.dialogs.error_dialog import ErrorDialog
-from app.tui.dialogs.form_dialog import FormDialog
-from app.tui.dialogs.start_dialog import StartDialog
-from app.tui.dialogs.text_dialog import TextDialog
-from app.tui.screens.runs import RunsScreen
-from app.tui.widgets.task_line import TaskLine
-from app.tui.work import Done
+from catseye.app.store.seal import DATABASE
+from catseye.app.tui.app import CatseyeApp
+from catseye.app.tui.dialogs.error_dialog import ErrorDialog
+from catseye.app.tui.dialogs.form_dialog import FormDialog
+from catseye.app.tui.dialogs.start_dialog import StartDialog
+from catseye.app.tui.dialogs.text_dialog import TextDialog
+from catseye.app.tui.screens.runs import RunsScreen
+from catseye.app.tui.widgets.task_line import TaskLine
+from catseye.app.tui.work import Done
 from tests.unit.app.tui.scripted import ScriptedLink, ScriptedWork, compare, make_app, shown, work_of
 from tests.unit.app.tui.stored_runs import (
     COMPLETE,
@@ -267,8 +267,8 @@ async def test_report_says_where_it_is_and_is_opened(root: Path, monkeypatch: py
         opened.append(uri)
         return ""
 
-    monkeypatch.setattr("app.tui.screens.working.can_open", lambda: True)
-    monkeypatch.setattr("app.tui.screens.working.open_page", open_page)
+    monkeypatch.setattr("catseye.app.tui.screens.working.can_open", lambda: True)
+    monkeypatch.setattr("catseye.app.tui.screens.working.open_page", open_page)
     async with app.run_test(size=(120, 40), notifications=True) as pilot:
         await go_to(app, pilot, STOPPED)
         await pilot.press("o")
@@ -282,7 +282,7 @@ async def test_report_says_where_it_is_and_is_opened(root: Path, monkeypatch: py
         await settle(app, pilot)
         assert opened == [page.as_uri()]
         # Without a display the path is told.
-        monkeypatch.setattr("app.tui.screens.working.can_open", lambda: False)
+        monkeypatch.setattr("catseye.app.tui.screens.working.can_open", lambda: False)
         await pilot.press("o")
         assert "there is no display here" in await shown(app, pilot)
         assert opened == [page.as_uri()]

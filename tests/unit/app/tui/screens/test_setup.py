@@ -8,18 +8,18 @@ import pytest
 from textual.pilot import Pilot
 from textual.widgets import Input, Select, Static
 
-from app.cell.load import load_cell
-from app.cell.template import TEMPLATE
-from app.cell.wizard.pages import PAGES
-from app.tui.app import CatseyeApp
-from app.tui.dialogs.confirm_dialog import ConfirmDialog
-from app.tui.dialogs.error_dialog import ErrorDialog
-from app.tui.dialogs.form_dialog import FormDialog
-from app.tui.screens.setup import SetupScreen
-from app.tui.setup.device_test import DeviceTest
-from app.tui.setup.question_row import QuestionRow
-from app.tui.setup.wizard import Wizard
-from app.tui.work import Done
+from catseye.app.cell.load import load_cell
+from catseye.app.cell.template import TEMPLATE
+from catseye.app.cell.wizard.pages import PAGES
+from catseye.app.tui.app import CatseyeApp
+from catseye.app.tui.dialogs.confirm_dialog import ConfirmDialog
+from catseye.app.tui.dialogs.error_dialog import ErrorDialog
+from catseye.app.tui.dialogs.form_dialog import FormDialog
+from catseye.app.tui.screens.setup import SetupScreen
+from catseye.app.tui.setup.device_test import DeviceTest
+from catseye.app.tui.setup.question_row import QuestionRow
+from catseye.app.tui.setup.wizard import Wizard
+from catseye.app.tui.work import Done
 from tests.unit.app.tui.scripted import ScriptedLink, compare, make_app, shown, work_of
 
 ENDPOINTS = {

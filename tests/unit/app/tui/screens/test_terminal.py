@@ -6,11 +6,11 @@ from typing import Any
 from textual.pilot import Pilot
 from textual.widgets import Input
 
-from app.tui.app import CatseyeApp
-from app.tui.dialogs.error_dialog import ErrorDialog
-from app.tui.dialogs.form_dialog import FormDialog
-from app.tui.dialogs.start_dialog import StartDialog
-from app.tui.widgets.wire_view import WireView
+from catseye.app.tui.app import CatseyeApp
+from catseye.app.tui.dialogs.error_dialog import ErrorDialog
+from catseye.app.tui.dialogs.form_dialog import FormDialog
+from catseye.app.tui.dialogs.start_dialog import StartDialog
+from catseye.app.tui.widgets.wire_view import WireView
 from tests.unit.app.tui.scripted import ScriptedLink, compare, make_app, shown
 from tests.unit.app.tui.told_bench import BENCH
 

@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from app.tui.widgets.braille import Canvas
+from catseye.app.tui.widgets.braille import Canvas
 from tests.unit.app.tui.widgets.dots import dots_of
 
 places = st.tuples(st.floats(0.0, 39.0), st.floats(0.0, 39.0))

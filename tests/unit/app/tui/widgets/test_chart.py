@@ -5,9 +5,9 @@ import pytest
 from hypothesis import example, given
 from hypothesis import strategies as st
 
-from app.tui.widgets.chart import Chart, ends_of, marks, number
-from app.tui.widgets.inks import Line
-from app.tui.widgets.result_charts import MapColumns, draw_layout, draw_map, draw_residuals
+from catseye.app.tui.widgets.chart import Chart, ends_of, marks, number
+from catseye.app.tui.widgets.inks import Line
+from catseye.app.tui.widgets.result_charts import MapColumns, draw_layout, draw_map, draw_residuals
 
 
 def text(lines: list[Line]) -> list[str]:

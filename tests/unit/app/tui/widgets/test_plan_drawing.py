@@ -9,8 +9,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from app.tui.widgets.braille import Canvas
-from app.tui.widgets.plan_drawing import BEAM_LOST, BEAM_OK, draw_plan, pose_of, view_of
+from catseye.app.tui.widgets.braille import Canvas
+from catseye.app.tui.widgets.plan_drawing import BEAM_LOST, BEAM_OK, draw_plan, pose_of, view_of
 from tests.unit.app.tui.told_bench import BENCH
 from tests.unit.app.tui.widgets.dots import dots_of
 

@@ -4,11 +4,11 @@ from typing import Any
 
 import pytest
 
-from app.tui.run_picture import LiveValue, RunPicture, Seen
-from app.tui.widgets.band_bar import band_bar, band_text, value_text
-from app.tui.widgets.progress_line import bar
-from app.tui.widgets.run_plots import _scale, _uncertainties, _values  # noqa: PLC2701  # drawing without a screen
-from app.tui.widgets.task_picture import task_picture
+from catseye.app.tui.run_picture import LiveValue, RunPicture, Seen
+from catseye.app.tui.widgets.band_bar import band_bar, band_text, value_text
+from catseye.app.tui.widgets.progress_line import bar
+from catseye.app.tui.widgets.run_plots import _scale, _uncertainties, _values  # noqa: PLC2701  # drawing without a screen
+from catseye.app.tui.widgets.task_picture import task_picture
 
 
 def live(value: float, low: float | None, high: float | None) -> LiveValue:

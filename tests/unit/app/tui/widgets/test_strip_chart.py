@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from app.tui.widgets.strip_chart import LABEL_WIDTH, Scale, draw, fold, next_scale
+from catseye.app.tui.widgets.strip_chart import LABEL_WIDTH, Scale, draw, fold, next_scale
 from tests.unit.app.tui.widgets.dots import dots_of
 
 samples = st.lists(st.one_of(st.just(math.nan), st.floats(-1e3, 1e3)), min_size=1, max_size=300)

@@ -1,7 +1,7 @@
 """The pytest plugin of catseye: emulators as fixtures, and the door to the conformance suite.
 
-It is loaded in every project in whose environment catseye is installed, so it imports nothing but pytest, adds no
-option and no marker, and stands outside of the packages: a project may have a package `app` or `drivers` of its own.
+It is loaded in every project in whose environment catseye is installed, so it imports nothing but pytest and adds no
+option and no marker.
 
     def test_reads_a_length(catseye_bench):
         bench = catseye_bench("line-counter")
@@ -19,11 +19,11 @@ from typing import TYPE_CHECKING, Any
 import pytest
 
 if TYPE_CHECKING:
-    from app.testing.bench import AsyncBench, RunningBench
-    from simulators.config import EmulatedDevice
+    from catseye.app.testing.bench import AsyncBench, RunningBench
+    from catseye.simulators.config import EmulatedDevice
 
-_SUITE = "app.testing.conformance"
-_SUITE_OPTIONS = "app.testing.conformance_options"
+_SUITE = "catseye.app.testing.conformance"
+_SUITE_OPTIONS = "catseye.app.testing.conformance_options"
 
 
 def pytest_load_initial_conftests(early_config: pytest.Config, args: list[str]) -> None:
@@ -36,8 +36,8 @@ def pytest_load_initial_conftests(early_config: pytest.Config, args: list[str]) 
 def catseye_bench() -> Iterator[Callable[..., "RunningBench"]]:
     """Start emulators in a background thread of this process; they end with the test.
 
-    The fixture is a function. Its arguments are those of `app.testing.bench.bench_config`: protocols by name or
-    `EmulatedDevice`s, `speed`, `seed`, `budget`. Works in plain and in coroutine tests.
+    The fixture is a function. Its arguments are those of `catseye.app.testing.bench.bench_config`: protocols by
+    name or `EmulatedDevice`s, `speed`, `seed`, `budget`. Works in plain and in coroutine tests.
 
         def test_sees_a_lost_beam(catseye_bench):
             bench = catseye_bench("line-counter", seed=7)
@@ -46,7 +46,7 @@ def catseye_bench() -> Iterator[Callable[..., "RunningBench"]]:
             bench.state()["beam"]["length_mm"]            # the truth
             bench.journal("line-counter")[-1].text        # what came over the wire
     """
-    from app.testing.bench import bench_config, bench_in_thread
+    from catseye.app.testing.bench import bench_config, bench_in_thread
 
     with contextlib.ExitStack() as benches:
 
@@ -67,7 +67,7 @@ def catseye_async_bench() -> Callable[..., AbstractAsyncContextManager["AsyncBen
                 await bench.fault("air", temperature_k=5.0)
                 sample = await MySensor(bench.endpoint("modbus-air")).sample()
     """
-    from app.testing.bench import bench_config, bench_on_loop
+    from catseye.app.testing.bench import bench_config, bench_on_loop
 
     def bench(*devices: "str | EmulatedDevice", **choices: Any) -> AbstractAsyncContextManager["AsyncBench"]:
         return bench_on_loop(bench_config(*devices, **choices))
@@ -85,7 +85,7 @@ def catseye_process() -> Iterator[Callable[..., "RunningBench"]]:
             bench = catseye_process(Path("cell.toml"), speed=50)
             subprocess.run(["my-tool", bench.endpoint("robot")], check=True)
     """
-    from app.testing.process import bench_in_process
+    from catseye.app.testing.process import bench_in_process
 
     with contextlib.ExitStack() as benches:
 

@@ -1,0 +1,5 @@
+"""Lets `python -m catseye` stand for the `catseye` command."""
+
+from catseye.app.cli import main
+
+main()
