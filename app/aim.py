@@ -8,7 +8,7 @@ from typing import Any
 from catseye.app.errors import UsageError
 from catseye.app.store.catalog import list_runs, resolve_run
 from catseye.app.store.reader import Accept, RunReader
-from catseye.procedures.bench import Bench
+from catseye.procedures.kit.bench import Bench
 
 SEARCH = "reflector-search"
 _ALIGNMENT = "beam-to-j4"

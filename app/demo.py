@@ -41,7 +41,7 @@ from catseye.app.running import PlannedRun, carry_out, plan_run
 from catseye.app.store.reader import RunReader
 from catseye.calibration.identification import Identification
 from catseye.calibration.layout import ModelName
-from catseye.procedures.bench import Bench
+from catseye.procedures.kit.bench import Bench
 from catseye.simulators.truth import true_arm
 
 _PORTS = ("10001", "10002", "10502", "10099")

@@ -14,7 +14,7 @@ from catseye.app.cell.model import Alignment, Cell, Interferometer
 from catseye.app.errors import ConfigError, LinkFailedError
 from catseye.app.files.documents import read_document
 from catseye.drivers.counter.profile import load_profile
-from catseye.drivers.errors import ProfileError
+from catseye.drivers.roles.errors import ProfileError
 from catseye.simulators.config import (
     EmulatedDevice,
     EmulationConfig,

@@ -8,8 +8,8 @@ from typing import ClassVar
 
 from catseye.app.exitcode import ExitCode
 from catseye.calibration.errors import BudgetError, CalibrationError, MapRangeError, OutOfReachError
-from catseye.drivers.errors import AlarmError, DeviceError, NotArrivedError, NotReadyError, ProfileError
-from catseye.procedures.errors import PlanError, PlanLimitError, ProcedureError
+from catseye.drivers.roles.errors import AlarmError, DeviceError, NotArrivedError, NotReadyError, ProfileError
+from catseye.procedures.kit.errors import PlanError, PlanLimitError, ProcedureError
 from catseye.simulators.errors import EmulatorError
 
 

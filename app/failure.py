@@ -6,7 +6,7 @@ import traceback
 from typing import Final
 
 from catseye.app.errors import ReaderGoneError, exit_code_of
-from catseye.drivers.device_text import harmless_lines
+from catseye.drivers.roles.text import harmless_lines
 
 _DEBUG = "CATSEYE_DEBUG"
 

@@ -12,11 +12,11 @@ from catseye.app.cell.model import Cell, FurtherDevice, Robot
 from catseye.app.engine.devices import DeviceBuilder, Devices, WireRecorder
 from catseye.app.errors import ConfigError
 from catseye.app.guard.client import ArmGuard
-from catseye.drivers.clock import Clock
-from catseye.drivers.errors import DeviceError
-from catseye.drivers.registry import load_driver
-from catseye.procedures.bench import Following
-from catseye.procedures.devices import Environment
+from catseye.drivers.roles.clock import Clock
+from catseye.drivers.roles.errors import DeviceError
+from catseye.drivers.roles.protocols import Environment
+from catseye.drivers.roles.registry import load_driver
+from catseye.procedures.kit.bench import Following
 
 
 def device_builder(cell: Cell, clock: Clock) -> DeviceBuilder:

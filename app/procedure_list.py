@@ -11,8 +11,8 @@ from pydantic_core import ErrorDetails
 from catseye.app.errors import ConfigError, UsageError
 from catseye.app.files.documents import parse_toml
 from catseye.app.parameter_words import range_text
-from catseye.procedures.bench import Bench
-from catseye.procedures.context import Context
+from catseye.procedures.kit.bench import Bench
+from catseye.procedures.kit.context import Context
 
 GROUP = "catseye.procedures"
 

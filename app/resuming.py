@@ -19,8 +19,8 @@ from catseye.app.store.reader import RunReader
 from catseye.app.store.resumable import why_not_resumable, writer_of
 from catseye.app.walk.planning import as_walk
 from catseye.app.walk.register import WALK, own_legs
-from catseye.procedures.bench import Bench
-from catseye.procedures.context import Json
+from catseye.procedures.kit.bench import Bench
+from catseye.procedures.kit.context import Json
 
 
 def plan_resume(root: Path, run: str, changed: LoadedCell | None = None) -> PlannedRun:

@@ -35,11 +35,11 @@ from catseye.app.walk.register import WALK, walk_fact, walked_legs
 from catseye.app.walk.rule import WalkRule
 from catseye.app.walk.tube import Leg
 from catseye.app.walk.walk import Walk
-from catseye.drivers.clock import SystemClock
-from catseye.procedures.bench import Bench
-from catseye.procedures.context import Json
-from catseye.procedures.devices import Joints
-from catseye.procedures.motion.clear_way import way_check
+from catseye.drivers.roles.clock import SystemClock
+from catseye.drivers.roles.protocols import Joints
+from catseye.procedures.kit.bench import Bench
+from catseye.procedures.kit.context import Json
+from catseye.procedures.kit.motion.clear_way import way_check
 
 
 @dataclass(frozen=True)

@@ -15,7 +15,7 @@ from catseye.app.tui.link import EngineLink
 from catseye.app.tui.session import Session
 from catseye.app.tui.setup.emulators import emulated_cell
 from catseye.app.tui.work import Commands
-from catseye.drivers.clock import SystemClock
+from catseye.drivers.roles.clock import SystemClock
 
 _IMAGES: Final = Path(__file__).parent / "images"
 _SIZE: Final = (108, 34)

@@ -18,9 +18,9 @@ from catseye.calibration.points import Commands
 from catseye.calibration.prediction import inside_range
 from catseye.calibration.types import Floats
 from catseye.calibration.uncertainty.budget import Budget
-from catseye.procedures.bench import Bench, Reflector
-from catseye.procedures.motion.approach import Command, Waypoint, bidirectional_sequence, with_take_up
-from catseye.procedures.path.path_plan import path_points
+from catseye.procedures.kit.bench import Bench, Reflector
+from catseye.procedures.scara.motion.approach import Command, Waypoint, bidirectional_sequence, with_take_up
+from catseye.procedures.scara.path.path_plan import path_points
 
 PAPER_MM = ((650.0, -400.0), (680.0, 0.0), (640.0, 380.0))
 """Reflectors of the SCARA paper."""

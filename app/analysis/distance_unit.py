@@ -8,7 +8,7 @@ from catseye.app.errors import UsageError
 from catseye.calibration.kinematics import forward
 from catseye.calibration.points import Points
 from catseye.calibration.types import Floats
-from catseye.procedures.bench import Bench
+from catseye.procedures.kit.bench import Bench
 
 _UNITS = {1e3: "µm", 0.1: "cm", 1e-3: "m", 1.0 / 25.4: "inches", 25.4: "mm that were taken for inches"}
 """Names by what the distances are multiples of."""

@@ -22,7 +22,7 @@ from catseye.calibration.extension import Term
 from catseye.calibration.identification import Identification
 from catseye.calibration.layout import ModelName
 from catseye.calibration.uncertainty.budget import Budget
-from catseye.procedures.bench import Bench, Reflector
+from catseye.procedures.kit.bench import Bench, Reflector
 
 _SAME_PLACE_MM = 2.0
 """Two searches find one and the same place to much better than this."""

@@ -13,8 +13,8 @@ from catseye.app.files.path_csv import cartesian_commands, require_reach
 from catseye.calibration.kinematics import Hand, forward
 from catseye.calibration.points import Commands
 from catseye.calibration.types import Floats, Ints
-from catseye.procedures.context import MeasuredPoint
-from catseye.procedures.path.measured_path import misplaced, uncertainty_fault
+from catseye.procedures.kit.context import MeasuredPoint
+from catseye.procedures.scara.path.measured_path import misplaced, uncertainty_fault
 
 _ANGLE_UNITS = {"rad": 180.0 / np.pi, "mdeg": 1e-3}
 """What makes degrees of other units."""

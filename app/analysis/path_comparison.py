@@ -24,7 +24,7 @@ from catseye.app.store.catalog import list_runs
 from catseye.app.store.reader import Accept, RunReader
 from catseye.calibration.errors import CalibrationError
 from catseye.calibration.identification import Identification
-from catseye.procedures.bench import Bench
+from catseye.procedures.kit.bench import Bench
 
 
 @dataclass(frozen=True)

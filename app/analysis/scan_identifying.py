@@ -13,7 +13,7 @@ from catseye.app.files.spooled_points import spooled_points
 from catseye.calibration.extension import Term
 from catseye.calibration.layout import ModelName
 from catseye.calibration.scans.scan_identification import identify_scan
-from catseye.procedures.bench import Bench
+from catseye.procedures.kit.bench import Bench
 
 SCAN_ROWS = 100_000
 """Longer points files are streamed."""

@@ -10,8 +10,8 @@ from catseye.app.engine.compensation import AirRule
 from catseye.calibration.kinematics import forward
 from catseye.calibration.pointing import beam_miss
 from catseye.calibration.refractive_index import refractive_index
-from catseye.procedures.context import Json
-from catseye.procedures.devices import Air, DeviceIdentity, Joints
+from catseye.drivers.roles.protocols import Air, DeviceIdentity, Joints
+from catseye.procedures.kit.context import Json
 
 _AIMED_AT_MM = 25.0
 """A beam that passes a reflector's place nearer than this is meant for it; rough places are no better known."""

@@ -8,8 +8,8 @@ from catseye.app.bench.observed import ObservedDevice, ObservedSensor, observed
 from catseye.app.cell.model import Cell
 from catseye.app.engine.devices import WireRecorder
 from catseye.app.instruments import device_builder, further_device
-from catseye.drivers.clock import Clock
-from catseye.procedures.devices import Environment
+from catseye.drivers.roles.clock import Clock
+from catseye.drivers.roles.protocols import Environment
 
 
 def cell_devices(cell: Cell, gauges: Gauges, clock: Clock, record: WireRecorder) -> CellDevices:

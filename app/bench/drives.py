@@ -10,9 +10,9 @@ from catseye.app.bench.lending import Lender, Tell
 from catseye.app.engine.drives import leave_drives
 from catseye.app.engine.waiting import cancel
 from catseye.app.errors import CatseyeError
-from catseye.drivers.clock import Clock
-from catseye.drivers.errors import DeviceError
-from catseye.procedures.context import Json
+from catseye.drivers.roles.clock import Clock
+from catseye.drivers.roles.errors import DeviceError
+from catseye.procedures.kit.context import Json
 
 _TICK_S: Final = 0.5
 _LIMIT_S: Final = 6.0

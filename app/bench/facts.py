@@ -7,7 +7,7 @@ from typing import Any
 from catseye.app.cell.bench import air_rule
 from catseye.app.cell.model import Cell
 from catseye.app.engine.compensation import AirRule
-from catseye.procedures.bench import Bench
+from catseye.procedures.kit.bench import Bench
 
 
 @dataclass(frozen=True)

@@ -5,8 +5,8 @@ from dataclasses import dataclass
 from typing import Generic, Literal, TypeVar
 
 from catseye.app.bench.columns import Columns
-from catseye.drivers.clock import Clock
-from catseye.procedures.devices import Air, BeamStatus, ControllerStatus, DeviceIdentity, Joints
+from catseye.drivers.roles.clock import Clock
+from catseye.drivers.roles.protocols import Air, BeamStatus, ControllerStatus, DeviceIdentity, Joints
 
 T = TypeVar("T")
 T_co = TypeVar("T_co", covariant=True)

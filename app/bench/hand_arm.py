@@ -14,9 +14,9 @@ from catseye.app.errors import InterruptedRunError, SafetyError
 from catseye.app.exitcode import ExitCode
 from catseye.app.service.errors import RefusedError, refusal_of
 from catseye.app.service.messages import JogHold, JogStep, Message
-from catseye.drivers.clock import Clock
-from catseye.procedures.bench import Bench
-from catseye.procedures.devices import JogRobot, Joints, Robot
+from catseye.drivers.roles.clock import Clock
+from catseye.drivers.roles.protocols import JogRobot, Joints, Robot
+from catseye.procedures.kit.bench import Bench
 
 SILENCE_S: Final = 0.5
 """A step whose client gives no sign of life for so long is stopped, real s."""

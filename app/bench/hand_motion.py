@@ -11,8 +11,8 @@ from catseye.app.engine.halt import HaltLimits
 from catseye.app.engine.states import State
 from catseye.app.engine.waiting import cancel
 from catseye.app.errors import SafetyError
-from catseye.drivers.clock import Clock
-from catseye.procedures.devices import Robot
+from catseye.drivers.roles.clock import Clock
+from catseye.drivers.roles.protocols import Robot
 
 Watch = Callable[[], Awaitable[None]]
 """Goes on until the motion ends; what it raises breaks the motion off."""

@@ -8,8 +8,8 @@ from typing import Final, Literal
 from catseye.app.bench.approach import MARGIN_DEG, Approach
 from catseye.app.engine.waiting import cancel
 from catseye.app.errors import LimitError
-from catseye.drivers.clock import Clock
-from catseye.procedures.devices import JogFeed, JogRobot, Joints
+from catseye.drivers.roles.clock import Clock
+from catseye.drivers.roles.protocols import JogFeed, JogRobot, Joints
 
 HoldJoint = Literal["j1", "j2", "j4"]
 

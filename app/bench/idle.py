@@ -12,8 +12,8 @@ from catseye.app.engine.devices import Devices
 from catseye.app.engine.waiting import cancel, uncancelled
 from catseye.app.exitcode import ExitCode
 from catseye.app.service.errors import RefusedError
-from catseye.drivers.clock import Clock
-from catseye.procedures.devices import Robot
+from catseye.drivers.roles.clock import Clock
+from catseye.drivers.roles.protocols import Robot
 
 _MOVED_BY_HAND = ("robot", "interferometer")
 """What has to be connected before the arm is moved by hand."""

@@ -8,9 +8,9 @@ from catseye.app.engine.devices import Devices
 from catseye.app.engine.door_watch import DoorWatch
 from catseye.app.engine.gate import JointLimits, MotionGate, require_ready
 from catseye.app.running import joint_limits
-from catseye.procedures.bench import Bench
-from catseye.procedures.devices import Joints
-from catseye.procedures.motion.clear_way import clear_part, way_check
+from catseye.drivers.roles.protocols import Joints
+from catseye.procedures.kit.bench import Bench
+from catseye.procedures.kit.motion.clear_way import clear_part, way_check
 
 _HEIGHT_ROUNDING_MM = 0.1
 """J3 is not moved by hand; a controller reports it in steps of 0.01 mm."""

@@ -20,7 +20,7 @@ from catseye.app.exitcode import ExitCode
 from catseye.app.guard.client import ArmGuard
 from catseye.app.service.errors import RefusedError, refusal_of
 from catseye.app.service.messages import JogHold, JogMode, JogStep, Message
-from catseye.procedures.devices import DeviceIdentity, Robot
+from catseye.drivers.roles.protocols import DeviceIdentity, Robot
 
 _LOOK_S: Final = 0.25
 """Between two looks at an arm that stands."""

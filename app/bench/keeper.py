@@ -8,8 +8,8 @@ from catseye.app.bench.gauges import Gauges
 from catseye.app.bench.observed import ObservedDevice
 from catseye.app.bench.questions import round_for
 from catseye.app.engine.waiting import cancel, within
-from catseye.drivers.clock import Clock
-from catseye.drivers.errors import DeviceError, LinkError, ProtocolError
+from catseye.drivers.roles.clock import Clock
+from catseye.drivers.roles.errors import DeviceError, LinkError, ProtocolError
 
 _log = logging.getLogger(__name__)
 

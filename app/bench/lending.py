@@ -9,9 +9,9 @@ from typing import Protocol
 from catseye.app.bench.facts import BenchFacts
 from catseye.app.engine.devices import Devices, WireRecorder
 from catseye.app.engine.interlock import RemoteIo
-from catseye.drivers.clock import Clock
-from catseye.procedures.context import Json
-from catseye.procedures.devices import DeviceIdentity, Robot
+from catseye.drivers.roles.clock import Clock
+from catseye.drivers.roles.protocols import DeviceIdentity, Robot
+from catseye.procedures.kit.context import Json
 
 
 class Lender(Protocol):

@@ -6,8 +6,8 @@ from typing import Any, Literal, Protocol, TypeVar, runtime_checkable
 from catseye.app.bench.gauges import Gauges
 from catseye.app.engine.devices import Devices
 from catseye.app.engine.interlock import Light, RemoteIo
-from catseye.drivers.errors import DeviceError, LinkError, ProtocolError
-from catseye.procedures.devices import (
+from catseye.drivers.roles.errors import DeviceError, LinkError, ProtocolError
+from catseye.drivers.roles.protocols import (
     Air,
     BeamStatus,
     ControllerStatus,

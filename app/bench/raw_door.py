@@ -6,10 +6,10 @@ from contextlib import asynccontextmanager
 from catseye.app.engine.door_watch import DoorWatch
 from catseye.app.engine.interlock import RemoteIo
 from catseye.app.errors import SafetyError
-from catseye.drivers.clock import Clock
-from catseye.drivers.errors import DeviceError
+from catseye.drivers.links.transport import Transport
 from catseye.drivers.melfa.codec import encode
-from catseye.drivers.transport import Transport
+from catseye.drivers.roles.clock import Clock
+from catseye.drivers.roles.errors import DeviceError
 
 _STOP = b"\r" + encode("STOP")
 """After what may be half a request, in a request of its own."""

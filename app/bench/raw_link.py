@@ -16,8 +16,8 @@ from catseye.app.guard.raw import plain_connection, raw_connection, raw_guard
 from catseye.app.instruments import stop_request
 from catseye.app.service.errors import RefusedError, refusal_of
 from catseye.app.service.messages import Message, Raw
-from catseye.drivers.errors import DeviceError
-from catseye.drivers.transport import Transport
+from catseye.drivers.links.transport import Transport
+from catseye.drivers.roles.errors import DeviceError
 
 _WRITE_S: Final = 2.0
 

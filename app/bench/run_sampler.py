@@ -10,8 +10,8 @@ from catseye.app.bench.observed import ObservedDevice
 from catseye.app.engine.control import RunControl
 from catseye.app.engine.devices import Devices
 from catseye.app.engine.states import State
-from catseye.drivers.clock import Clock
-from catseye.drivers.errors import DeviceError
+from catseye.drivers.roles.clock import Clock
+from catseye.drivers.roles.errors import DeviceError
 
 _log = logging.getLogger(__name__)
 

@@ -10,8 +10,8 @@ from catseye.calibration.kinematics import forward, wrap_rad
 from catseye.calibration.pointing import aim as aimed_j4_rad
 from catseye.calibration.pointing import beam_direction, nearest_branch
 from catseye.calibration.types import Floats
-from catseye.procedures.bench import Bench, Reflector
-from catseye.procedures.devices import Joints
+from catseye.drivers.roles.protocols import Joints
+from catseye.procedures.kit.bench import Bench, Reflector
 
 StepJoint = Literal["j1", "j2", "j4", "beam"]
 

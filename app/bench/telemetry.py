@@ -16,8 +16,8 @@ from catseye.app.bench.traffic import Traffic
 from catseye.app.engine.devices import DeviceBuilder, Devices, WireRecorder
 from catseye.app.engine.handle import RunHandle
 from catseye.app.engine.waiting import cancel
-from catseye.drivers.clock import Clock
-from catseye.procedures.context import Json
+from catseye.drivers.roles.clock import Clock
+from catseye.procedures.kit.context import Json
 
 _log = logging.getLogger(__name__)
 

@@ -2,8 +2,8 @@
 
 from collections import deque
 
-from catseye.drivers.clock import Clock
-from catseye.procedures.context import Json
+from catseye.drivers.roles.clock import Clock
+from catseye.procedures.kit.context import Json
 
 MOST_LINES = 200
 """Lines that wait to be told."""

@@ -7,8 +7,8 @@ from catseye.app.cell.model import Cell
 from catseye.app.engine.compensation import AirRule
 from catseye.app.engine.conditions import AirLimits
 from catseye.app.errors import ConfigError
-from catseye.drivers.registry import load_driver
-from catseye.procedures.bench import Alignment, Arm, Bench, Following, Noise, Optics, Reflector, Timing
+from catseye.drivers.roles.registry import load_driver
+from catseye.procedures.kit.bench import Alignment, Arm, Bench, Following, Noise, Optics, Reflector, Timing
 
 
 def bench_of(cell: Cell) -> Bench:

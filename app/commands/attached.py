@@ -17,7 +17,7 @@ from catseye.app.service.errors import BadMessageError, RefusedError, ServiceErr
 from catseye.app.service.lines import Lines
 from catseye.app.service.messages import VERSION, Message, decode_object
 from catseye.app.service.questions import answer_of, prompt_of
-from catseye.procedures.context import Json, Prompt
+from catseye.procedures.kit.context import Json, Prompt
 
 PROGRAM = "attach"
 _LADDER = ("hold", "stop", "abort")

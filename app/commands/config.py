@@ -12,8 +12,8 @@ from catseye.app.engine.interlock import NO_DOOR
 from catseye.app.errors import ConfigError, UsageError
 from catseye.app.files.atomic import write_atomically
 from catseye.app.instruments import device_builder
-from catseye.drivers.clock import SystemClock
-from catseye.drivers.endpoint import TcpEndpoint, parse_endpoint
+from catseye.drivers.links.endpoint import TcpEndpoint, parse_endpoint
+from catseye.drivers.roles.clock import SystemClock
 
 _LOOPBACK = {"127.0.0.1", "localhost", "::1"}
 

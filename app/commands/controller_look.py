@@ -4,8 +4,8 @@ from collections.abc import Awaitable, Callable
 
 from catseye.app.engine.before_motion import beyond
 from catseye.app.engine.gate import JointLimits
-from catseye.drivers.errors import ProtocolError, RefusedError
 from catseye.drivers.melfa.controller import MelfaController
+from catseye.drivers.roles.errors import ProtocolError, RefusedError
 
 Look = tuple[list[str], list[str]]
 """Facts and advice."""

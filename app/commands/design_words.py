@@ -10,7 +10,7 @@ from catseye.app.analysis.designing import Design, NodeUncertainty, node_uncerta
 from catseye.app.commands.output import emit, emit_json, say, table
 from catseye.app.commands.progress import duration_text
 from catseye.calibration.design.criteria import CriterionName
-from catseye.procedures.context import Json
+from catseye.procedures.kit.context import Json
 
 _CRITERIA: tuple[CriterionName, ...] = ("A", "D", "E", "path")
 

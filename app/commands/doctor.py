@@ -19,10 +19,10 @@ from catseye.app.engine.stopping_distance import stopping_text
 from catseye.app.errors import LinkFailedError, UsageError
 from catseye.app.instruments import device_builder, further_device
 from catseye.app.running import joint_limits
-from catseye.drivers.clock import SystemClock
-from catseye.drivers.errors import DeviceError
 from catseye.drivers.melfa.controller import MelfaController
-from catseye.procedures.devices import DeviceIdentity, Environment, Interferometer, Robot, Tracker
+from catseye.drivers.roles.clock import SystemClock
+from catseye.drivers.roles.errors import DeviceError
+from catseye.drivers.roles.protocols import DeviceIdentity, Environment, Interferometer, Robot, Tracker
 
 Look = Callable[[], Awaitable[tuple[list[str], list[str]]]]
 """Returns facts and advice about a connected device."""

@@ -20,7 +20,7 @@ from catseye.app.service.address import socket_folder, socket_name
 from catseye.app.service.engine_process import EngineProcess
 from catseye.app.service.errors import RefusedError
 from catseye.app.service.messages import AnyRequest, Resume, Start, decode_request, encode
-from catseye.procedures.context import Json
+from catseye.procedures.kit.context import Json
 
 
 def engine_command(cell: Path, runs: Path | None, wait_for_client_s: float | None, once: bool) -> None:

@@ -16,7 +16,7 @@ from catseye.app.running import PlannedRun, carry_out
 from catseye.app.service.console import KEYS, Console
 from catseye.app.service.lines import Lines, in_foreground
 from catseye.app.service.run_service import RunService
-from catseye.drivers.clock import SystemClock
+from catseye.drivers.roles.clock import SystemClock
 
 
 async def serve_and_run(planned: PlannedRun, root: Path, options: DriveOptions) -> RunOutcome:

@@ -34,7 +34,7 @@ from catseye.calibration.fit_statistics import SIGNIFICANCE
 from catseye.calibration.identification import Identification
 from catseye.calibration.layout import ModelName
 from catseye.calibration.uncertainty.contributions import Contributions
-from catseye.procedures.bench import Bench
+from catseye.procedures.kit.bench import Bench
 
 
 @dataclass(frozen=True)

@@ -11,7 +11,7 @@ from catseye.app.commands.output import say
 from catseye.app.commands.progress import ProgressBar
 from catseye.app.errors import UsageError
 from catseye.app.files.result_json import Result
-from catseye.procedures.bench import Bench
+from catseye.procedures.kit.bench import Bench
 
 if TYPE_CHECKING:
     from catseye.app.commands.identify import IdentifyOptions

@@ -8,7 +8,7 @@ from catseye.app.commands.progress import ProgressBar
 from catseye.app.commands.question_line import QuestionLine, live_text
 from catseye.app.service.questions import prompt_of
 from catseye.app.story.words import first_motion_text
-from catseye.procedures.context import Json
+from catseye.procedures.kit.context import Json
 
 _ENDING = {"STOPPING", "ABORTING"}
 _STATES_WORTH_TELLING = {

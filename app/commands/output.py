@@ -6,7 +6,7 @@ import sys
 from collections.abc import Iterable, Sequence
 
 from catseye.app.errors import OutputError, ReaderGoneError
-from catseye.drivers.device_text import harmless_lines
+from catseye.drivers.roles.text import harmless_lines
 
 
 def emit(text: str) -> None:

@@ -5,7 +5,7 @@ import sys
 from collections.abc import Mapping
 
 from catseye.app.service.questions import hint
-from catseye.procedures.context import Json, Prompt
+from catseye.procedures.kit.context import Json, Prompt
 
 _INPUT = "> "
 # What a technician can act on; more digits only flicker.

@@ -5,8 +5,8 @@ from catseye.app.commands.progress import duration_text
 from catseye.app.engine.arm_model import AT_REST, Speeds
 from catseye.app.engine.dry_run import DryRunContext, DryStep
 from catseye.app.running import PlannedRun
-from catseye.procedures.bench import Arm
-from catseye.procedures.context import Json
+from catseye.procedures.kit.bench import Arm
+from catseye.procedures.kit.context import Json
 
 _HEADER = [
     "step",

@@ -13,7 +13,7 @@ from catseye.app.runs_folder import runs_folder
 from catseye.app.store.catalog import resolve_run
 from catseye.app.store.mend import seal_late
 from catseye.app.store.reader import RunReader
-from catseye.drivers.clock import SystemClock
+from catseye.drivers.roles.clock import SystemClock
 
 
 def resume_command(

@@ -18,7 +18,7 @@ from catseye.app.procedure_list import load_procedure, parse_params
 from catseye.app.running import PlannedRun, plan_run, rehearse
 from catseye.app.runs_folder import runs_folder
 from catseye.app.walk.planning import as_walk
-from catseye.procedures.context import Json
+from catseye.procedures.kit.context import Json
 
 
 @dataclass(frozen=True)

@@ -23,9 +23,9 @@ from catseye.app.errors import SafetyError, UsageError
 from catseye.app.guard.raw import plain_connection, raw_connection, raw_guard
 from catseye.app.instruments import device_builder, stop_request
 from catseye.app.runs_folder import runs_folder
-from catseye.drivers.clock import SystemClock
-from catseye.drivers.record import Direction
-from catseye.drivers.transport import Transport
+from catseye.drivers.links.record import Direction
+from catseye.drivers.links.transport import Transport
+from catseye.drivers.roles.clock import SystemClock
 
 LineEnd = Literal["cr", "lf", "crlf", "none"]
 

@@ -22,7 +22,7 @@ def tui_command(cell: Path | None, runs: Path | None, speed: float) -> None:
     from catseye.app.tui.session import Session
     from catseye.app.tui.way_out import ends_on_signals
     from catseye.app.tui.work import Commands
-    from catseye.drivers.clock import SystemClock
+    from catseye.drivers.roles.clock import SystemClock
 
     keymap: dict[str, str] = {}
     trouble: tuple[str, str] | None = None

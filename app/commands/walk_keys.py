@@ -11,8 +11,8 @@ from typing import Final
 from catseye.app.engine.announcer import Publish
 from catseye.app.tui.dead_man import DeadMan
 from catseye.app.walk.feed import Feed
-from catseye.drivers.clock import Clock
-from catseye.procedures.context import Json
+from catseye.drivers.roles.clock import Clock
+from catseye.procedures.kit.context import Json
 
 HINT: Final = (
     "hold the space bar to walk; let it go and the arm is stopped. h hold · g go on · s stop · a abort, without "

@@ -11,8 +11,8 @@ from catseye.calibration.refractive_index import (
     outside_nist_range,
     refractive_index,
 )
-from catseye.procedures.context import Json
-from catseye.procedures.devices import Air
+from catseye.drivers.roles.protocols import Air
+from catseye.procedures.kit.context import Json
 
 CompensatedBy = Literal["none", "instrument"]
 """Who corrects before the program sees a length: nobody, or the instrument."""

@@ -9,9 +9,9 @@ from catseye.app.engine.control import RunControl
 from catseye.app.engine.measuring import AirCache
 from catseye.app.engine.states import RUNNING, State
 from catseye.app.errors import InterruptionError, SafetyError
-from catseye.drivers.clock import Clock
-from catseye.drivers.errors import DeviceError
-from catseye.procedures.devices import ControllerStatus, Robot
+from catseye.drivers.roles.clock import Clock
+from catseye.drivers.roles.errors import DeviceError
+from catseye.drivers.roles.protocols import ControllerStatus, Robot
 
 _log = logging.getLogger(__name__)
 

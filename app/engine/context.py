@@ -21,10 +21,19 @@ from catseye.app.errors import ConfigError, UnwalkedError, UsageError
 from catseye.app.files.measured_csv import read_typed_csv
 from catseye.app.store.rows import encode
 from catseye.app.store.run_store import RunStore
-from catseye.drivers.clock import Clock
-from catseye.procedures.context import Json, Live, Location, MeasuredPoint, Measurement, Prompt, Row, Table
-from catseye.procedures.devices import Air, BeamStatus, Joints, Tracker, WayRobot
-from catseye.procedures.errors import MeasuredFileError
+from catseye.drivers.roles.clock import Clock
+from catseye.drivers.roles.protocols import Air, BeamStatus, Joints, Tracker, WayRobot
+from catseye.procedures.kit.context import (
+    Json,
+    Live,
+    Location,
+    MeasuredPoint,
+    Measurement,
+    Prompt,
+    Row,
+    Table,
+)
+from catseye.procedures.kit.errors import MeasuredFileError
 
 _DEFAULT_AIR = AirRule()
 
@@ -48,7 +57,7 @@ class _OpenStep:
 
 
 class RunContext:
-    """Implements `catseye.procedures.context.Context` with real or emulated instruments.
+    """Implements `catseye.procedures.kit.context.Context` with real or emulated instruments.
 
     Args:
         devices: connected instruments.

@@ -5,7 +5,7 @@ import json
 from collections.abc import Callable, Mapping
 
 from catseye.app.errors import LinkFailedError
-from catseye.procedures.context import Json
+from catseye.procedures.kit.context import Json
 
 _LIMIT_S = 10.0
 """Real seconds that one grip may take."""
@@ -13,7 +13,7 @@ _LIMIT_S = 10.0
 _LONGEST_ANSWER_BYTES = 1 << 16
 
 Task = Mapping[str, Json]
-"""What is to be done; see `catseye.procedures.context.Prompt`."""
+"""What is to be done; see `catseye.procedures.kit.context.Prompt`."""
 
 
 class Hands:

@@ -43,8 +43,8 @@ from catseye.app.guard.client import ArmGuard
 from catseye.app.store.lines import LogHandler
 from catseye.app.store.reader import Accept, RunReader
 from catseye.app.store.run_store import RunStore
-from catseye.drivers.clock import Clock
-from catseye.procedures.context import Json
+from catseye.drivers.roles.clock import Clock
+from catseye.procedures.kit.context import Json
 
 _log = logging.getLogger(__name__)
 

@@ -17,7 +17,7 @@ from catseye.app.engine.timekeeping import StepTime
 from catseye.app.exitcode import ExitCode
 from catseye.app.store.run_store import DEFAULT_RESERVE_BYTES
 from catseye.app.walk.rule import WalkRule
-from catseye.procedures.context import Context, Json
+from catseye.procedures.kit.context import Context, Json
 
 
 class Procedure(Protocol):

@@ -18,7 +18,7 @@ from catseye.calibration.extension import Part, Source, Target, Term
 from catseye.calibration.fit_statistics import FitStatistics, RobustLoss
 from catseye.calibration.identification import Identification
 from catseye.calibration.layout import GAUGE
-from catseye.drivers.user_file import read_regular
+from catseye.drivers.roles.user_file import read_regular
 
 Finite = Annotated[float, Field(allow_inf_nan=False)]
 Uncertainty = Annotated[float, Field(ge=0.0, allow_inf_nan=False)]

@@ -12,8 +12,8 @@ from catseye.app.guidance.cell_runs import CellRun, CellRuns
 from catseye.app.guidance.need import Need
 from catseye.app.guidance.words import age_text
 from catseye.app.procedure_list import Runnable
-from catseye.procedures.bench import Bench
-from catseye.procedures.errors import ProcedureError
+from catseye.procedures.kit.bench import Bench
+from catseye.procedures.kit.errors import ProcedureError
 
 LEVEL: Final = "beam-level"
 ALIGNMENT: Final = "beam-to-j4"

@@ -12,7 +12,7 @@ from catseye.app.cell.model import Cell
 from catseye.app.files.result_json import Result
 from catseye.calibration.diagnostics.diagnosis import Diagnosis
 from catseye.calibration.types import Floats
-from catseye.procedures.bench import Bench
+from catseye.procedures.kit.bench import Bench
 
 MODEL_TITLES = {"conventional": "conventional model", "error-map": "error map"}
 """What a reader calls the models."""

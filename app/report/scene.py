@@ -10,7 +10,7 @@ from catseye.app.report.content import ReportContent
 from catseye.calibration.kinematics import forward
 from catseye.calibration.pointing import visible
 from catseye.calibration.types import Floats
-from catseye.procedures.bench import Bench, Reflector
+from catseye.procedures.kit.bench import Bench, Reflector
 
 
 @dataclass(frozen=True)

@@ -20,9 +20,9 @@ from catseye.app.errors import CatseyeError, StorageError, UsageError
 from catseye.app.running import PlannedRun
 from catseye.app.service.errors import RefusedError
 from catseye.app.service.hub import Hub
-from catseye.drivers.clock import Clock
-from catseye.procedures.context import Json
-from catseye.procedures.devices import DeviceIdentity
+from catseye.drivers.roles.clock import Clock
+from catseye.drivers.roles.protocols import DeviceIdentity
+from catseye.procedures.kit.context import Json
 
 
 class EngineBench:

@@ -31,8 +31,8 @@ from catseye.app.service.messages import Message, Resume, Start
 from catseye.app.service.server import Server
 from catseye.app.service.sparse_log import SparseLog
 from catseye.app.walk.planning import as_walk
-from catseye.drivers.clock import SystemClock
-from catseye.procedures.context import Json
+from catseye.drivers.roles.clock import SystemClock
+from catseye.procedures.kit.context import Json
 
 _log = logging.getLogger(__name__)
 

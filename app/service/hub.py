@@ -18,8 +18,8 @@ from catseye.app.service.messages import VERSION, Message
 from catseye.app.service.prompt_desk import PromptDesk
 from catseye.app.service.questions import prompt_of
 from catseye.app.version import SOFTWARE
-from catseye.drivers.clock import Clock
-from catseye.procedures.context import Json
+from catseye.drivers.roles.clock import Clock
+from catseye.procedures.kit.context import Json
 
 _log = logging.getLogger(__name__)
 

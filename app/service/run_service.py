@@ -9,7 +9,7 @@ from catseye.app.engine.handle import RunHandle
 from catseye.app.engine.waiting import uncancelled
 from catseye.app.service.hub import Hub, Policy
 from catseye.app.service.server import Server
-from catseye.drivers.clock import SystemClock
+from catseye.drivers.roles.clock import SystemClock
 
 
 class RunService:

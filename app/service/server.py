@@ -18,7 +18,7 @@ from catseye.app.service.messages import MAX_LINE_BYTES
 from catseye.app.service.orders import Engine, Orders
 from catseye.app.service.session import Patience, Session
 from catseye.app.service.sparse_log import SparseLog
-from catseye.drivers.clock import Clock
+from catseye.drivers.roles.clock import Clock
 
 _log = logging.getLogger(__name__)
 

@@ -11,8 +11,8 @@ from catseye.app.engine.waiting import cancel
 from catseye.app.errors import SafetyError
 from catseye.app.walk.feed import Feed, FeedLostError
 from catseye.app.walk.walk import Walk
-from catseye.drivers.clock import Clock, SystemClock
-from catseye.procedures.devices import ControllerStatus, DeviceIdentity, Joints, Robot
+from catseye.drivers.roles.clock import Clock, SystemClock
+from catseye.drivers.roles.protocols import ControllerStatus, DeviceIdentity, Joints, Robot
 
 
 class FedRobot:

@@ -3,7 +3,7 @@
 from typing import Final
 
 from catseye.app.errors import CatseyeError
-from catseye.drivers.clock import Clock
+from catseye.drivers.roles.clock import Clock
 
 FED_FOR_S: Final = 0.3
 """How long one feeding lasts, real s."""

@@ -10,7 +10,7 @@ from catseye.app.walk.feed import Feed
 from catseye.app.walk.register import walked_legs
 from catseye.app.walk.tube import Leg
 from catseye.app.walk.walk import Walk
-from catseye.drivers.clock import SystemClock
+from catseye.drivers.roles.clock import SystemClock
 
 
 def as_walk(planned: PlannedRun, root: Path, walked: Iterable[Leg] = ()) -> PlannedRun:

@@ -15,8 +15,8 @@ from catseye.app.store.reader import RunReader, StoredStep
 from catseye.app.store.seal import read_manifest
 from catseye.app.store.verify import verify
 from catseye.app.walk.tube import Leg
-from catseye.procedures.context import Json
-from catseye.procedures.devices import DeviceIdentity, Joints
+from catseye.drivers.roles.protocols import DeviceIdentity, Joints
+from catseye.procedures.kit.context import Json
 
 WALK: Final = "walk"
 """Name of the procedure that a walk is stored as, and of what its record says about it."""

@@ -10,8 +10,8 @@ from catseye.app.store.run_store import RunStore
 from catseye.app.walk.register import as_row
 from catseye.app.walk.speed import place_text
 from catseye.app.walk.tube import TUBE_DEG, TUBE_MM, Leg, Tubes, legs_through, uncovered
-from catseye.procedures.context import Json, Prompt
-from catseye.procedures.devices import DeviceIdentity, Joints
+from catseye.drivers.roles.protocols import DeviceIdentity, Joints
+from catseye.procedures.kit.context import Json, Prompt
 
 WAIVER: Final = "walk_waiver"
 """What a run calls it in its record."""

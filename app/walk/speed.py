@@ -5,8 +5,8 @@ from typing import Final
 
 from catseye.app.errors import SafetyError
 from catseye.app.walk.tube import Leg
-from catseye.procedures.bench import Bench
-from catseye.procedures.motion.body_speed import fastest_mm_s
+from catseye.procedures.kit.bench import Bench
+from catseye.procedures.kit.motion.body_speed import fastest_mm_s
 
 FASTEST_MM_S: Final = 250.0
 """Of anything on the arm while it is walked."""

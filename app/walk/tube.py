@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from catseye.calibration.kinematics.sweep import cut_corners
-from catseye.procedures.devices import Joints
+from catseye.drivers.roles.protocols import Joints
 
 Floats = NDArray[np.float64]
 

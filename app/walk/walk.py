@@ -19,13 +19,13 @@ from catseye.app.walk.feed import Feed, FeedLostError
 from catseye.app.walk.register import WALK, as_row
 from catseye.app.walk.speed import FASTEST_MM_S, MOST_PERCENT, place_text, walking_percent
 from catseye.app.walk.tube import TUBE_DEG, TUBE_MM, Leg, Tubes, to_walk
-from catseye.procedures.bench import Bench
-from catseye.procedures.context import Context, Live, Row
-from catseye.procedures.devices import DeviceIdentity, Joints
-from catseye.procedures.errors import ArmMovedError
-from catseye.procedures.motion.body_speed import fastest_mm_s
-from catseye.procedures.motion.entry import stands_at, way_in
-from catseye.procedures.motion.motion_time import move_time_s
+from catseye.drivers.roles.protocols import DeviceIdentity, Joints
+from catseye.procedures.kit.bench import Bench
+from catseye.procedures.kit.context import Context, Live, Row
+from catseye.procedures.kit.errors import ArmMovedError
+from catseye.procedures.kit.motion.body_speed import fastest_mm_s
+from catseye.procedures.kit.motion.motion_time import move_time_s
+from catseye.procedures.scara.motion.entry import stands_at, way_in
 
 MotionsFrom = Callable[[Joints], Awaitable[Sequence[Leg]]]
 """Returns every motion of a plan that begins where the arm stands."""

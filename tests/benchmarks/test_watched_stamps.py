@@ -29,7 +29,7 @@ from catseye.app.service.client import EngineClient, connect
 from catseye.app.service.hub import Hub
 from catseye.app.service.mailbox import Mailbox
 from catseye.app.service.messages import encode
-from catseye.drivers.clock import SystemClock
+from catseye.drivers.roles.clock import SystemClock
 from catseye.drivers.umd.display import UmdDisplay
 from tests.benchmarks.stream_peers import RATE_HZ
 from tests.benchmarks.test_stream import peer

@@ -16,9 +16,9 @@ from catseye.app.store.reader import RunReader
 from catseye.calibration.comparison import rigid_fit
 from catseye.calibration.kinematics import inverse
 from catseye.calibration.types import Floats
-from catseye.drivers.clock import SystemClock
 from catseye.drivers.melfa.robot import MelfaR3
-from catseye.procedures.motion.approach import Command, with_take_up
+from catseye.drivers.roles.clock import SystemClock
+from catseye.procedures.scara.motion.approach import Command, with_take_up
 from catseye.simulators.config import EmulationConfig, ErrorBudget, TruthText
 from catseye.simulators.launch import EmulatedBench
 from tests.system.command import SPEED, catseye, emulated

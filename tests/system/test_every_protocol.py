@@ -3,7 +3,7 @@
 import json
 from pathlib import Path
 
-from catseye.drivers.registry import driver_names
+from catseye.drivers.roles.registry import driver_names
 from catseye.simulators.protocols import PROTOCOLS
 from tests.system.command import catseye, emulated
 

@@ -16,7 +16,7 @@ from catseye.app.cell.wizard.question import Question, number_of, text_of
 from catseye.app.errors import ConfigError
 from catseye.app.files.documents import parse_toml
 from catseye.app.instruments import device_builder, further_device
-from catseye.drivers.clock import SystemClock
+from catseye.drivers.roles.clock import SystemClock
 
 Data = dict[str, Any]
 Reflector = dict[str, str]

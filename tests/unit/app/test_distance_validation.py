@@ -18,7 +18,7 @@ from catseye.calibration.extension import j4_map, thermal_drift
 from catseye.calibration.identification import Identification, identify
 from catseye.calibration.layout import ModelName
 from catseye.calibration.points import Commands, Points
-from catseye.procedures.context import Row
+from catseye.procedures.kit.context import Row
 from tests.unit.app.store.fakes import TickingClock
 from tests.unit.calibration.paper import (
     NODES1_DEG,

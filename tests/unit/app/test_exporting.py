@@ -15,7 +15,7 @@ from catseye.app.files.measured_csv import read_measured_csv
 from catseye.app.files.points_csv import read_points_csv
 from catseye.app.files.result_json import TermEstimate, write_result
 from catseye.app.files.tabular import table_csv, table_parquet
-from catseye.procedures.context import Json, Row
+from catseye.procedures.kit.context import Json, Row
 from tests.unit.app.engine.fakes import point
 from tests.unit.app.report import sample
 from tests.unit.app.test_path_comparison import distances, stored

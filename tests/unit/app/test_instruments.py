@@ -11,7 +11,7 @@ from catseye.app.cell.template import TEMPLATE
 from catseye.app.commands.doctor import doctor_command
 from catseye.app.errors import ConfigError
 from catseye.app.instruments import device_builder, stop_request
-from catseye.drivers.clock import SystemClock
+from catseye.drivers.roles.clock import SystemClock
 
 
 def cell(**sections: dict[str, Any]) -> Cell:

@@ -9,7 +9,7 @@ from pydantic import BaseModel
 from catseye.app.errors import UsageError
 from catseye.app.parameter_words import param_text, range_text, typed_fault, value_text
 from catseye.app.procedure_list import load_procedure, parse_params, procedure_names
-from catseye.procedures.open_loop.open_loop import OpenLoopParams
+from catseye.procedures.scara.open_loop.open_loop import OpenLoopParams
 
 
 @pytest.mark.parametrize(

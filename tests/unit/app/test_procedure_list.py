@@ -4,9 +4,9 @@ import pytest
 
 from catseye.app.errors import UsageError
 from catseye.app.procedure_list import load_procedure, parse_params, procedure_names
-from catseye.procedures.open_loop.open_loop import OpenLoopParams
-from catseye.procedures.path.validation_path import PathParams
-from catseye.procedures.search.reflector_search import SearchParams
+from catseye.procedures.scara.open_loop.open_loop import OpenLoopParams
+from catseye.procedures.scara.path.validation_path import PathParams
+from catseye.procedures.scara.search.reflector_search import SearchParams
 
 
 def test_the_built_in_procedures_are_installed() -> None:

@@ -12,7 +12,7 @@ from catseye.app.commands.compensate import compensate_command
 from catseye.app.commands.design import DesignOptions, design_command
 from catseye.app.commands.export import export_command
 from catseye.app.commands.predict import predict_command
-from catseye.procedures.context import Row
+from catseye.procedures.kit.context import Row
 from tests.unit.app.commands.arms import bare, estimate, stored, text_file
 from tests.unit.app.engine.fakes import point
 from tests.unit.app.files.spreadsheet import formulas

@@ -5,7 +5,7 @@ import tomllib
 from catseye.app.cell.bench import bench_of
 from catseye.app.cell.model import Cell
 from catseye.app.cell.template import TEMPLATE
-from catseye.procedures.bench import Bench
+from catseye.procedures.kit.bench import Bench
 
 
 def cell_from_template() -> Cell:

@@ -11,10 +11,17 @@ from catseye.app.bench.observed import ObservedDevice, observed
 from catseye.app.bench.telemetry import Topic
 from catseye.app.engine.devices import Devices
 from catseye.app.engine.handle import RunHandle
-from catseye.drivers.errors import DeviceError, LinkError
-from catseye.drivers.readings import AirSample, CounterReading, CounterStatus, Identity, Joints, RobotStatus
-from catseye.drivers.stream import ValueHook
-from catseye.procedures.context import Json
+from catseye.drivers.links.stream import ValueHook
+from catseye.drivers.roles.errors import DeviceError, LinkError
+from catseye.drivers.roles.readings import (
+    AirSample,
+    CounterReading,
+    CounterStatus,
+    Identity,
+    Joints,
+    RobotStatus,
+)
+from catseye.procedures.kit.context import Json
 from tests.unit.drivers.virtual_time import VirtualClock
 
 

@@ -14,7 +14,7 @@ from catseye.app.bench.bench_message import bench_message
 from catseye.app.bench.facts import BenchFacts, facts_of
 from catseye.app.bench.gauges import Gauges
 from catseye.app.cell.model import Cell, FurtherDevice, Material
-from catseye.drivers.readings import AirSample, CounterStatus, Identity, Joints, RobotStatus
+from catseye.drivers.roles.readings import AirSample, CounterStatus, Identity, Joints, RobotStatus
 from tests.unit.app.bench.benches import bench_from_template, cell_from_template
 from tests.unit.app.engine.fakes import ManualClock
 

@@ -17,7 +17,7 @@ from catseye.app.service.errors import RefusedError
 from catseye.app.service.hub import Hub, Member
 from catseye.app.service.mailbox import Mailbox
 from catseye.app.service.messages import JogHold, JogMode, JogStep, Raw, Send
-from catseye.drivers.errors import LinkError
+from catseye.drivers.roles.errors import LinkError
 from tests.unit.app.bench.benches import cell_from_template
 from tests.unit.app.bench.timed_arm import HandFixture, TimedArm
 from tests.unit.app.guard.fakes import FakeGuard

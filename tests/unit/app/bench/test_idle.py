@@ -13,8 +13,8 @@ from catseye.app.bench.questions import AIR_S
 from catseye.app.engine.waiting import cancel
 from catseye.app.errors import ConfigError
 from catseye.app.service.errors import RefusedError
-from catseye.drivers.errors import RefusedError as DeviceRefusedError
-from catseye.drivers.readings import AirSample
+from catseye.drivers.roles.errors import RefusedError as DeviceRefusedError
+from catseye.drivers.roles.readings import AirSample
 from tests.unit.app.bench.kept import PulledCell, lost
 from tests.unit.drivers.virtual_time import VirtualClock, run
 

@@ -11,7 +11,7 @@ from catseye.app.cell.model import Cell
 from catseye.app.engine.waiting import cancel
 from catseye.app.exitcode import ExitCode
 from catseye.app.service.errors import RefusedError
-from catseye.drivers.errors import LinkError
+from catseye.drivers.roles.errors import LinkError
 from tests.unit.app.bench.jogs import alive, fed, hold, jogged, mode, nothing, now_s, step
 from tests.unit.app.bench.timed_arm import HandFixture, TimedArm
 from tests.unit.drivers.virtual_time import run

@@ -9,9 +9,15 @@ from catseye.app.bench.gauges import Gauges
 from catseye.app.bench.observed import ObservedAir, ObservedInterferometer, ObservedIo, observed
 from catseye.app.engine.devices import Devices
 from catseye.app.engine.interlock import Light
-from catseye.drivers.errors import AlarmError, DeviceError, LinkTimeoutError, ProtocolError, RefusedError
-from catseye.drivers.readings import Joints
-from catseye.procedures.devices import Interferometer, Robot, WayRobot
+from catseye.drivers.roles.errors import (
+    AlarmError,
+    DeviceError,
+    LinkTimeoutError,
+    ProtocolError,
+    RefusedError,
+)
+from catseye.drivers.roles.protocols import Interferometer, Robot, WayRobot
+from catseye.drivers.roles.readings import Joints
 from tests.unit.app.bench.kept import Pulled, PulledAir, PulledCell, PulledRobot, StreamingCounter
 from tests.unit.drivers.virtual_time import VirtualClock, run
 

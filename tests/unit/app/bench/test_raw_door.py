@@ -9,7 +9,7 @@ import pytest
 from catseye.app.bench.raw_door import RawDoor, raw_door
 from catseye.app.engine.door_watch import TICK_S
 from catseye.app.errors import SafetyError
-from catseye.drivers.memory import MemoryTransport, pipe
+from catseye.app.testing.memory import MemoryTransport, pipe
 from tests.unit.app.engine.test_door_watch import Watched
 
 

@@ -12,8 +12,8 @@ import pytest
 from catseye.app.bench.drives import RestingDrives
 from catseye.app.errors import ArmInUseError
 from catseye.app.service.errors import RefusedError
-from catseye.drivers.errors import LinkError
-from catseye.procedures.context import Json
+from catseye.drivers.roles.errors import LinkError
+from catseye.procedures.kit.context import Json
 from tests.unit.app.engine.fakes import FakeRobot
 from tests.unit.app.engine.test_door_watch import SteppedClock
 

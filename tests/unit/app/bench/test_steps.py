@@ -10,8 +10,8 @@ from hypothesis import strategies as st
 
 from catseye.app.bench.steps import step_target
 from catseye.app.errors import UsageError
-from catseye.procedures.bench import Bench, Reflector
-from catseye.procedures.devices import Joints
+from catseye.drivers.roles.protocols import Joints
+from catseye.procedures.kit.bench import Bench, Reflector
 from tests.unit.app.bench.benches import bench_from_template
 
 BENCH: Bench = bench_from_template()

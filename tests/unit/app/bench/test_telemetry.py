@@ -9,7 +9,7 @@ import pytest
 from catseye.app.bench.facts import facts_of
 from catseye.app.bench.telemetry import Telemetry, free_bytes
 from catseye.app.engine.devices import Devices
-from catseye.drivers.readings import CounterStatus
+from catseye.drivers.roles.readings import CounterStatus
 from tests.unit.app.bench.benches import bench_from_template, cell_from_template
 from tests.unit.app.bench.kept import Listeners, PulledCell, disk
 from tests.unit.drivers.virtual_time import VirtualClock, run

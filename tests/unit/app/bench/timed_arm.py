@@ -13,9 +13,9 @@ from catseye.app.cell.bench import air_rule, bench_of
 from catseye.app.cell.model import Cell
 from catseye.app.engine.devices import Devices
 from catseye.app.engine.interlock import Light
-from catseye.drivers.errors import DeviceError, RefusedError
-from catseye.drivers.readings import Identity, Joints, RobotStatus
-from catseye.procedures.context import Json
+from catseye.drivers.roles.errors import DeviceError, RefusedError
+from catseye.drivers.roles.readings import Identity, Joints, RobotStatus
+from catseye.procedures.kit.context import Json
 from tests.unit.app.guard.fakes import FakeGuard
 from tests.unit.drivers.virtual_time import VirtualClock
 

@@ -15,7 +15,7 @@ from catseye.app.engine.operator import Answer
 from catseye.app.errors import ReaderGoneError
 from catseye.app.exitcode import ExitCode
 from catseye.app.service.errors import ServiceError
-from catseye.procedures.context import Prompt
+from catseye.procedures.kit.context import Prompt
 from tests.patience import HANG_S
 from tests.unit.app.service.benches import ServiceBench, settled
 

@@ -17,8 +17,8 @@ from catseye.app.errors import ConfigError, UsageError, exit_code_of
 from catseye.app.exitcode import ExitCode
 from catseye.calibration.errors import UnidentifiableError
 from catseye.calibration.types import Bools
-from catseye.procedures.bench import Bench
-from catseye.procedures.motion.approach import Command
+from catseye.procedures.kit.bench import Bench
+from catseye.procedures.scara.motion.approach import Command
 
 NODES1 = "theta1_deg = [-140.0, -120.0, -100.0, -80.0, -60.0, -40.0, -20.0, 0.0, 20.0, 40.0, 60.0]"
 NODES2 = "theta2_deg = [0.0, 20.0, 40.0, 60.0, 80.0, 100.0, 120.0, 140.0]"

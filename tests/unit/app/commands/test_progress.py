@@ -8,7 +8,7 @@ import pytest
 from catseye.app.commands.narrator import Narrator
 from catseye.app.commands.output import table
 from catseye.app.commands.progress import ProgressBar, duration_text
-from catseye.procedures.context import Json
+from catseye.procedures.kit.context import Json
 
 
 @pytest.mark.parametrize(

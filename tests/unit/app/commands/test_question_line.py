@@ -6,7 +6,7 @@ import pytest
 
 from catseye.app.commands.narrator import Narrator
 from catseye.app.commands.question_line import live_text
-from catseye.procedures.context import Json
+from catseye.procedures.kit.context import Json
 
 
 class Screen:

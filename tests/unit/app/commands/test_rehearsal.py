@@ -13,9 +13,9 @@ from catseye.app.engine.dry_run import DryRunContext
 from catseye.app.engine.gate import JointLimits
 from catseye.app.procedure_list import load_procedure
 from catseye.app.running import PlannedRun
-from catseye.procedures.bench import Bench
-from catseye.procedures.context import Prompt, Row
-from catseye.procedures.open_loop.open_loop import OpenLoopParams
+from catseye.procedures.kit.bench import Bench
+from catseye.procedures.kit.context import Prompt, Row
+from catseye.procedures.scara.open_loop.open_loop import OpenLoopParams
 from tests.unit.procedures.benches import bench
 
 LIMITS = JointLimits((-170.0, 170.0), (-145.0, 145.0), (-360.0, 360.0))

@@ -16,9 +16,9 @@ from catseye.app.engine.measuring import AirCache
 from catseye.app.engine.states import State
 from catseye.app.engine.waiting import cancel
 from catseye.app.errors import InterruptionError, SafetyError
-from catseye.drivers.errors import LinkError
-from catseye.drivers.readings import AirSample, RobotStatus
-from catseye.procedures.devices import ControllerStatus
+from catseye.drivers.roles.errors import LinkError
+from catseye.drivers.roles.protocols import ControllerStatus
+from catseye.drivers.roles.readings import AirSample, RobotStatus
 from tests.unit.app.engine.fakes import FakeAir, FakeRobot, ManualClock
 
 LIMITS = AirLimits({"temperature_c": (15.0, 25.0), "pressure_hpa": (800.0, 1100.0)})

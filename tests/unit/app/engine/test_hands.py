@@ -9,7 +9,7 @@ import pytest
 from catseye.app.engine.hands import Hands
 from catseye.app.engine.operator import Answer, Operator, says_done
 from catseye.app.errors import ConfigError, LinkFailedError
-from catseye.procedures.context import Json, Prompt
+from catseye.procedures.kit.context import Json, Prompt
 from catseye.simulators.config import Screws
 from catseye.simulators.launch import EmulatedBench
 from tests.unit.app.engine.fakes import ManualClock

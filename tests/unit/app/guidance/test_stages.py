@@ -20,7 +20,7 @@ from catseye.app.guidance.survey import Survey, survey_cell
 from catseye.app.guidance.words import age_text
 from catseye.app.procedure_list import procedure_names
 from catseye.app.store.run_store import RunStore
-from catseye.procedures.context import Json
+from catseye.procedures.kit.context import Json
 from tests.unit.app.engine.fakes import ManualClock
 
 START = datetime(2026, 11, 21, 9, 0, tzinfo=UTC)

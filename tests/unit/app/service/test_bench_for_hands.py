@@ -11,8 +11,8 @@ from catseye.app.engine.devices import Devices
 from catseye.app.service.engine_bench import EngineBench
 from catseye.app.service.errors import RefusedError
 from catseye.app.service.hub import Hub
-from catseye.drivers.errors import LinkError
-from catseye.drivers.readings import Identity
+from catseye.drivers.roles.errors import LinkError
+from catseye.drivers.roles.readings import Identity
 from tests.unit.app.engine.fakes import ManualClock
 
 ROBOT = Identity("emulated", "1.0", "7", True)

@@ -27,7 +27,7 @@ from catseye.app.service.errors import RefusedError
 from catseye.app.service.messages import Start, decode_request
 from catseye.app.store.reader import RunReader
 from catseye.app.store.run_store import RunStore
-from catseye.procedures.context import Context, Prompt
+from catseye.procedures.kit.context import Context, Prompt
 from tests.patience import HANG_S
 from tests.unit.app.engine.fakes import FakeBench, Script
 from tests.unit.app.service.benches import event_of

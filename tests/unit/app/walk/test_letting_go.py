@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 from catseye.app.engine.request import RunOutcome
-from catseye.procedures.devices import Joints
+from catseye.drivers.roles.protocols import Joints
 from tests.patience import until
 from tests.unit.app.engine.fakes import ManualClock
 from tests.unit.app.walk.tours import ELSEWHERE, FIRST, SECOND, Tour, TourBench

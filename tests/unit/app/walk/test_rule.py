@@ -9,9 +9,9 @@ from catseye.app.errors import UnwalkedError
 from catseye.app.store.run_store import RunStore
 from catseye.app.walk.rule import WalkRule
 from catseye.app.walk.tube import Leg
-from catseye.drivers.readings import Identity
-from catseye.procedures.context import Json, Prompt
-from catseye.procedures.devices import Joints
+from catseye.drivers.roles.protocols import Joints
+from catseye.drivers.roles.readings import Identity
+from catseye.procedures.kit.context import Json, Prompt
 from tests.unit.app.store.fakes import TickingClock
 from tests.unit.app.walk.test_tube import CORNER, WALKED
 

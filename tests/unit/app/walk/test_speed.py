@@ -12,8 +12,8 @@ from numpy.typing import NDArray
 from catseye.app.errors import SafetyError
 from catseye.app.walk.speed import FASTEST_MM_S, walking_percent
 from catseye.app.walk.tube import Leg
-from catseye.procedures.devices import Joints
-from catseye.procedures.motion.body_speed import fastest_mm_s, top_speed_mm_s
+from catseye.drivers.roles.protocols import Joints
+from catseye.procedures.kit.motion.body_speed import fastest_mm_s, top_speed_mm_s
 from tests.unit.procedures.benches import LINK1_MM, LINK2_MM, bench
 
 BENCH = bench()

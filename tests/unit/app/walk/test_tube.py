@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from numpy.typing import NDArray
 
 from catseye.app.walk.tube import Leg, Tubes, legs_through
-from catseye.procedures.devices import Joints
+from catseye.drivers.roles.protocols import Joints
 
 TOLERANCES = np.array([1.0, 1.0, 5.0, 1.0])
 

@@ -12,10 +12,10 @@ from catseye.app.store.reader import RunReader
 from catseye.app.store.verify import verify
 from catseye.app.walk.register import WALK, geometry_digest, own_legs, walked_legs
 from catseye.app.walk.rule import PROMPT, WAIVER
-from catseye.drivers.errors import LinkError
-from catseye.drivers.readings import Identity
-from catseye.procedures.context import Context, Row
-from catseye.procedures.devices import Joints
+from catseye.drivers.roles.errors import LinkError
+from catseye.drivers.roles.protocols import Joints
+from catseye.drivers.roles.readings import Identity
+from catseye.procedures.kit.context import Context, Row
 from tests.unit.app.walk.tours import ELSEWHERE, FIRST, SECOND, Tour, TourBench
 
 REASON = "short visit, arm watched at the pendant"

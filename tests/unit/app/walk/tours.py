@@ -16,9 +16,9 @@ from catseye.app.running import PlannedRun, carry_out
 from catseye.app.walk.feed import Feed
 from catseye.app.walk.planning import as_walk
 from catseye.app.walk.register import own_legs
-from catseye.procedures.bench import Bench
-from catseye.procedures.context import Context, Prompt, Row
-from catseye.procedures.devices import Joints
+from catseye.drivers.roles.protocols import Joints
+from catseye.procedures.kit.bench import Bench
+from catseye.procedures.kit.context import Context, Prompt, Row
 from tests.unit.app.engine.fakes import FakeBench, ManualClock
 
 FIRST: Joints = (0.0, 60.0, 50.0, 0.0)
