@@ -326,7 +326,7 @@ class RunContext:
         percent = self._gate.override_percent
         speeds = self._speed_deg_s
         return {
-            "rests_after": list(prompt.resting_choices),
+            "rests_after": list(prompt.resting_answers),
             "target": None if prompt.target is None else list(prompt.target),
             "override_percent": percent,
             "speed_deg_s": None if speeds is None else [speed * percent / 100.0 for speed in speeds],

@@ -173,20 +173,18 @@ class Prompt:
     target: Joints | None = None
 
     @property
-    def resting_choices(self) -> tuple[str, ...]:
-        """The choices after which the arm does not move."""
+    def resting_answers(self) -> tuple[str, ...]:
+        """Answers after which the arm does not move; of a confirmation everything but "yes" is one."""
+        if self.kind != "choice":
+            return self.rests_after or ()
         resting = (self.safe_answer,) if self.rests_after is None else self.rests_after
         return tuple(choice for choice in resting if choice in self.choices)
 
     def moves_after(self, answer: str) -> bool:
         """Return whether the arm moves after an answer."""
-        match self.kind:
-            case "confirm":
-                return self.motion and answer == "yes"
-            case "choice":
-                return self.motion and answer not in self.resting_choices
-            case "number" | "text":
-                return self.motion and answer not in (self.rests_after or ())
+        if self.kind == "confirm":
+            return self.motion and answer == "yes"
+        return self.motion and answer not in self.resting_answers
 
 
 class Context(Protocol):
