@@ -10,19 +10,6 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from catseye.app.analysis.identified_uncertainty import by_jacobian
-from catseye.app.analysis.identifying import (
-    MODELS,
-    are_simulated,
-    bench_of_runs,
-    error_budget,
-    identified_result,
-    identify_rows,
-    run_rows,
-)
-from catseye.app.analysis.path_rows import path_measurement
-from catseye.app.analysis.truth import TruthComparison, compare_with_truth
-from catseye.app.analysis.validation import PathValidation, validate_on_path
 from catseye.app.cell.load import LoadedCell, load_cell
 from catseye.app.cell.model import Cell
 from catseye.app.cell.template import TEMPLATE
@@ -37,6 +24,19 @@ from catseye.app.files.documents import read_truth
 from catseye.app.files.points_csv import points_csv
 from catseye.app.files.result_json import Result, write_result
 from catseye.app.procedure_list import load_procedure, parse_params
+from catseye.app.results.scara.identify import (
+    MODELS,
+    are_simulated,
+    bench_of_runs,
+    error_budget,
+    identified_result,
+    identify_rows,
+    run_rows,
+)
+from catseye.app.results.scara.path_rows import path_measurement
+from catseye.app.results.scara.truth import TruthComparison, compare_with_truth
+from catseye.app.results.scara.uncertainty import by_jacobian
+from catseye.app.results.scara.validation import PathValidation, validate_on_path
 from catseye.app.running import PlannedRun, carry_out, plan_run
 from catseye.app.store.reader import RunReader
 from catseye.calibration.identification import Identification

@@ -3,13 +3,13 @@
 import sys
 from pathlib import Path
 
-from catseye.app.analysis.reporting import demo_truth
 from catseye.app.demo import evaluate
-from catseye.app.report.figures.canvas import svg
-from catseye.app.report.figures.error_maps import error_map_figure
-from catseye.app.report.figures.path_deviation import path_figure
-from catseye.app.report.figures.trajectories import trajectory_figure
-from catseye.app.report.path_view import gaps
+from catseye.app.render.canvas import svg
+from catseye.app.results.scara.figures.maps import error_map_figure
+from catseye.app.results.scara.figures.path import path_figure
+from catseye.app.results.scara.figures.trajectories import trajectory_figure
+from catseye.app.results.scara.path_view import gaps
+from catseye.app.results.scara.run_report import demo_truth
 from catseye.app.store.catalog import list_runs
 
 

@@ -3,14 +3,9 @@
 from pathlib import Path
 from typing import Any
 
-from catseye.app.analysis.result_comparison import (
-    Difference,
-    MapDifference,
-    ResultComparison,
-    compare_results,
-)
 from catseye.app.commands.output import emit, emit_json, say, table
 from catseye.app.files.result_json import read_result
+from catseye.app.results.scara.comparison import Difference, MapDifference, ResultComparison, compare_results
 
 _SIGNS = ("+", "−")
 

@@ -6,9 +6,6 @@ from typing import Any
 
 import numpy as np
 
-from catseye.app.analysis.compensating import CompensatedPath, compensate_path, require_clear, require_limits
-from catseye.app.analysis.path_range import lines_text
-from catseye.app.analysis.validation import TAKE_UP_DEG
 from catseye.app.cell.bench import bench_of
 from catseye.app.cell.load import load_cell
 from catseye.app.cell.model import Cell
@@ -21,7 +18,15 @@ from catseye.app.files.melfa_program import MelfaSettings, melfa_program
 from catseye.app.files.path_csv import read_path_csv, start_states
 from catseye.app.files.result_json import Result, read_result
 from catseye.app.files.ssfk_table import maps_of, ssfk_table
-from catseye.app.report.numbers import counted
+from catseye.app.results.numbers import counted
+from catseye.app.results.scara.compensation import (
+    CompensatedPath,
+    compensate_path,
+    require_clear,
+    require_limits,
+)
+from catseye.app.results.scara.path_range import lines_text
+from catseye.app.results.scara.validation import TAKE_UP_DEG
 from catseye.app.version import SOFTWARE
 from catseye.calibration.identification import IdentifiedArm
 from catseye.calibration.kinematics import Hand

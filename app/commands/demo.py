@@ -4,11 +4,11 @@ import asyncio
 import sys
 from pathlib import Path
 
-from catseye.app.analysis.validation import ModelOnPath
 from catseye.app.commands.narrator import Narrator
 from catseye.app.commands.output import emit, emit_json, say, table
 from catseye.app.demo import DemoInterruptedError, DemoResult, evaluate, measure, prepare_folder
 from catseye.app.engine.announcer import Publish
+from catseye.app.results.scara.validation import ModelOnPath
 
 
 def demo_command(out: Path, speed: float, seed: int, truth: Path | None, as_json: bool) -> None:
@@ -37,7 +37,7 @@ def demo_command(out: Path, speed: float, seed: int, truth: Path | None, as_json
 
 
 def _write_report(result: DemoResult) -> Path:
-    from catseye.app.analysis.reporting import demo_report
+    from catseye.app.results.scara.run_report import demo_report
 
     path = result.folder / "report.html"
     demo_report(result, path)

@@ -6,8 +6,6 @@ from pathlib import Path
 
 import numpy as np
 
-from catseye.app.analysis.design_problem import Wish, problem_of
-from catseye.app.analysis.designing import Design, Wanted, design
 from catseye.app.cell.bench import bench_of
 from catseye.app.cell.load import LoadedCell, load_cell
 from catseye.app.cell.reflectors import with_reflector_tables
@@ -19,7 +17,9 @@ from catseye.app.errors import UsageError
 from catseye.app.files.atomic import write_atomically
 from catseye.app.files.csv_text import csv_text
 from catseye.app.files.path_csv import DIRECTIONS, JOINTS, read_path_csv
-from catseye.app.report.design_page import render_design
+from catseye.app.results.scara.design.design import Design, Wanted, design
+from catseye.app.results.scara.design.problem import Wish, problem_of
+from catseye.app.results.scara.design.report import render_design
 from catseye.calibration.design.criteria import CriterionName
 from catseye.calibration.points import Commands
 

@@ -4,11 +4,11 @@ import math
 
 import numpy as np
 
-from catseye.app.analysis.design_commands import CommandChoice
-from catseye.app.analysis.design_layouts import Layout
-from catseye.app.analysis.designing import Design, NodeUncertainty, node_uncertainties, weakest
 from catseye.app.commands.output import emit, emit_json, say, table
 from catseye.app.commands.progress import duration_text
+from catseye.app.results.scara.design.commands import CommandChoice
+from catseye.app.results.scara.design.design import Design, NodeUncertainty, node_uncertainties, weakest
+from catseye.app.results.scara.design.layouts import Layout
 from catseye.calibration.design.criteria import CriterionName
 from catseye.procedures.kit.context import Json
 

@@ -5,11 +5,11 @@ from pathlib import Path
 
 import numpy as np
 
-from catseye.app.analysis.diagnosing import diagnose_distances, diagnosis_json
-from catseye.app.analysis.diagnosis_words import coefficient_text, findings
-from catseye.app.analysis.distance_source import load_distances
 from catseye.app.commands.output import emit, emit_json, say, table
 from catseye.app.commands.progress import ProgressBar
+from catseye.app.results.scara.diagnosis_document import diagnose_distances, diagnosis_json
+from catseye.app.results.scara.diagnosis_report import coefficient_text, findings
+from catseye.app.results.scara.distances import load_distances
 from catseye.calibration.diagnostics.diagnosis import Diagnosis
 from catseye.calibration.diagnostics.nested_models import ComparedModel
 

@@ -4,12 +4,12 @@ import json
 from pathlib import Path
 from typing import Literal
 
-from catseye.app.analysis.exporting import Export, result_export, run_export
 from catseye.app.commands.output import say
 from catseye.app.errors import UsageError
 from catseye.app.files.atomic import write_atomically
 from catseye.app.files.csv_text import comment_lines
 from catseye.app.files.tabular import table_parquet
+from catseye.app.results.scara.export import Export, result_export, run_export
 from catseye.app.runs_folder import runs_folder
 from catseye.app.store.catalog import resolve_run
 from catseye.app.store.reader import RunReader, accept

@@ -4,30 +4,30 @@ import math
 from dataclasses import dataclass
 from pathlib import Path
 
-from catseye.app.analysis.distance_source import DistanceSource, load_distances
-from catseye.app.analysis.extension_words import parse_extensions
-from catseye.app.analysis.identified_uncertainty import (
-    Propagated,
-    by_jacobian,
-    by_monte_carlo,
-    require_draws,
-    sentences,
-)
-from catseye.app.analysis.identifying import (
-    are_simulated,
-    identified_result,
-    problem_of_rows,
-    with_what_speaks_against,
-)
-from catseye.app.analysis.material import with_reference_links
-from catseye.app.analysis.robust_identifying import identify_robustly, robust_text
-from catseye.app.analysis.scan_identifying import is_scan
 from catseye.app.cluster.sharing import sharing
 from catseye.app.commands.identify_scan import identified_scan, say_scan, without_maps
 from catseye.app.commands.output import emit, emit_json, say, table
 from catseye.app.commands.progress import ProgressBar
 from catseye.app.errors import UsageError
 from catseye.app.files.result_json import Fit, LackOfFitPart, Result, write_result
+from catseye.app.results.scara.distances import DistanceSource, load_distances
+from catseye.app.results.scara.extensions import parse_extensions
+from catseye.app.results.scara.identify import (
+    are_simulated,
+    identified_result,
+    problem_of_rows,
+    with_what_speaks_against,
+)
+from catseye.app.results.scara.material import with_reference_links
+from catseye.app.results.scara.robust import identify_robustly, robust_text
+from catseye.app.results.scara.scan import is_scan
+from catseye.app.results.scara.uncertainty import (
+    Propagated,
+    by_jacobian,
+    by_monte_carlo,
+    require_draws,
+    sentences,
+)
 from catseye.app.store.unverified import taken_as_it_is
 from catseye.calibration.extension import Term
 from catseye.calibration.fit_statistics import SIGNIFICANCE

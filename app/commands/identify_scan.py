@@ -3,14 +3,14 @@
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from catseye.app.analysis.extension_words import parse_extensions
-from catseye.app.analysis.scan_identifying import SCAN_ROWS, identify_scan_file
 from catseye.app.cell.bench import bench_of
 from catseye.app.cell.load import load_cell
 from catseye.app.commands.output import say
 from catseye.app.commands.progress import ProgressBar
 from catseye.app.errors import UsageError
 from catseye.app.files.result_json import Result
+from catseye.app.results.scara.extensions import parse_extensions
+from catseye.app.results.scara.scan import SCAN_ROWS, identify_scan_file
 from catseye.procedures.kit.bench import Bench
 
 if TYPE_CHECKING:

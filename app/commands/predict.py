@@ -5,9 +5,6 @@ from typing import Any
 
 import numpy as np
 
-from catseye.app.analysis.path_range import lines_text, outside_text
-from catseye.app.analysis.path_start import start_text
-from catseye.app.analysis.validation import TAKE_UP_DEG, established_rows
 from catseye.app.commands.output import emit, emit_json, say, table
 from catseye.app.errors import MeasurementRejectedError
 from catseye.app.files.atomic import require_other_file
@@ -15,7 +12,10 @@ from catseye.app.files.identified_arm import arm_of, arm_remarks, nominal_of
 from catseye.app.files.path_csv import CommandPath, read_path_csv, start_states
 from catseye.app.files.predicted_csv import write_predicted_csv
 from catseye.app.files.result_json import read_result
-from catseye.app.report.numbers import counted
+from catseye.app.results.numbers import counted
+from catseye.app.results.scara.path_range import lines_text, outside_text
+from catseye.app.results.scara.path_start import start_text
+from catseye.app.results.scara.validation import TAKE_UP_DEG, established_rows
 from catseye.calibration.identification import IdentifiedArm
 from catseye.calibration.kinematics import Hand
 from catseye.calibration.prediction import Prediction, predict

@@ -2,9 +2,9 @@
 
 from pathlib import Path
 
-from catseye.app.analysis.reporting import require_html, result_report, run_report
 from catseye.app.commands.output import say
 from catseye.app.errors import UsageError
+from catseye.app.results.scara.run_report import require_html, result_report, run_report
 from catseye.app.runs_folder import runs_folder
 from catseye.app.store.catalog import resolve_run
 from catseye.app.store.reader import RunReader, accept

@@ -2,17 +2,17 @@
 
 from pathlib import Path
 
-from catseye.app.analysis.file_validation import FileValidation, validate_files
-from catseye.app.analysis.joint_maps import ARCSEC_PER_MDEG
-from catseye.app.analysis.reporting import require_html
-from catseye.app.analysis.validation import ModelOnPath
 from catseye.app.commands.output import emit, emit_json, say, table
 from catseye.app.errors import MeasurementRejectedError
-from catseye.app.report.agreement_text import agreement_text
-from catseye.app.report.numbers import probability
-from catseye.app.report.path_view import model_title
-from catseye.app.report.validation_facts import model_facts, validation_facts
-from catseye.app.report.validation_page import write_validation_page
+from catseye.app.results.numbers import probability
+from catseye.app.results.scara.agreement_text import agreement_text
+from catseye.app.results.scara.joint_maps import ARCSEC_PER_MDEG
+from catseye.app.results.scara.path_view import model_title
+from catseye.app.results.scara.run_report import require_html
+from catseye.app.results.scara.validation import ModelOnPath
+from catseye.app.results.scara.validation_document import model_facts, validation_facts
+from catseye.app.results.scara.validation_of_files import FileValidation, validate_files
+from catseye.app.results.scara.validation_page import write_validation_page
 from catseye.calibration.kinematics import Hand
 
 

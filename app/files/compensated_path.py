@@ -6,10 +6,10 @@ from pathlib import Path
 
 import numpy as np
 
-from catseye.app.analysis.compensating import STEP_DEG, CompensatedPath
 from catseye.app.files.atomic import write_atomically
 from catseye.app.files.csv_text import csv_text
 from catseye.app.files.path_csv import DIRECTIONS, JOINTS, PLACE
+from catseye.app.results.scara.compensation import STEP_DEG, CompensatedPath
 
 FORMAT = "catseye-compensation/1"
 

@@ -7,9 +7,9 @@ import textwrap
 from collections.abc import Iterator
 from dataclasses import dataclass
 
-from catseye.app.analysis.compensating import CompensatedPath
 from catseye.app.errors import UsageError
 from catseye.app.files.compensated_path import Origin
+from catseye.app.results.scara.compensation import CompensatedPath
 from catseye.procedures.scara.motion.approach import Command, Waypoint
 
 _COMMENT_WIDTH = 100

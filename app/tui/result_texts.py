@@ -7,13 +7,13 @@ from typing import Any, Final
 
 import numpy as np
 
-from catseye.app.analysis.exporting import result_rows
-from catseye.app.analysis.identified_uncertainty import sentences
-from catseye.app.analysis.result_comparison import MapDifference, ResultComparison
 from catseye.app.files.result_files import ResultFile
 from catseye.app.files.result_json import MapTable, Result
-from catseye.app.report.content import MODEL_TITLES
-from catseye.app.report.verdict import fit_verdict, identified
+from catseye.app.results.scara.comparison import MapDifference, ResultComparison
+from catseye.app.results.scara.content import MODEL_TITLES
+from catseye.app.results.scara.export import result_rows
+from catseye.app.results.scara.uncertainty import sentences
+from catseye.app.results.scara.verdict import fit_verdict, identified
 from catseye.app.tui.widgets.result_charts import COVERAGE, MapColumns
 from catseye.app.tui.work import command_line
 

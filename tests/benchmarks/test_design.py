@@ -9,12 +9,12 @@ from pathlib import Path
 import numpy as np
 from scipy import linalg
 
-from catseye.app.analysis.design_layouts import Places, best_layouts, candidate_places
-from catseye.app.analysis.design_problem import Problem, Wish, problem_of
 from catseye.app.cell.bench import bench_of
 from catseye.app.cell.load import load_cell
 from catseye.app.cell.template import TEMPLATE
 from catseye.app.cluster.sharing import InThisProcess
+from catseye.app.results.scara.design.layouts import Places, best_layouts, candidate_places
+from catseye.app.results.scara.design.problem import Problem, Wish, problem_of
 from catseye.calibration.design.candidates import apart
 from catseye.calibration.design.command_choice import CommandPool, choose_commands
 from catseye.calibration.design.criteria import Criterion

@@ -2,8 +2,8 @@
 
 import time
 
-from catseye.app.report.page import render_html
-from tests.unit.app.report import sample
+from catseye.app.render.page import render_html
+from tests.unit.app.results.scara import sample
 
 LIMIT_S = 4.0
 

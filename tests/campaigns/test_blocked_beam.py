@@ -6,9 +6,9 @@ from typing import Any
 import numpy as np
 import pytest
 
-from catseye.app.analysis.identifying import bench_of_runs, error_budget, identify_rows, run_rows
-from catseye.app.analysis.truth import compare_with_truth
 from catseye.app.cell.load import load_cell
+from catseye.app.results.scara.identify import bench_of_runs, error_budget, identify_rows, run_rows
+from catseye.app.results.scara.truth import compare_with_truth
 from catseye.app.store.catalog import resolve_run
 from catseye.app.store.reader import RunReader
 from tests.system.blocking import Story, misfits_um, random_blocks, run_blocked, still_truth

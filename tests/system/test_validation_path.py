@@ -7,8 +7,8 @@ from collections.abc import Iterator
 import numpy as np
 import pytest
 
-from catseye.app.analysis.distance_validation import validate_on_distances
-from catseye.app.analysis.path_rows import distance_path
+from catseye.app.results.scara.distance_validation import validate_on_distances
+from catseye.app.results.scara.path_rows import distance_path
 from catseye.app.store.reader import RunReader
 from catseye.calibration.fit_statistics import FitStatistics
 from catseye.calibration.identification import Identification

@@ -33,8 +33,8 @@ from catseye.app.tui.work import Done
 
 if TYPE_CHECKING:
     # The first screen is painted before files and mathematics are imported.
-    from catseye.app.analysis.result_comparison import ResultComparison
     from catseye.app.files.result_files import ResultFile, ResultFiles
+    from catseye.app.results.scara.comparison import ResultComparison
 
 _PARTS: Final = ("files", "maps", "values", "layout", "residuals", "fit", "path", "compare")
 _TITLES: Final = ("Files", "Maps", "Values", "Layout", "Residuals", "Fit", "Path", "Compare")
@@ -482,9 +482,9 @@ def _shelf(root: Path) -> "ResultFiles":
 
 def _compared(file: "ResultFile", other: "ResultFile") -> "tuple[ResultComparison, str] | str":
     """Return both results compared with the verdict, or why they cannot be."""
-    from catseye.app.analysis.result_comparison import compare_results
     from catseye.app.commands.compare import verdict
     from catseye.app.errors import UsageError
+    from catseye.app.results.scara.comparison import compare_results
 
     if file.result is None or other.result is None:
         return f"{other.path.name} cannot be read: {other.fault}"

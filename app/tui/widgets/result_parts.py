@@ -13,8 +13,8 @@ from catseye.app.tui.widgets.told import Told
 
 if TYPE_CHECKING:
     # The first screen is painted before files and mathematics are imported.
-    from catseye.app.analysis.result_comparison import ResultComparison
     from catseye.app.files.result_json import Result
+    from catseye.app.results.scara.comparison import ResultComparison
 
 _MAP_LEGEND: Final = "+ approached upwards   − downwards   ± both   bars ±2u (k = 2)"
 

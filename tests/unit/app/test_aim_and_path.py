@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 
 from catseye.app.aim import find_aim
-from catseye.app.analysis.path_rows import path_measurement
-from catseye.app.analysis.validation import established_rows
 from catseye.app.errors import StorageError, UsageError
+from catseye.app.results.scara.path_rows import path_measurement
+from catseye.app.results.scara.validation import established_rows
 from catseye.app.store.reader import RunReader
 from catseye.app.store.run_store import RunStore
 from catseye.calibration.points import Commands

@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from catseye.app.analysis.distance_validation import DistancePath, validate_on_distances
-from catseye.app.analysis.path_rows import distance_path, path_measurement
 from catseye.app.errors import UsageError
+from catseye.app.results.scara.distance_validation import DistancePath, validate_on_distances
+from catseye.app.results.scara.path_rows import distance_path, path_measurement
 from catseye.app.store.reader import RunReader
 from catseye.app.store.run_store import RunStore
 from catseye.calibration.errors import InsufficientPointsError

@@ -8,9 +8,9 @@ from typing import Any
 import numpy as np
 import pytest
 
-from catseye.app.analysis.identifying import identify_rows
-from catseye.app.analysis.truth import compare_with_truth, gauge_turn_rad, turned_places
 from catseye.app.files.points_csv import PointRow
+from catseye.app.results.scara.identify import identify_rows
+from catseye.app.results.scara.truth import compare_with_truth, gauge_turn_rad, turned_places
 from catseye.calibration.errors import InsufficientPointsError, MapRangeError, UnidentifiableError
 from catseye.calibration.identification import Identification
 from tests.unit.calibration.paper import (

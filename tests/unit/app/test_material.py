@@ -6,11 +6,11 @@ from typing import Any, cast
 import pytest
 from pydantic import ValidationError
 
-from catseye.app.analysis.material import with_reference_links
 from catseye.app.cell.model import Cell
 from catseye.app.cell.template import TEMPLATE
+from catseye.app.results.scara.material import with_reference_links
 from catseye.app.store.reader import RunReader
-from tests.unit.app.report.sample import hand_made
+from tests.unit.app.results.scara.sample import hand_made
 
 _SENSOR = {"name": "on-link", "driver": "modbus-air", "endpoint": "tcp://127.0.0.1:10600"}
 _STEEL = {"sensor": "on-link", "cte_per_k": 11.5e-6}

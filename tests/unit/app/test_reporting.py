@@ -5,11 +5,11 @@ from pathlib import Path
 
 import pytest
 
-from catseye.app.analysis.identifying import are_simulated
-from catseye.app.analysis.reporting import result_report, run_report
 from catseye.app.files.result_json import Result, read_result, write_result
-from tests.unit.app.report import sample
-from tests.unit.app.report.page_reader import Page, read_page
+from catseye.app.results.scara.identify import are_simulated
+from catseye.app.results.scara.run_report import result_report, run_report
+from tests.unit.app.render.page_reader import Page, read_page
+from tests.unit.app.results.scara import sample
 from tests.unit.app.test_path_comparison import measured, stored
 
 

@@ -4,13 +4,13 @@ from pathlib import Path
 
 import pytest
 
-from catseye.app.analysis.identifying import cell_of_run
 from catseye.app.cell.arm import shipped_arm, shipped_arms
 from catseye.app.cell.bench import bench_of
 from catseye.app.cell.load import load_cell
 from catseye.app.cell.plausible import implausible
 from catseye.app.cell.template import TEMPLATE
 from catseye.app.errors import ConfigError
+from catseye.app.results.scara.identify import cell_of_run
 from catseye.app.store.reader import RunReader
 from catseye.procedures.kit.context import Json
 from tests.unit.procedures.benches import WORKSPACE

@@ -7,14 +7,14 @@ from typing import Any
 import numpy as np
 import pytest
 
-from catseye.app.analysis import design_commands
-from catseye.app.analysis.design_time import BenchCost, bench_cost
 from catseye.app.cell.load import load_cell
 from catseye.app.cell.reflectors import with_reflector_tables
 from catseye.app.cell.template import TEMPLATE
 from catseye.app.commands.design import DesignOptions, design_command
 from catseye.app.errors import ConfigError, UsageError, exit_code_of
 from catseye.app.exitcode import ExitCode
+from catseye.app.results.scara.design import commands as design_commands
+from catseye.app.results.scara.design.bench_time import BenchCost, bench_cost
 from catseye.calibration.errors import UnidentifiableError
 from catseye.calibration.types import Bools
 from catseye.procedures.kit.bench import Bench

@@ -14,7 +14,7 @@ from catseye.app.errors import UsageError
 from catseye.app.files.result_json import Fit, Result, read_result
 from catseye.calibration.points import Points
 from tests.unit.app.commands.distances import write_points
-from tests.unit.app.report import sample
+from tests.unit.app.results.scara import sample
 from tests.unit.calibration.diagnostics.bench import Extra, commands_on_nodes, measured
 from tests.unit.calibration.paper import random_truth
 

@@ -7,12 +7,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from catseye.app.analysis import scan_identifying
 from catseye.app.cell.template import TEMPLATE
 from catseye.app.commands.identify import IdentifyOptions, identify_command
 from catseye.app.errors import UsageError
 from catseye.app.files.identified_arm import arm_of
 from catseye.app.files.result_json import Result, read_result
+from catseye.app.results.scara import scan as scan_identifying
 from catseye.calibration.points import Points
 from tests.unit.calibration.scans.scan import NAMES, arm, scan
 

@@ -7,7 +7,6 @@ from pathlib import Path
 
 import pytest
 
-from catseye.app.analysis.path_comparison import compare_path
 from catseye.app.commands.compare import compare_command
 from catseye.app.commands.export import export_command
 from catseye.app.commands.identify import IdentifyOptions, identify_command
@@ -17,6 +16,7 @@ from catseye.app.errors import StorageError
 from catseye.app.files.identified_arm import arm_remarks
 from catseye.app.files.points_csv import read_points_csv
 from catseye.app.files.result_json import read_result
+from catseye.app.results.scara.path_of_run import compare_path
 from catseye.app.store.reader import Accept, RunReader
 from tests.unit.app.test_path_comparison import distances, measured, stored
 

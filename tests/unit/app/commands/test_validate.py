@@ -7,18 +7,18 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from catseye.app.analysis.file_validation import validate_files
-from catseye.app.analysis.measured_file import travel_of
-from catseye.app.analysis.validation import TAKE_UP_DEG
 from catseye.app.cell.model import Measurement
 from catseye.app.commands.validate import validate_command
 from catseye.app.errors import MeasurementRejectedError, UsageError
 from catseye.app.files.result_json import write_result
+from catseye.app.results.scara.measured import travel_of
+from catseye.app.results.scara.validation import TAKE_UP_DEG
+from catseye.app.results.scara.validation_of_files import validate_files
 from catseye.calibration.errors import InsufficientPointsError
 from catseye.calibration.types import Floats
 from tests.unit.app.commands.arms import bare, stored, text_file
-from tests.unit.app.report import sample
-from tests.unit.app.report.page_reader import read_page
+from tests.unit.app.render.page_reader import read_page
+from tests.unit.app.results.scara import sample
 
 NOMINAL = (325.0, 225.0)
 TURN, SHIFT = math.radians(20.0), (1500.0, -800.0)

@@ -6,11 +6,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from catseye.app.analysis.compensating import CompensatedPath, compensate_path
 from catseye.app.errors import UsageError
 from catseye.app.files.compensated_path import Origin
 from catseye.app.files.melfa_program import MelfaSettings, melfa_program
 from catseye.app.files.path_csv import CommandPath, cartesian_commands
+from catseye.app.results.scara.compensation import CompensatedPath, compensate_path
 from catseye.calibration.error_map import BidirectionalMap
 from catseye.calibration.identification import IdentifiedArm
 from catseye.calibration.layout import Layout

@@ -8,7 +8,6 @@ from pathlib import Path
 
 import pytest
 
-from catseye.app.analysis.scan_identifying import is_scan
 from catseye.app.errors import UsageError
 from catseye.app.files.csv_table import LONGEST_LINE
 from catseye.app.files.joint_rows import read_joint_rows
@@ -17,6 +16,7 @@ from catseye.app.files.path_csv import read_path_csv
 from catseye.app.files.points_blocks import points_blocks
 from catseye.app.files.points_csv import COLUMNS, read_points_csv
 from catseye.app.procedure_list import load_procedure, parse_params
+from catseye.app.results.scara.scan import is_scan
 
 POINTS = ",".join(COLUMNS)
 ROW = "P1,0,-40.0,20.0,1,-1,0.25"

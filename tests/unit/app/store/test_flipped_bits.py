@@ -7,11 +7,11 @@ from pathlib import Path
 
 import pytest
 
-from catseye.app.analysis.distance_source import load_distances
 from catseye.app.commands.export import export_command
 from catseye.app.commands.runs import show_command, verify_command
 from catseye.app.errors import StorageError
 from catseye.app.exitcode import ExitCode
+from catseye.app.results.scara.distances import load_distances
 from catseye.app.store.seal import MANIFEST, read_manifest, unseal
 from tests.unit.app.test_path_comparison import measured, stored
 

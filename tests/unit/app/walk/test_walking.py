@@ -5,9 +5,9 @@ from pathlib import Path
 
 import pytest
 
-from catseye.app.analysis.reporting import run_report
 from catseye.app.cell.template import TEMPLATE
 from catseye.app.exitcode import ExitCode
+from catseye.app.results.scara.run_report import run_report
 from catseye.app.store.reader import RunReader
 from catseye.app.store.verify import verify
 from catseye.app.walk.register import WALK, geometry_digest, own_legs, walked_legs

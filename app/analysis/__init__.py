@@ -1,1 +1,0 @@
-"""What is done with distances and identified arms: identify, predict, validate, compensate, design, report."""

@@ -1,0 +1,96 @@
+"""What all figures share: style, colours, and the way to SVG.
+
+The object interface of matplotlib is used throughout: no pyplot, no state, no window.
+"""
+
+import html
+import io
+import re
+import warnings
+from typing import Any
+
+from matplotlib import rc_context
+from matplotlib.figure import Figure
+
+from catseye.app.render.compact_svg import compact
+
+POSITIVE = "#c62828"
+"""Approached upwards, or the way there."""
+
+NEGATIVE = "#1556b0"
+"""Approached downwards, or the way back."""
+
+CONVENTIONAL = "#1b7f3b"
+TRUTH = "#222222"
+MUTED = "#8a8f98"
+
+SERIES = (
+    ("#d55e00", "o"),
+    ("#0072b2", "s"),
+    ("#8e44ad", "^"),
+    ("#00806a", "D"),
+    ("#8c6d1f", "v"),
+    ("#444444", "P"),
+)
+"""Colour and marker of each reflector in turn; nothing is told by colour alone."""
+
+STYLE: dict[Any, Any] = {
+    "axes.axisbelow": True,
+    "axes.edgecolor": "#5f6670",
+    "axes.grid": True,
+    "axes.labelsize": 9,
+    "axes.linewidth": 0.8,
+    "axes.spines.right": False,
+    "axes.spines.top": False,
+    "axes.titlelocation": "left",
+    "axes.titlesize": 9.5,
+    "axes.titleweight": "bold",
+    "figure.constrained_layout.use": True,
+    "figure.facecolor": "none",
+    "font.family": "DejaVu Sans",
+    "font.size": 9,
+    "grid.color": "#e3e6ea",
+    "grid.linewidth": 0.7,
+    "legend.fontsize": 8.5,
+    "legend.frameon": False,
+    "lines.linewidth": 1.2,
+    "mathtext.fontset": "dejavusans",
+    "xtick.labelsize": 8.5,
+    "ytick.labelsize": 8.5,
+    "svg.fonttype": "none",
+    "text.parse_math": False,
+}
+"""Settings of every figure. The keys are untyped: releases of matplotlib type them differently."""
+
+WIDTH_IN = 8.0
+"""Width of every figure; the printed page is about as wide."""
+
+_NOT_FOR_A_PAGE = re.compile(r"<\?xml.*?\?>|<!DOCTYPE.*?>", re.DOTALL)
+_SIZE = re.compile(r'(<svg[^>]*?) width="[^"]*"', re.DOTALL)
+_HEIGHT = re.compile(r'(<svg[^>]*?) height="[^"]*"', re.DOTALL)
+_NAMES = re.compile(r'(\bid="|href="#|url\(#)')
+
+
+def series(index: int) -> tuple[str, str]:
+    """Return colour and marker of a reflector."""
+    return SERIES[index % len(SERIES)]
+
+
+def svg(figure: Figure, name: str, label: str) -> str:
+    """Return a figure as an SVG element that may stand beside others in one page.
+
+    Args:
+        figure: what to draw.
+        name: word that keeps the names inside this figure apart from those of other figures.
+        label: what a reader who cannot see it is told.
+    """
+    buffer = io.StringIO()
+    nothing = {"Creator": None, "Date": None, "Format": None, "Type": None}
+    with rc_context({**STYLE, "svg.hashsalt": name}), warnings.catch_warnings():
+        # Text stays text: the browser draws what matplotlib's own font lacks, say a reflector named 反射.
+        warnings.filterwarnings("ignore", message=r"Glyph \d+")
+        figure.savefig(buffer, format="svg", metadata=nothing)
+    text = _NOT_FOR_A_PAGE.sub("", buffer.getvalue()).strip()
+    text = _HEIGHT.sub(r"\1", _SIZE.sub(r"\1", text, count=1), count=1)
+    text = _NAMES.sub(rf"\g<1>{name}-", compact(text))
+    return text.replace("<svg ", f'<svg role="img" aria-label="{html.escape(label, quote=True)}" ', 1)

@@ -1,0 +1,80 @@
+"""HTML by plain functions. Text is escaped unless it is `Html` already."""
+
+import html
+from collections.abc import Iterable, Sequence
+from pathlib import Path
+
+STYLE = Path(__file__).with_name("report.css")
+"""Style sheet of every page."""
+
+
+class Html(str):
+    """Markup that stands as it is; any other string is text and is escaped."""
+
+    __slots__ = ()
+
+
+def element(name: str, *children: str, **attributes: str) -> Html:
+    """Return an element.
+
+    Args:
+        name: tag.
+        children: texts and markup inside.
+        attributes: a trailing underscore is dropped, so that `class_` and `id_` can be written.
+    """
+    written = "".join(
+        f' {key.rstrip("_")}="{html.escape(value, quote=True)}"' for key, value in attributes.items()
+    )
+    return Html(f"<{name}{written}>{join(children)}</{name}>")
+
+
+def join(children: Iterable[str]) -> Html:
+    """Return texts and markup one after the other."""
+    return Html("".join(child if isinstance(child, Html) else html.escape(child) for child in children))
+
+
+def paragraphs(*texts: str) -> Html:
+    """Return one paragraph a text; empty ones are left out."""
+    return join(element("p", text) for text in texts if text)
+
+
+def bullets(texts: Iterable[str]) -> Html:
+    """Return a list."""
+    return element("ul", *(element("li", text) for text in texts))
+
+
+def table(caption: str, head: Sequence[str], rows: Iterable[Sequence[str]], text_columns: int = 1) -> Html:
+    """Return a table that scrolls by itself on a narrow screen.
+
+    Args:
+        caption: what it shows.
+        head: names of the columns with their units.
+        rows: cells; the first names the row.
+        text_columns: columns from the left that hold text; numbers stand flush right.
+    """
+
+    def kind(column: int) -> str:
+        return "text" if column < text_columns else "number"
+
+    names = (element("th", name, scope="col", class_=kind(i)) for i, name in enumerate(head))
+    body = (
+        element(
+            "tr",
+            element("th", row[0], scope="row", class_="text"),
+            *(element("td", cell, class_=kind(i)) for i, cell in enumerate(row[1:], start=1)),
+        )
+        for row in rows
+    )
+    inner = element(
+        "table",
+        element("caption", caption),
+        element("thead", element("tr", *names)),
+        element("tbody", *body),
+    )
+    return element("div", inner, class_="scroll")
+
+
+def section(anchor: str, title: str, *children: str) -> Html:
+    """Return a section with its heading; empty when it has nothing to show."""
+    content = join(children)
+    return element("section", element("h2", title), content, id_=anchor) if content else Html()

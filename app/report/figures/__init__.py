@@ -1,1 +1,0 @@
-"""Figures of the report, one module each; a figure becomes SVG text that stands inside the page."""

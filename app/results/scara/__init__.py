@@ -1,0 +1,1 @@
+"""Analyses of a SCARA measured by open-loop tracking, one report function each."""

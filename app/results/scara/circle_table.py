@@ -1,0 +1,59 @@
+"""Quantities after ISO 230-4 of a path that is a circle, driven in both senses."""
+
+import numpy as np
+
+from catseye.app.render.markup import Html, paragraphs, table
+from catseye.app.results.numbers import fixed, plain, signed
+from catseye.app.results.scara.path_view import model_title
+from catseye.app.results.scara.validation import PathValidation
+from catseye.calibration.standards.circular import Circular, algebraic_centre, circular, least_squares_centre
+from catseye.calibration.types import Bools, Floats
+
+_ROUND = 1e-3
+"""A path whose radii differ by less than this share is a circle."""
+
+_WHOLE_RAD = 1.9 * np.pi
+"""Travel of a sense that counts as a whole circle."""
+
+
+def circle_table(validation: PathValidation) -> Html:
+    """Return circular errors as measured and as far as models predict them; empty for any other path."""
+    command = validation.path.command_mm
+    centre = algebraic_centre(command)
+    radius = np.hypot(*(command - centre).T)
+    if np.ptp(radius) > _ROUND * float(radius.mean()):
+        return Html()
+    turn = np.diff(np.unwrap(np.arctan2(*(command - centre).T[::-1])), prepend=np.nan)
+    turn[0] = turn[1]
+    clockwise, counter = turn < 0.0, turn > 0.0
+    if min(np.abs(turn[clockwise]).sum(), turn[counter].sum()) < _WHOLE_RAD:
+        return Html()
+    nominal_mm, last = float(radius.mean()), validation.models[-1]
+    shapes = [("measured", last.comparison.aligned_mm)]
+    shapes += [(model_title(model), model.prediction.position_mm) for model in validation.models]
+    rows = [
+        _row(name, _quantities(places, nominal_mm, clockwise, counter))
+        for name, places in shapes
+        if np.isfinite(places).all()
+    ]
+    head = ["contour", "G clockwise / µm", "G counter-clockwise / µm", "G(b) / µm"]
+    head += ["F max / µm", "F min / µm", "D / µm"]
+    note = (
+        f"Circle of {plain(round(nominal_mm, 3))} mm radius. G: circular error of each sense, G(b): bidirectional "
+        "circular error, F: radial errors from the nominal circle, D: mean bidirectional radial error; all about the "
+        "centre of the least-squares circle through both contours. A model stands here when it predicts the whole "
+        "circle."
+    )
+    return Html(table("Circular test, quantities of ISO 230-4", head, rows) + paragraphs(note))
+
+
+def _quantities(places: Floats, nominal_mm: float, clockwise: Bools, counter: Bools) -> Circular:
+    centre = least_squares_centre(places)
+    error = np.hypot(*(places - centre).T) - nominal_mm
+    return circular(error[clockwise], error[counter])
+
+
+def _row(name: str, found: Circular) -> list[str]:
+    ranges = (found.clockwise, found.counter_clockwise, found.bidirectional)
+    errors = (found.largest, found.smallest, found.mean)
+    return [name, *(fixed(1e3 * one, 1) for one in ranges), *(signed(1e3 * one, 1) for one in errors)]

@@ -1,0 +1,1 @@
+"""Where reflectors stand best, and which commands to use."""

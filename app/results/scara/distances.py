@@ -1,0 +1,84 @@
+"""Where distances come from: runs, or a points file with its cell file."""
+
+from dataclasses import dataclass
+from pathlib import Path
+
+from catseye.app.cell.bench import bench_of
+from catseye.app.cell.load import load_cell
+from catseye.app.errors import UsageError
+from catseye.app.files.points_csv import PointRow, read_points_csv, to_points
+from catseye.app.results.scara.distance_unit import require_millimetres
+from catseye.app.results.scara.identify import bench_of_runs, cell_of_run, error_budget, run_rows
+from catseye.app.runs_folder import runs_folder
+from catseye.app.store.catalog import resolve_run
+from catseye.app.store.reader import RunReader, accept
+from catseye.app.store.unverified import taken_as_it_is
+from catseye.calibration.uncertainty.budget import Budget
+from catseye.procedures.kit.bench import Bench
+
+
+@dataclass(frozen=True)
+class DistanceSource:
+    """Distances with what is needed to identify an arm from them.
+
+    Attributes:
+        rows: distances in measuring order.
+        bench: nodes, nominal links and rough reflectors.
+        budget: contributors of the uncertainty; None for what the rows state themselves.
+        names: of the runs or of the points file.
+        readers: the runs; none for a points file.
+        warnings: sentences about runs that did not end.
+    """
+
+    rows: list[PointRow]
+    bench: Bench
+    budget: Budget | None
+    names: list[str]
+    readers: list[RunReader]
+    warnings: list[str]
+
+
+def load_distances(
+    run: list[str], points: Path | None, cell: Path | None, runs: Path | None, unverified: bool = False
+) -> DistanceSource:
+    """Read distances.
+
+    Args:
+        run: runs by path, name, beginning of a name, or id.
+        points: points file instead of runs.
+        cell: its cell file.
+        runs: folder of the runs; None for the usual one.
+        unverified: take sealed runs too whose files were changed.
+
+    Raises:
+        UsageError: neither or both are given, or a file is wrong; names it.
+        StorageError: a run is damaged or was changed.
+    """
+    if bool(run) == (points is not None):
+        raise UsageError("give either runs, or --points FILE with --cell FILE")
+    if points is not None:
+        return _of_file(points, cell)
+    root = runs_folder(runs)
+    readers = [RunReader(resolve_run(root, text), accept(unverified=unverified)) for text in run]
+    warnings = [
+        f"warning: {reader.path.name} is {reader.status}; identifying from what it holds"
+        for reader in readers
+        if reader.status != "complete"
+    ]
+    names = [reader.path.name for reader in readers]
+    with taken_as_it_is(*readers):
+        budget = error_budget(cell_of_run(readers[0]))
+        rows, bench = run_rows(readers), bench_of_runs(readers, root)
+    warnings += dict.fromkeys(f"UNVERIFIED: {text}" for reader in readers for text in reader.unverified)
+    return DistanceSource(rows, bench, budget, names, readers, warnings)
+
+
+def _of_file(points: Path, cell: Path | None) -> DistanceSource:
+    if cell is None:
+        raise UsageError("--points needs --cell FILE: nodes, nominal links and rough reflectors stand there")
+    loaded = load_cell(cell)
+    names = [reflector.name for reflector in loaded.cell.reflector]
+    rows, bench = read_points_csv(points, names), bench_of(loaded.cell)
+    require_millimetres(points, to_points(rows, names), bench)
+    # A points file states its uncertainties itself, in the column sigma_mm.
+    return DistanceSource(rows, bench, None, [points.name], [], [])

@@ -1,0 +1,155 @@
+"""What runs and results hand to other programs, as rows of one table."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+from catseye.app.errors import UsageError
+from catseye.app.files.points_csv import PointRow, points_csv
+from catseye.app.files.result_json import Estimate, MapTable, Result, read_result
+from catseye.app.files.tabular import Row, table_csv
+from catseye.app.results.scara.identify import cell_of_run, run_rows
+from catseye.app.results.scara.path_rows import holds_distances
+from catseye.app.store.reader import RunReader
+from catseye.calibration.extension import Term
+
+_MEASURED = ("theta1_deg", "theta2_deg", "direction1", "direction2", "x_meas_mm", "y_meas_mm", "u_mm")
+
+
+@dataclass(frozen=True)
+class Export:
+    """One table.
+
+    Attributes:
+        source: name of the run or of the result file.
+        about: what stands beside the rows in JSON.
+        content: what the rows are: points, path, search, records, values.
+        rows: all of them with all their columns.
+        csv: text of the CSV file: where this program reads such a CSV, in the form that it reads.
+        unverified: what speaks against the run, or against those of the result; empty for what is as it was sealed.
+    """
+
+    source: str
+    about: Mapping[str, object]
+    content: str
+    rows: list[Row]
+    csv: str
+    unverified: Sequence[str] = ()
+
+
+def run_export(reader: RunReader) -> Export:
+    """Return the rows that a run has measured.
+
+    Raises:
+        UsageError: it has measured nothing.
+    """
+    tables: list[tuple[str, list[Any]]] = [
+        ("points", reader.points()),
+        ("path", reader.path_rows()),
+        ("search", reader.search()),
+        ("records", reader.records()),
+    ]
+    content, rows = next(((name, found) for name, found in tables if found), ("", []))
+    if not rows:
+        raise UsageError(
+            f"{reader.path.name} holds nothing to export: it is {reader.status} and has measured nothing; "
+            f"catseye show {reader.path.name} tells what happened"
+        )
+    about = {"run": reader.path.name, "meta": reader.meta}
+    return Export(reader.path.name, about, content, rows, _run_csv(reader, content, rows), reader.unverified)
+
+
+def _run_csv(reader: RunReader, content: str, rows: list[dict[str, Any]]) -> str:
+    if content == "points":
+        return points_csv(_with_whole_sigma(reader, run_rows([reader])))
+    if content == "path" and holds_distances(rows):
+        return points_csv(_with_whole_sigma(reader, [_distance(row) for row in rows]))
+    if content == "path":
+        located = [row for row in rows if row["x_meas_mm"] is not None and row["y_meas_mm"] is not None]
+        stated = all(row["u_mm"] is not None for row in located)
+        names = _MEASURED if stated else _MEASURED[:-1]
+        return table_csv([{name: row[name] for name in names} for row in located])
+    return table_csv(rows)
+
+
+def _with_whole_sigma(reader: RunReader, rows: list[PointRow]) -> list[PointRow]:
+    """Return rows with a standard uncertainty; a CSV carries no correlations, so it covers all contributors."""
+    sigma_mm = 1e-3 * cell_of_run(reader).uncertainty.distance_um
+    return [replace(row, sigma_mm=sigma_mm) for row in rows]
+
+
+def _distance(row: Mapping[str, Any]) -> PointRow:
+    return PointRow(
+        str(row["reflector"]),
+        int(row["segment"]),
+        float(row["theta1_deg"]),
+        float(row["theta2_deg"]),
+        int(row["direction1"]),
+        int(row["direction2"]),
+        float(row["displacement_mm"]),
+        None,
+    )
+
+
+def result_export(path: Path) -> Export:
+    """Return a result's parameters, one value a row.
+
+    Raises:
+        UsageError: the file is missing or no result.
+    """
+    result = read_result(path)
+    rows = result_rows(result)
+    about = {
+        "result": path.name,
+        "model": result.model,
+        "gauge": result.gauge,
+        "fit": result.fit.model_dump(exclude_none=True),
+        "provenance": result.provenance.model_dump(exclude={"unverified"}),
+    }
+    return Export(path.name, about, "values", rows, table_csv(rows), result.provenance.unverified or ())
+
+
+def result_rows(result: Result) -> list[Row]:
+    """Return every parameter as a row: quantity, node_deg, direction, value, unit, u (k = 1)."""
+    rows = [_row("L1", result.link1_mm, "mm"), _row("L2", result.link2_mm, "mm")]
+    for name, estimate, unit in (
+        ("L1 at 20 °C", result.link1_20c_mm, "mm"),
+        ("L2 at 20 °C", result.link2_20c_mm, "mm"),
+        ("θ20", result.theta20_mdeg, "mdeg"),
+    ):
+        rows += [] if estimate is None else [_row(name, estimate, unit)]
+    for name, table in (("Δθ1", result.theta1_map), ("Δθ2", result.theta2_map)):
+        rows += [] if table is None else _map_rows(name, table)
+    for one in result.extension or []:
+        term = Term(one.target, one.source, one.part, one.order)
+        rows.append(_row(term.name, Estimate(value=one.value, u=one.u), "µm" if one.unit == "um" else "mdeg"))
+    for place in result.reflectors:
+        rows += [_row(f"{place.name}.x", place.x_mm, "mm"), _row(f"{place.name}.y", place.y_mm, "mm")]
+    return rows + [
+        _row(f"dead path {dead.reflector}/{dead.segment}", dead.length_mm, "mm") for dead in result.dead_paths
+    ]
+
+
+def _map_rows(name: str, table: MapTable) -> list[Row]:
+    return [
+        _row(name, Estimate(value=value, u=u), "mdeg", node, direction)
+        for direction, values, us in (
+            (1, table.positive_mdeg, table.u_positive_mdeg),
+            (-1, table.negative_mdeg, table.u_negative_mdeg),
+        )
+        for node, value, u in zip(table.node_deg, values, us, strict=True)
+    ]
+
+
+def _row(
+    quantity: str, estimate: Estimate, unit: str, node_deg: float | None = None, direction: int | None = None
+) -> Row:
+    return {
+        "quantity": quantity,
+        "node_deg": node_deg,
+        "direction": direction,
+        "value": estimate.value,
+        "unit": unit,
+        "u": estimate.u,
+    }

@@ -1,0 +1,107 @@
+"""A stored validation path against the models of the measurement it belongs to."""
+
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from catseye.app.errors import UsageError
+from catseye.app.files.result_json import Result
+from catseye.app.results.scara.distance_validation import DistanceValidation, validate_on_distances
+from catseye.app.results.scara.identify import (
+    MODELS,
+    are_simulated,
+    bench_of_runs,
+    cell_of_run,
+    error_budget,
+    identified_result,
+    identify_rows,
+    run_rows,
+)
+from catseye.app.results.scara.material import with_reference_links
+from catseye.app.results.scara.mirrored import mirrored_text
+from catseye.app.results.scara.path_rows import distance_path, holds_distances, path_measurement
+from catseye.app.results.scara.validation import PathValidation, validate_on_path
+from catseye.app.store.catalog import list_runs
+from catseye.app.store.reader import Accept, RunReader
+from catseye.calibration.errors import CalibrationError
+from catseye.calibration.identification import Identification
+from catseye.procedures.kit.bench import Bench
+
+
+@dataclass(frozen=True)
+class PathComparison:
+    """What can be said about a stored path.
+
+    Attributes:
+        notes: which measurement the models come from, or why there is nothing to compare with.
+        results: both models.
+        validation: on the positions of an independent instrument.
+        distances: on distances of the interferometer.
+    """
+
+    notes: list[str]
+    results: list[Result] = field(default_factory=list)
+    validation: PathValidation | None = None
+    distances: DistanceValidation | None = None
+
+
+def compare_path(reader: RunReader, root: Path) -> PathComparison:
+    """Compare a run of validation-path with the models of the newest complete open-loop run of the same bench.
+
+    Args:
+        reader: the run.
+        root: folder of all runs.
+    """
+    measured = _measurement(reader, root)
+    if measured is None:
+        return PathComparison(
+            [
+                "the path is compared with nothing: there is no complete open-loop run of this cell with the same "
+                f"aim ({reader.meta.get('aim')}); measure one and report again"
+            ]
+        )
+    bench = bench_of_runs([measured], root)
+    try:
+        identified = [
+            identify_rows(run_rows([measured]), bench, model, error_budget(cell_of_run(measured)))
+            for model in MODELS
+        ]
+        found = _compared(reader, identified, bench)
+    except (CalibrationError, UsageError) as error:
+        return PathComparison(
+            [f"the path cannot be compared with the models of {measured.path.name}: {error}"]
+        )
+    results = [
+        identified_result(one, bench, [measured.path.name], are_simulated([measured])) for one in identified
+    ]
+    notes = [f"the models on the path were identified from {measured.path.name}", *found.notes]
+    return PathComparison(
+        notes, [with_reference_links(one, [measured]) for one in results], found.validation, found.distances
+    )
+
+
+def _compared(reader: RunReader, identified: list[Identification], bench: Bench) -> PathComparison:
+    if holds_distances(reader.path_rows()):
+        distances = validate_on_distances(distance_path(reader, bench.take_up_deg), identified)
+        return PathComparison(list(distances.rejected), distances=distances)
+    nominal = (bench.arm.link1_mm, bench.arm.link2_mm)
+    path = path_measurement(reader, bench.take_up_deg)
+    arms = [one.arm for one in identified]
+    validation = validate_on_path(path, arms, nominal)
+    mirrored = mirrored_text(validation)
+    return PathComparison([mirrored] if mirrored else [], validation=validation)
+
+
+def _measurement(reader: RunReader, root: Path) -> RunReader | None:
+    wanted = _bench_key(reader)
+    for run in reversed(list_runs(root)):
+        if run.procedure == "open-loop" and run.status == "complete":
+            found = RunReader(run.path, Accept.UNCHECKED)
+            if _bench_key(found) == wanted and found.count("points"):
+                return reader.beside(run.path)
+    return None
+
+
+def _bench_key(reader: RunReader) -> tuple[object, ...]:
+    """Return what two runs of one bench have in common."""
+    meta = reader.meta
+    return meta.get("cell"), meta.get("aim"), bool(meta.get("simulated"))

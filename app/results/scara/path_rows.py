@@ -1,0 +1,132 @@
+"""A stored validation path as a measurement: positions averaged over passes, or distances."""
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+
+from catseye.app.errors import UsageError
+from catseye.app.results.scara.distance_validation import DistancePath
+from catseye.app.results.scara.validation import PathMeasurement, established_rows
+from catseye.app.store.reader import RunReader
+from catseye.calibration.points import Commands, Points
+from catseye.calibration.types import Bools, Floats, Ints
+
+
+def path_measurement(reader: RunReader, take_up_deg: float) -> PathMeasurement:
+    """Return the mean of all passes of a stored validation path.
+
+    Args:
+        reader: a run of validation-path.
+        take_up_deg: travel after which a direction of approach holds.
+
+    Raises:
+        UsageError: the run holds no path, or distances along one.
+    """
+    rows = _rows(reader)
+    if holds_distances(rows):
+        raise UsageError(
+            f"{reader.path.name} holds distances along a path, not positions: it was measured with "
+            "instrument=interferometer"
+        )
+    passes: dict[int, list[Mapping[str, Any]]] = {}
+    for row in rows:
+        passes.setdefault(int(str(row.get("pass_number", 0))), []).append(row)
+    whole = [one for one in passes.values() if len(one) == len(passes[min(passes)])]
+    return _mean(whole, take_up_deg)
+
+
+def distance_path(reader: RunReader, take_up_deg: float) -> DistancePath:
+    """Return the distances of a stored validation path, all passes.
+
+    Args:
+        reader: a run of validation-path that was measured by the interferometer.
+        take_up_deg: travel after which a direction of approach holds.
+
+    Raises:
+        UsageError: the run holds no path, or positions along one.
+    """
+    rows = _rows(reader)
+    if not holds_distances(rows):
+        raise UsageError(
+            f"{reader.path.name} holds positions along a path, not distances: an independent instrument measured it"
+        )
+    commands = _commands(rows)
+    places = [(str(row["reflector"]), int(row["segment"])) for row in rows]
+    names, dead_paths = tuple(dict.fromkeys(name for name, _ in places)), tuple(dict.fromkeys(places))
+    points = Points(
+        commands=commands,
+        reflector=np.array([names.index(name) for name, _ in places], dtype=np.int64),
+        dead_path=np.array([dead_paths.index(place) for place in places], dtype=np.int64),
+        displacement_mm=_column(rows, "displacement_mm"),
+        sigma_mm=None,
+        reflector_names=names,
+        dead_paths=dead_paths,
+    )
+    established = _established(rows, commands, float(np.deg2rad(take_up_deg)))
+    return DistancePath(points, _command_mm(rows), _travel(rows), established)
+
+
+def holds_distances(rows: Sequence[Mapping[str, Any]]) -> bool:
+    """Return whether the rows of a path are distances; otherwise they are positions."""
+    return bool(rows) and rows[0].get("displacement_mm") is not None
+
+
+def _rows(reader: RunReader) -> list[dict[str, Any]]:
+    rows = reader.path_rows()
+    if not rows:
+        raise UsageError(f"{reader.path.name} holds no path; it takes a run of validation-path")
+    return list(rows)
+
+
+def _commands(rows: Sequence[Mapping[str, Any]]) -> Commands:
+    return Commands(
+        np.deg2rad(_column(rows, "theta1_deg")),
+        np.deg2rad(_column(rows, "theta2_deg")),
+        _column(rows, "direction1").astype(np.int64),
+        _column(rows, "direction2").astype(np.int64),
+    )
+
+
+def _command_mm(rows: Sequence[Mapping[str, Any]]) -> Floats:
+    return np.stack([_column(rows, "x_mm"), _column(rows, "y_mm")], axis=1)
+
+
+def _established(rows: Sequence[Mapping[str, Any]], commands: Commands, take_up_rad: float) -> Bools:
+    """Return where a direction of approach holds; each pass begins with a take-up of its own."""
+    pass_number = _column(rows, "pass_number")
+    flags = np.zeros(len(rows), dtype=np.bool_)
+    for number in np.unique(pass_number):
+        flags[pass_number == number] = established_rows(commands.select(pass_number == number), take_up_rad)
+    return flags
+
+
+def _travel(rows: Sequence[Mapping[str, Any]]) -> Ints:
+    """Return 1 on the way there and -1 on the way back; points may be missing, so the ends tell them apart."""
+    travel = np.ones(len(rows), dtype=np.int64)
+    pass_number, place = _column(rows, "pass_number"), _command_mm(rows)
+    for number in np.unique(pass_number):
+        own = np.flatnonzero(pass_number == number)
+        farthest = int(np.argmax(np.hypot(*(place[own] - place[own[0]]).T)))
+        travel[own[farthest + 1 :]] = -1
+    return travel
+
+
+def _mean(passes: Sequence[Sequence[Mapping[str, Any]]], take_up_deg: float) -> PathMeasurement:
+    first = passes[0]
+    measured = np.stack(
+        [np.stack([_column(p, "x_meas_mm"), _column(p, "y_meas_mm")], axis=1) for p in passes]
+    )
+    commands = _commands(first)
+    return PathMeasurement(
+        commands=commands,
+        command_mm=_command_mm(first),
+        travel=_travel(first),
+        measured_mm=measured.mean(axis=0),
+        u_mm=_column(first, "u_mm") / np.sqrt(len(passes)),
+        established=established_rows(commands, float(np.deg2rad(take_up_deg))),
+    )
+
+
+def _column(rows: Sequence[Mapping[str, Any]], key: str) -> Floats:
+    return np.array([np.nan if row[key] is None else float(row[key]) for row in rows])

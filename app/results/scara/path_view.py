@@ -1,0 +1,132 @@
+"""How a validation path is looked at: along which coordinate, and where the error map does not reach."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from catseye.app.files.result_json import MapTable, Result
+from catseye.app.results.numbers import plain
+from catseye.app.results.scara.content import MODEL_TITLES
+from catseye.app.results.scara.validation import ModelOnPath, PathMeasurement, PathValidation
+from catseye.calibration.types import Bools, Floats
+
+_STRAIGHT = 0.01
+"""A path that leaves a line by less than this share of its length counts as straight."""
+
+
+@dataclass(frozen=True)
+class PathAxis:
+    """The coordinate along a path.
+
+    Attributes:
+        values_mm: of each row, shape (n,).
+        label: what it is.
+        title: the path in words.
+        deviations: for each of two panels: symbol, what it is, component (0 is x, 1 is y).
+    """
+
+    values_mm: Floats
+    label: str
+    title: str
+    deviations: tuple[tuple[str, str, int], tuple[str, str, int]]
+
+
+@dataclass(frozen=True)
+class Gap:
+    """A stretch that is not predicted.
+
+    Attributes:
+        low_mm: where it begins on the axis.
+        high_mm: where it ends.
+        reason: why.
+    """
+
+    low_mm: float
+    high_mm: float
+    reason: str
+
+
+def path_axis(path: PathMeasurement) -> PathAxis:
+    """Return the coordinate along a path: Y or X of a straight one, else the way along it."""
+    x, y = path.command_mm.T
+    if np.ptp(x) <= _STRAIGHT * np.ptp(y):
+        return PathAxis(
+            y,
+            "Y / mm",
+            f"X = {plain(np.mean(x))} mm, Y = {plain(y.min())} … {plain(y.max())} mm",
+            (("E_{YY}", "linear positioning deviation", 1), ("E_{XY}", "straightness deviation", 0)),
+        )
+    if np.ptp(y) <= _STRAIGHT * np.ptp(x):
+        return PathAxis(
+            x,
+            "X / mm",
+            f"Y = {plain(np.mean(y))} mm, X = {plain(x.min())} … {plain(x.max())} mm",
+            (("E_{XX}", "linear positioning deviation", 0), ("E_{YX}", "straightness deviation", 1)),
+        )
+    steps = np.hypot(np.diff(x), np.diff(y))
+    return PathAxis(
+        np.append(0.0, np.cumsum(steps)),
+        "way along the path / mm",
+        f"{np.sum(steps):.0f} mm in the plane",
+        (("E_X", "error in x", 0), ("E_Y", "error in y", 1)),
+    )
+
+
+def gaps(validation: PathValidation, error_map: Result | None) -> list[Gap]:
+    """Return the stretches of the path's axis whose rows are not compared.
+
+    Args:
+        validation: what was compared.
+        error_map: names the joint that leaves its nodes; without it the reason stays general.
+    """
+    axis = path_axis(validation.path)
+    order = np.argsort(axis.values_mm, kind="stable")
+    values, out = axis.values_mm[order], ~validation.compared[order]
+    reasons = [
+        _reason(validation, error_map, int(row)) if left else "" for row, left in zip(order, out, strict=True)
+    ]
+    return _stretches(values, reasons)
+
+
+def _stretches(values: Floats, reasons: list[str]) -> list[Gap]:
+    """Join neighbouring rows with one and the same reason; a stretch ends halfway to the next row."""
+    middle = 0.5 * (values[1:] + values[:-1])
+    edges = np.concatenate([values[:1], middle, values[-1:]])
+    found: list[Gap] = []
+    for i, reason in enumerate(reasons):
+        if not reason:
+            continue
+        low, high = float(edges[i]), float(edges[i + 1])
+        if found and found[-1].reason == reason and found[-1].high_mm >= low:
+            low = found.pop().low_mm
+        found.append(Gap(low, high, reason))
+    return found
+
+
+def _reason(validation: PathValidation, error_map: Result | None, row: int) -> str:
+    commands = validation.path.commands
+    beyond = [
+        name
+        for name, theta, table in (
+            ("θ1", commands.theta1_rad, error_map.theta1_map if error_map else None),
+            ("θ2", commands.theta2_rad, error_map.theta2_map if error_map else None),
+        )
+        if table is not None and _beyond(float(np.rad2deg(theta[row])), table)
+    ]
+    if beyond:
+        return f"{' and '.join(beyond)} beyond the nodes: not predicted"
+    return "not predicted" if validation.path.established[row] else "a joint has just reversed: not compared"
+
+
+def _beyond(theta_deg: float, table: MapTable) -> bool:
+    return not table.node_deg[0] - 1e-6 <= theta_deg <= table.node_deg[-1] + 1e-6
+
+
+def there(path: PathMeasurement) -> Bools:
+    """Return which rows belong to the way there, shape (n,)."""
+    return np.asarray(path.travel > 0, dtype=np.bool_)
+
+
+def model_title(model: ModelOnPath) -> str:
+    """Return what a reader calls a model."""
+    return model.title or MODEL_TITLES[model.model]

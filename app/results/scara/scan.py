@@ -1,0 +1,76 @@
+"""From a points file of any length to an identified arm."""
+
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+
+from catseye.app.files.result_json import Result
+from catseye.app.files.scan_part import scan_part
+from catseye.app.files.spooled_points import spooled_points
+from catseye.app.results.scara.distance_unit import require_millimetres
+from catseye.app.results.scara.identify import identified_result
+from catseye.calibration.extension import Term
+from catseye.calibration.layout import ModelName
+from catseye.calibration.scans.scan_identification import identify_scan
+from catseye.procedures.kit.bench import Bench
+
+SCAN_ROWS = 100_000
+"""Longer points files are streamed."""
+
+_SHORTEST_LINE_BYTES = 20
+_CHUNK_BYTES = 1_000_000
+
+
+def is_scan(points: Path) -> bool:
+    """Tell whether a points file is streamed: Parquet, or CSV of more than SCAN_ROWS lines.
+
+    A file that cannot be read is none; whoever reads it then says why.
+    """
+    if points.suffix == ".parquet":
+        return True
+    try:
+        if points.stat().st_size < SCAN_ROWS * _SHORTEST_LINE_BYTES:
+            return False
+        lines = 0
+        with points.open("rb") as stream:
+            while lines <= SCAN_ROWS and (chunk := stream.read(_CHUNK_BYTES)):
+                lines += chunk.count(b"\n")
+    except OSError:
+        return False
+    return lines > SCAN_ROWS
+
+
+def identify_scan_file(
+    points: Path,
+    bench: Bench,
+    model: ModelName,
+    terms: tuple[Term, ...] = (),
+    reading: Callable[[float], None] | None = None,
+    solving: Callable[[int, int], None] | None = None,
+) -> Result:
+    """Identify an arm from a points file, block by block.
+
+    Args:
+        points: the file, CSV or Parquet; it states its uncertainties itself, in the column sigma_mm.
+        bench: nodes, nominal links and rough reflectors.
+        model: which model.
+        terms: functions beyond the model.
+        reading: is told the share of the file that is read.
+        solving: is told the rows done and the rows expected of all passes.
+
+    Raises:
+        UsageError: the file is wrong; names file and line.
+        CalibrationError: the points cannot determine the model; the text names what is missing.
+    """
+    places = {reflector.name: (reflector.x_mm, reflector.y_mm) for reflector in bench.reflectors}
+    nodes = np.deg2rad(bench.nodes1_deg), np.deg2rad(bench.nodes2_deg)
+    links = bench.arm.link1_mm, bench.arm.link2_mm
+    with spooled_points(points, list(places), reading) as source:
+        require_millimetres(points, next(source.blocks()), bench)
+        found = identify_scan(
+            source, model, *nodes, *links, np.array(list(places.values())), terms=terms, progress=solving
+        )
+    identified = found.identified
+    part = scan_part(found.residuals, identified.layout.dead_paths, len(identified.points))
+    return identified_result(identified, bench, [points.name]).model_copy(update={"scan": part})

@@ -1,0 +1,80 @@
+"""Programs, digests and the origin of each value; what stands in the margins of printed pages."""
+
+import re
+from dataclasses import replace
+
+from catseye.app.render.page import render_html
+from catseye.app.results.runs.sections import cell_lines
+from catseye.app.results.runs.trace import trace_section
+from catseye.app.results.scara.content import RunRecord
+from tests.unit.app.render.page_reader import read_page
+from tests.unit.app.results.scara import sample
+
+RUN = RunRecord(
+    "20260102T030405Z_open-loop_ab12cd",
+    "open-loop",
+    "complete",
+    "2026-01-02T03:04:05Z",
+    software="catseye 0.0.9",
+    versions={"python": "3.11.7", "numpy": "2.0.0"},
+    operator="ada",
+    files={"run.sqlite": 64 * "a", "wire.log": 64 * "b"},
+)
+CONTENT = replace(
+    sample.bare(sample.hand_made()), runs=[RUN], versions={"python": "3.12.1", "scipy": "1.16.0"}
+)
+
+
+def test_programs_operator_and_digests_of_runs_with_the_command_that_checks_them() -> None:
+    page = read_page(trace_section(CONTENT))
+    assert page.row("this page") == ["catseye 0.1.0", "python 3.12.1, scipy 1.16.0", ""]
+    runs = [row for row in page.rows if row[0] == RUN.name]
+    assert runs == [
+        [RUN.name, "catseye 0.0.9", "python 3.11.7, numpy 2.0.0", "ada"],
+        [RUN.name, "run.sqlite", 64 * "a"],
+        [RUN.name, "wire.log", 64 * "b"],
+    ]
+    assert f"catseye verify {RUN.name}" in page.text
+
+
+def test_a_result_file_is_named_with_its_digest_and_the_program_that_made_it() -> None:
+    content = replace(sample.bare(sample.hand_made()), digests={"result.json": 64 * "c"})
+    page = read_page(trace_section(content))
+    assert page.row("result") == ["result.json", 64 * "c"]
+    assert page.row("identified results")[0] == "catseye 0.1.0"
+    assert "catseye verify" not in page.text
+
+
+def test_a_run_that_is_not_sealed_is_not_said_to_be_checkable() -> None:
+    assert "catseye verify" not in trace_section(replace(CONTENT, runs=[replace(RUN, files={})]))
+
+
+def test_values_that_do_not_stand_in_the_file_are_marked() -> None:
+    origins = {"robot.link1_mm": "file", "robot.link2_mm": "default", "reflector[2].x_mm": "default"}
+    lines = dict(cell_lines(sample.cell(), origins))
+    assert lines["robot.link1_mm = 325.0"] == "file"
+    assert lines["robot.link2_mm = 225.0  # default"] == "default"
+    assert lines["reflector[2].x_mm = 680.0  # default"] == "default"
+    text = read_page(render_html(replace(sample.whole(), origins=origins, results=[], validation=None))).text
+    assert "robot.link2_mm = 225.0  # default" in text
+
+
+def css_texts(html: str) -> list[str]:
+    """Return the strings in the page's margins as a browser reads them."""
+    rule = re.search(r"@page \{ @top-left.*", html)
+    assert rule is not None
+    return [
+        re.sub(r"\\([0-9a-f]+) ", lambda m: chr(int(m[1], 16)), text)
+        for text in re.findall(r'content: "((?:[^"\\]|\\.)*)"', rule[0])
+    ]
+
+
+def test_title_and_simulation_stand_on_every_printed_page() -> None:
+    hostile = 'a</style><script>"}\\ 反 µ'
+    content = replace(CONTENT, results=[])
+    html = render_html(replace(content, title=hostile, simulated=True))
+    made = "2026-01-02T03:04:05Z · catseye 0.1.0"
+    assert css_texts(html)[:3] == ["SIMULATION: emulated devices", hostile, made]
+    assert html.split("</head>")[0].count("</style>") == 1
+    assert "<script" not in html
+    assert css_texts(render_html(content))[0] == ""

@@ -1,0 +1,93 @@
+"""The report of a path that the interferometer measured."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from catseye.app.render.page import render_html
+from catseye.app.results.scara.content import ReportContent
+from catseye.app.results.scara.distance_validation import DistancePath, DistanceValidation, ModelOnDistances
+from catseye.app.results.scara.figures.distances import distance_figure
+from catseye.app.results.scara.verdict import verdict
+from catseye.calibration.points import Commands, Points
+from tests.unit.app.render.page_reader import read_page
+from tests.unit.app.results.scara import sample
+
+Y_MM = np.array([-20.0, 0.0, 20.0, 20.0, 0.0, -20.0])
+
+
+def distances(last_um: float = 10.0) -> DistanceValidation:
+    """Return two models that leave 40 µm and what is given, the fourth row left out."""
+    still = np.zeros(6)
+    states = np.ones(6, dtype=np.int64)
+    points = Points(
+        Commands(still, still, states, states),
+        np.zeros(6, dtype=np.int64),
+        np.array([0, 0, 0, 1, 1, 1], dtype=np.int64),
+        still,
+        None,
+        ("P2",),
+        (("P2", 0), ("P2", 1)),
+    )
+    compared = np.array([True, True, True, False, True, True])
+    path = DistancePath(points, np.column_stack([np.full(6, 200.0), Y_MM]), np.repeat([1, -1], 3), compared)
+    models = tuple(
+        ModelOnDistances(
+            name,
+            np.where(compared, 1e-3 * um * np.array([1.0, -1.0, 1.0, 1.0, -1.0, 1.0]), np.nan),
+            np.where(compared, 1e-3 * u_um, np.nan),
+            {},
+        )
+        for name, um, u_um in (("conventional", 40.0, 24.5), ("error-map", last_um, 6.5))
+    )
+    return DistanceValidation(path, compared, models, ("segment 1 of reflector P2 left out",))
+
+
+@pytest.fixture(scope="module")
+def text() -> str:
+    return render_html(ReportContent("Path", "2026-01-02T03:04:05Z", "catseye", True, distances=distances()))
+
+
+def test_the_page_has_figures_and_words_of_the_distances(text: str) -> None:
+    page = read_page(text)
+    assert "Validation path, measured by distances" in page.headings
+    assert ("figure", "id", "figure-path-distances") in page.attributes
+    for part in (
+        "6 distances to P2 in 2 segments. 5 compared, 1 left out",
+        "Y = −20 … 20 mm",
+        "segment 1 of reflector P2 left out",
+        "0.25",
+        "24.5",
+    ):
+        assert part in text
+
+
+@pytest.mark.parametrize(("last_um", "kind", "ratio"), [(10.0, "good", "0.25"), (38.0, "bad", "0.95")])
+def test_the_verdict_says_what_the_models_leave(last_um: float, kind: str, ratio: str) -> None:
+    content = replace(sample.whole(), validation=None, distances=distances(last_um))
+    (found,) = [one for one in verdict(content) if one.text.startswith("On distances along a path")]
+    assert found.kind == kind
+    assert f"leaves {last_um:.1f} µm rms, the conventional model 40.0 µm: ratio {ratio} (5 of 6" in found.text
+    assert not any("has not been checked" in one.text for one in verdict(content))
+
+
+def test_rows_that_are_not_compared_are_not_drawn() -> None:
+    figure = distance_figure(distances())
+    lines = [line for axes in figure.axes for line in axes.get_lines()]
+    drawn = [tuple(np.asarray(line.get_xdata()).tolist()) for line in lines]
+    assert drawn.count((-20.0, 0.0, 20.0)) == 2
+    assert drawn.count((0.0, -20.0)) == 2
+
+
+@pytest.fixture(scope="module")
+def without_u() -> str:
+    positions = sample.validation()
+    silent = replace(positions.path, u_mm=np.full(positions.path.u_mm.size, np.nan))
+    content = ReportContent("Path", "2026-01-02T03:04:05Z", "catseye", True)
+    return render_html(replace(content, validation=replace(positions, path=silent)))
+
+
+def test_an_instrument_that_states_no_uncertainty_is_told_so(without_u: str) -> None:
+    assert "an independent instrument that states no uncertainty." in without_u
+    assert "nan" not in without_u.lower()

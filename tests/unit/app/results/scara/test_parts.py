@@ -1,0 +1,145 @@
+"""Small parts: markup, numbers, groups of residuals, the scene of the layout."""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from catseye.app.render.markup import Html, element, join, section, table
+from catseye.app.results.numbers import (
+    counted,
+    decimals_for,
+    duration,
+    fixed,
+    plain,
+    probability,
+    signed,
+    three_digits,
+    unbroken,
+)
+from catseye.app.results.scara.figures.layout import layout_figure
+from catseye.app.results.scara.figures.residuals import residual_figure
+from catseye.app.results.scara.layout import scene_of
+from catseye.app.results.scara.residuals import pose_means, reference
+from tests.unit.app.results.scara import sample
+
+
+def test_text_is_escaped_once_and_markup_stands() -> None:
+    assert element("p", "<&", class_='"') == '<p class="&quot;">&lt;&amp;</p>'
+    assert join([Html("<b>x</b>"), "<"]) == "<b>x</b>&lt;"
+    assert isinstance(join(["a"]), Html)
+
+
+def test_section_without_content_vanishes() -> None:
+    assert section("a", "Title", "", "") == ""
+    assert section("a", "Title", "x") == '<section id="a"><h2>Title</h2>x</section>'
+
+
+def test_table_marks_head_names_and_numbers() -> None:
+    text = table("what", ["name", "value"], [["a<b", "1"]])
+    assert '<th scope="row" class="text">a&lt;b</th><td class="number">1</td>' in text
+    assert text.startswith('<div class="scroll"><table><caption>what</caption>')
+
+
+@pytest.mark.parametrize(
+    ("text", "expected"),
+    [
+        (fixed(-1.005, 1), "−1.0"),
+        (fixed(-0.0001, 2), "0.00"),
+        (fixed(None, 2), "–"),
+        (fixed(math.nan, 2), "–"),
+        (signed(1.0, 1), "+1.0"),
+        (signed(-1.0, 1), "−1.0"),
+        (signed(None, 1), "–"),
+        (plain(-40.0), "−40"),
+        (three_digits(17.82), "17.8"),
+        (three_digits(0.8034), "0.803"),
+        (three_digits(1234.5), "1234"),
+        (three_digits(0.0), "0"),
+        (probability(1e-9), "p < 0.001"),
+        (probability(0.0123), "p = 0.012"),
+        (probability(0.3), "p = 0.30"),
+        (duration(None), "–"),
+        (duration(5025.0), "1 h 23 min"),
+        (duration(183.2), "3 min 03 s"),
+        (duration(2.34), "2.3 s"),
+        (counted(1, "segment"), "1 segment"),
+        (counted(2, "segment"), "2 segments"),
+        (unbroken("2.6 µm and 98 %, 3 rows"), "2.6\u00a0µm and 98\u00a0%, 3 rows"),
+    ],
+)
+def test_numbers_as_a_reader_wants_them(text: str, expected: str) -> None:
+    assert text == expected
+
+
+@pytest.mark.parametrize(
+    ("uncertainties", "decimals"),
+    [([0.0023, 0.01], 4), ([1.5], 1), ([15.0], 0), ([1e-12], 6), ([0.0, math.nan], 4)],
+)
+def test_uncertainty_shows_two_digits(uncertainties: list[float], decimals: int) -> None:
+    assert decimals_for(uncertainties) == decimals
+
+
+def test_means_per_pose_average_the_repeats() -> None:
+    residuals = sample.hand_made().residuals
+    assert residuals is not None
+    means = pose_means(residuals, "P1")
+    first = (means.theta1_deg == -20.0) & (means.theta2_deg == -20.0)
+    assert means.mean_um[first].tolist() == [1.5]
+    assert means.count[first].tolist() == [2.0]
+    assert means.count.sum() == 8.0
+
+
+def test_reference_is_what_was_stated_or_else_the_fit_itself() -> None:
+    assert reference(sample.fit()).sigma_um == pytest.approx(15.6, abs=1e-3)
+    assert reference(sample.fit()).stated
+    unstated = reference(sample.fit(chi2=None))
+    assert (unstated.sigma_um, unstated.stated) == (15.7652, False)
+    assert reference(sample.fit(sample.LACK)).scatter_um == 9.87
+
+
+def test_reflectors_differ_by_marker_not_only_by_colour() -> None:
+    residuals = sample.results()[1].residuals
+    assert residuals is not None
+    figure = residual_figure(residuals, reference(sample.fit()))
+    lines = [line for line in figure.axes[0].lines if str(line.get_label()).startswith("reflector")]
+    assert len({line.get_marker() for line in lines}) == 3
+
+
+def test_one_distance_makes_a_figure() -> None:
+    residuals = sample.hand_made().residuals
+    assert residuals is not None
+    one = residuals.model_copy(update={name: values[:1] for name, values in residuals.model_dump().items()})
+    assert residual_figure(one, reference(sample.fit())).axes
+
+
+def test_scene_of_a_bench_knows_what_is_blind() -> None:
+    scene = scene_of(sample.whole())
+    assert scene is not None
+    assert scene.commands_mm.shape == (88, 2)
+    assert [target.name for target in scene.targets] == ["P1", "P2", "P3"]
+    assert scene.path_mm is not None
+    blind = [len(target.blind_mm) for target in scene.targets]
+    assert 0 < sum(blind) < 10
+    labels = layout_figure(scene).axes[0].get_legend_handles_labels()[1]
+    assert {"base column", "validation path", "reach of the arm", "arm at one pose", "laser beam"} <= set(
+        labels
+    )
+    assert sum(label.startswith("blind for") for label in labels) == sum(count > 0 for count in blind)
+
+
+def test_scene_of_a_result_alone_has_neither_fields_nor_column() -> None:
+    scene = scene_of(sample.bare(sample.hand_made()))
+    assert scene is not None
+    assert scene.column_radius_mm is None
+    assert scene.targets[0].facing_deg is None
+    np.testing.assert_allclose(scene.targets[0].xy_mm, [651.23456, -401.5])
+    assert scene_of(replace(sample.bare(sample.hand_made()), results=[])) is None
+
+
+def test_truth_between_its_nodes_is_interpolated_and_never_extrapolated() -> None:
+    truth = sample.truth_tables().theta2_map
+    middle = truth.at([10.0, -5.0], 1)
+    assert middle[0] == pytest.approx(0.5 * (truth.positive_mdeg[0] + truth.positive_mdeg[1]))
+    assert math.isnan(middle[1])
