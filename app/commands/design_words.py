@@ -5,7 +5,7 @@ import math
 import numpy as np
 
 from catseye.app.commands.output import emit, emit_json, say, table
-from catseye.app.commands.progress import duration_text
+from catseye.app.results.numbers import duration_text
 from catseye.app.results.scara.design.commands import CommandChoice
 from catseye.app.results.scara.design.design import Design, NodeUncertainty, node_uncertainties, weakest
 from catseye.app.results.scara.design.layouts import Layout

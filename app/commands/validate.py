@@ -4,7 +4,7 @@ from pathlib import Path
 
 from catseye.app.commands.output import emit, emit_json, say, table
 from catseye.app.errors import MeasurementRejectedError
-from catseye.app.results.numbers import probability
+from catseye.app.results.numbers import probability_text
 from catseye.app.results.scara.agreement_text import agreement_text
 from catseye.app.results.scara.joint_maps import ARCSEC_PER_MDEG
 from catseye.app.results.scara.path_view import model_title
@@ -107,7 +107,7 @@ def _cells(model: ModelOnPath, found: FileValidation) -> dict[str, str]:
         "rms 2-D that is expected": f"{facts['expected_um']:.1f}",
         "share of variance explained": f"{100.0 * model.agreement.share:.0f}",
         "normalised errors within ±2": "–" if within is None else f"{100.0 * within:.0f}",
-        "probability": probability(facts["probability"]).removeprefix("p ").removeprefix("= "),
+        "probability": probability_text(facts["probability"]).removeprefix("p ").removeprefix("= "),
     }
 
 

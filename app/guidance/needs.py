@@ -10,8 +10,8 @@ from catseye.app.aim import find_aim
 from catseye.app.errors import StorageError, UsageError
 from catseye.app.guidance.cell_runs import CellRun, CellRuns
 from catseye.app.guidance.need import Need
-from catseye.app.guidance.words import age_text
 from catseye.app.procedure_list import Runnable
+from catseye.app.results.numbers import age_text
 from catseye.procedures.kit.bench import Bench
 from catseye.procedures.kit.errors import ProcedureError
 

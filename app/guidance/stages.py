@@ -10,7 +10,7 @@ from catseye.app.files.documents import LARGEST_RESULT_BYTES, parse_json, read_d
 from catseye.app.guidance.cell_runs import CellRun, CellRuns
 from catseye.app.guidance.need import Need
 from catseye.app.guidance.needs import ALIGNMENT, LEVEL, MEASUREMENT, SEARCH, WARM_UP, is_warm
-from catseye.app.guidance.words import age_text
+from catseye.app.results.numbers import age_text
 
 _PATH = "validation-path"
 

@@ -1,6 +1,7 @@
 """HTML by plain functions. Text is escaped unless it is `Html` already."""
 
 import html
+import re
 from collections.abc import Iterable, Sequence
 from pathlib import Path
 
@@ -78,3 +79,8 @@ def section(anchor: str, title: str, *children: str) -> Html:
     """Return a section with its heading; empty when it has nothing to show."""
     content = join(children)
     return element("section", element("h2", title), content, id_=anchor) if content else Html()
+
+
+def unbroken(text: str) -> str:
+    """Return a text in which no line ends between a number and its unit."""
+    return re.sub(r"(?<=\d) (?=(?:µm|mm|mdeg|%|u)\b|%)", "\u00a0", text)

@@ -1,7 +1,6 @@
 """The whole page."""
 
-from catseye.app.render.markup import STYLE, Html, element, join
-from catseye.app.results.numbers import unbroken
+from catseye.app.render.markup import STYLE, Html, element, join, unbroken
 from catseye.app.results.runs.sections import (
     configuration_section,
     convention_section,

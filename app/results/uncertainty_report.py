@@ -10,7 +10,7 @@ from catseye.app.files.uncertainty_part import (
     UncertaintyPart,
 )
 from catseye.app.render.markup import Html, join, paragraphs, section, table
-from catseye.app.results.numbers import NOTHING, fixed, signed
+from catseye.app.results.numbers import NOTHING, fixd, signd
 
 _LEAST_SHARE = 0.0005
 """Shares below this round to nothing."""
@@ -69,18 +69,18 @@ def _method(part: UncertaintyPart) -> str:
 def _contributions(found: ContributionTable) -> Html:
     head = ["result", "u", *found.contributors]
     rows = [
-        [f"{row.result} / {_UNITS[row.unit]}", fixed(row.u, 2), *(_share(share) for share in row.shares)]
+        [f"{row.result} / {_UNITS[row.unit]}", fixd(row.u, 2), *(_share(share) for share in row.shares)]
         for row in found.rows
     ]
     return table("Share of each contributor in the variance of each result, %.", head, rows)
 
 
 def _share(share: float) -> str:
-    return NOTHING if share < _LEAST_SHARE else fixed(100.0 * share, 1)
+    return NOTHING if share < _LEAST_SHARE else fixd(100.0 * share, 1)
 
 
 def _correlations(part: UncertaintyPart) -> Html:
-    rows = [[" and ".join(pair.parameters), signed(pair.coefficient, 3)] for pair in part.correlations]
+    rows = [[" and ".join(pair.parameters), signd(pair.coefficient, 3)] for pair in part.correlations]
     return table("Strongest correlations of the arm's parameters.", ["parameters", "coefficient"], rows)
 
 
@@ -88,7 +88,12 @@ def _validation(part: MonteCarloPart | None) -> Html:
     if part is None:
         return Html()
     rows = [
-        [f"{row.parameter} / {_UNITS[row.unit]}", fixed(row.difference, 3), fixed(row.delta, 3), row.verdict]
+        [
+            f"{row.parameter} / {_UNITS[row.unit]}",
+            fixd(row.difference, 3),
+            fixd(row.delta, 3),
+            row.verdict,
+        ]
         for row in part.validation
         if row.verdict != "validated"
     ]
@@ -112,5 +117,5 @@ def _intervals(part: UncertaintyPart) -> Html:
 def _interval(one: CoverageInterval) -> list[str]:
     decimals = _DECIMALS[one.unit]
     values = (one.value, one.u, one.low, one.high)
-    dof = "∞" if one.degrees_of_freedom is None else fixed(one.degrees_of_freedom, 0)
-    return [f"{one.parameter} / {_UNITS[one.unit]}", *(fixed(value, decimals) for value in values), dof]
+    dof = "∞" if one.degrees_of_freedom is None else fixd(one.degrees_of_freedom, 0)
+    return [f"{one.parameter} / {_UNITS[one.unit]}", *(fixd(value, decimals) for value in values), dof]

@@ -4,12 +4,11 @@ from collections.abc import Callable, Mapping
 from datetime import datetime
 from typing import Any
 
-from catseye.app.commands.progress import duration_text
+from catseye.app.results.numbers import duration_text
 from catseye.app.store.reader import StoredEvent
 
 Data = Mapping[str, Any]
 
-_SHORT_S = 10.0
 _LONGEST = 160
 _SHORT = 90
 
@@ -18,7 +17,7 @@ def gap_text(seconds: float) -> str:
     """Return a duration as people read it, short ones to a tenth of a second."""
     if seconds < 0.0:
         return "an unknown time (the clock was set back)"
-    return f"{seconds:.1f} s" if seconds < _SHORT_S else duration_text(seconds)
+    return duration_text(seconds)
 
 
 def between_s(first_utc: str, last_utc: str) -> float:

@@ -4,6 +4,8 @@ from typing import TYPE_CHECKING, Final
 
 from rich.text import Text
 
+from catseye.app.results.numbers import clock_text
+
 if TYPE_CHECKING:
     # The first screen is painted before the store is imported.
     from catseye.app.store.history import RunLine
@@ -57,14 +59,6 @@ def cells(line: "RunLine", *, marked: bool, wide: bool) -> list[Text]:
         Text(line.cell),
         Text(line.id, "dim"),
     ]
-
-
-def clock_text(duration_s: float | None) -> str:
-    """Return a duration as h:min:s; empty for none."""
-    if duration_s is None:
-        return ""
-    minutes, seconds = divmod(round(duration_s), 60)
-    return f"{minutes // 60}:{minutes % 60:02d}:{seconds:02d}"
 
 
 def passes(line: "RunLine", words: str, state: str) -> bool:

@@ -183,7 +183,7 @@ class Draft:
         """
         return rewritten(self.beginning, self.data())
 
-    def plain_text(self) -> str:
+    def plain(self) -> str:
         """Return the file without comments."""
         return plain(self.data())
 
@@ -192,7 +192,7 @@ class Draft:
         try:
             return self.text(), True
         except CommentsLostError:
-            return self.plain_text(), False
+            return self.plain(), False
 
     def _asked(self) -> Iterator[Question]:
         for page in PAGES:

@@ -6,7 +6,7 @@ from typing import Any
 from catseye.app.cell.model import Cell
 from catseye.app.render.drawing import figure
 from catseye.app.render.markup import Html, bullets, element, join, paragraphs, section, table
-from catseye.app.results.numbers import NOTHING, duration, fixed
+from catseye.app.results.numbers import NOTHING, duration_text, fixd
 from catseye.app.results.scara.content import EnvironmentSummary, ReportContent, Spread
 from catseye.app.results.scara.figures.layout import layout_figure
 from catseye.app.results.scara.layout import scene_of
@@ -36,18 +36,18 @@ def _search(found: Mapping[str, Any]) -> Html:
     rows = [
         [
             str(place["name"]),
-            fixed(place["x_mm"], 2),
-            fixed(place["u_x_mm"], 2),
-            fixed(place["y_mm"], 2),
-            fixed(place["u_y_mm"], 2),
-            fixed(place["u_aim_mm"], 2),
+            fixd(place["x_mm"], 2),
+            fixd(place["u_x_mm"], 2),
+            fixd(place["y_mm"], 2),
+            fixd(place["u_y_mm"], 2),
+            fixd(place["u_aim_mm"], 2),
         ]
         for place in found["reflectors"]
     ]
     head = ["reflector", "x / mm", "u / mm", "y / mm", "u / mm", "u of the aim / mm"]
     text = (
-        f"Beam direction at J4 = 0: θ40 = {fixed(found['theta40_deg'], 4)}° "
-        f"(u = {fixed(found['u_theta40_deg'], 4)}°); rms of the sightings {fixed(found['rms_deg'], 4)}°."
+        f"Beam direction at J4 = 0: θ40 = {fixd(found['theta40_deg'], 4)}° "
+        f"(u = {fixd(found['u_theta40_deg'], 4)}°); rms of the sightings {fixd(found['rms_deg'], 4)}°."
     )
     return Html(table("Places found by turning J4 (k = 1)", head, rows) + paragraphs(text))
 
@@ -73,7 +73,7 @@ def run_section(content: ReportContent) -> Html:
             run.procedure,
             run.status,
             run.started_utc,
-            duration(run.duration_s),
+            NOTHING if run.duration_s is None else duration_text(run.duration_s),
             NOTHING if run.points is None else str(run.points),
         ]
         for run in content.runs
@@ -113,7 +113,7 @@ def _air(air: EnvironmentSummary | None) -> Html:
 
 
 def _spread(name: str, spread: Spread, decimals: int) -> list[str]:
-    return [name, *(fixed(value, decimals) for value in (spread.lowest, spread.mean, spread.highest))]
+    return [name, *(fixd(value, decimals) for value in (spread.lowest, spread.mean, spread.highest))]
 
 
 def convention_section(content: ReportContent) -> Html:

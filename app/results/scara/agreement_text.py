@@ -1,6 +1,6 @@
 """What the stated uncertainties account for, in a sentence."""
 
-from catseye.app.results.numbers import probability
+from catseye.app.results.numbers import probability_text
 from catseye.app.results.scara.path_view import model_title
 from catseye.app.results.scara.validation import ModelOnPath
 
@@ -17,10 +17,10 @@ def agreement_text(model: ModelOnPath) -> str:
     if judged.agrees:
         return (
             f"{model_title(model)}: what is left agrees with the uncertainties of {whose}: {figures} "
-            f"({probability(judged.probability)})."
+            f"({probability_text(judged.probability)})."
         )
     return (
         f"{model_title(model)}: the uncertainties of {whose} explain {100.0 * judged.share:.0f} % of the variance "
-        f"that is left: {figures} ({probability(judged.probability)}). The rest: what the model does not know, "
+        f"that is left: {figures} ({probability_text(judged.probability)}). The rest: what the model does not know, "
         f"repeatability and drift of the arm{'' if judged.instrument else ', scatter of the instrument'}."
     )

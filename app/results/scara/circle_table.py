@@ -3,7 +3,7 @@
 import numpy as np
 
 from catseye.app.render.markup import Html, paragraphs, table
-from catseye.app.results.numbers import fixed, plain, signed
+from catseye.app.results.numbers import fixd, plain, signd
 from catseye.app.results.scara.path_view import model_title
 from catseye.app.results.scara.validation import PathValidation
 from catseye.calibration.standards.circular import Circular, algebraic_centre, circular, least_squares_centre
@@ -56,4 +56,8 @@ def _quantities(places: Floats, nominal_mm: float, clockwise: Bools, counter: Bo
 def _row(name: str, found: Circular) -> list[str]:
     ranges = (found.clockwise, found.counter_clockwise, found.bidirectional)
     errors = (found.largest, found.smallest, found.mean)
-    return [name, *(fixed(1e3 * one, 1) for one in ranges), *(signed(1e3 * one, 1) for one in errors)]
+    return [
+        name,
+        *(fixd(1e3 * one, 1) for one in ranges),
+        *(signd(1e3 * one, 1) for one in errors),
+    ]

@@ -1,8 +1,8 @@
 """Section about what speaks for and against the fit."""
 
 from catseye.app.render.drawing import figure
-from catseye.app.render.markup import Html, bullets, element, join, section, table
-from catseye.app.results.numbers import NOTHING, fixed, probability, unbroken
+from catseye.app.render.markup import Html, bullets, element, join, section, table, unbroken
+from catseye.app.results.numbers import NOTHING, fixd, probability_text
 from catseye.app.results.scara.diagnosis_report import Finding, coefficient_text, findings
 from catseye.app.results.scara.figures.diagnosis import harmonic_figure, order_figure, pattern_figure
 from catseye.calibration.diagnostics.diagnosis import Diagnosis
@@ -66,15 +66,21 @@ def _models(diagnosis: Diagnosis) -> Html:
 
 
 def _model(one: ComparedModel) -> list[str]:
-    row = [one.name, str(one.free), fixed(one.rms_um, 2), fixed(one.aicc, 1), fixed(one.bic, 1)]
+    row = [
+        one.name,
+        str(one.free),
+        fixd(one.rms_um, 2),
+        fixd(one.aicc, 1),
+        fixd(one.bic, 1),
+    ]
     if one.base is None:
         return row + [NOTHING] * 4
     return [
         *row,
-        fixed(one.explained_um, 2),
-        fixed(one.ratio, 2),
-        probability(one.probability),
-        probability(one.probability_stated),
+        fixd(one.explained_um, 2),
+        fixd(one.ratio, 2),
+        probability_text(one.probability),
+        probability_text(one.probability_stated),
     ]
 
 
@@ -84,9 +90,9 @@ def _predictions(diagnosis: Diagnosis) -> Html:
         [
             fold.name,
             str(fold.rows),
-            fixed(fold.predicted_um, 1),
-            fixed(fold.in_sample_um, 1),
-            fixed(fold.expected_um, 1),
+            fixd(fold.predicted_um, 1),
+            fixd(fold.in_sample_um, 1),
+            fixd(fold.expected_um, 1),
         ]
         for fold in diagnosis.reflectors.folds
     ]
@@ -97,9 +103,9 @@ def _predictions(diagnosis: Diagnosis) -> Html:
                 [
                     f"each {one.way} in turn ({len(used)} of {len(one.folds)})",
                     str(sum(fold.rows for fold in used)),
-                    fixed(one.predicted_um, 1),
-                    fixed(one.in_sample_um, 1),
-                    fixed(one.expected_um, 1),
+                    fixd(one.predicted_um, 1),
+                    fixd(one.in_sample_um, 1),
+                    fixd(one.expected_um, 1),
                 ]
             )
     return table("What the other distances predict (rms)", head, rows)
@@ -111,10 +117,10 @@ def _grids(diagnosis: Diagnosis) -> Html:
         [
             one.name,
             str(one.free),
-            fixed(one.rms_um, 2),
-            fixed(one.aicc, 1),
-            fixed(one.bic, 1),
-            fixed(one.predicted_um, 2),
+            fixd(one.rms_um, 2),
+            fixd(one.aicc, 1),
+            fixd(one.bic, 1),
+            fixd(one.predicted_um, 2),
         ]
         for one in diagnosis.nodes.grids
         if not one.refused

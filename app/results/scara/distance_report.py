@@ -4,7 +4,7 @@ import numpy as np
 
 from catseye.app.render.drawing import figure
 from catseye.app.render.markup import Html, bullets, paragraphs, section, table
-from catseye.app.results.numbers import counted, fixed, plain
+from catseye.app.results.numbers import counted, fixd, plain
 from catseye.app.results.scara.content import MODEL_TITLES, ReportContent
 from catseye.app.results.scara.distance_validation import DistanceValidation
 from catseye.app.results.scara.figures.distances import distance_figure
@@ -48,10 +48,10 @@ def _comparison(distances: DistanceValidation) -> Html:
     rows = [
         [
             MODEL_TITLES[model.model],
-            fixed(model.rms_um, 1),
-            fixed(model.max_um, 1),
-            fixed(model.rms_um / reference, 2) if reference > 0.0 else fixed(None, 2),
-            fixed(model.median_u_um, 1),
+            fixd(model.rms_um, 1),
+            fixd(model.max_um, 1),
+            fixd(model.rms_um / reference, 2) if reference > 0.0 else fixd(None, 2),
+            fixd(model.median_u_um, 1),
         ]
         for model in distances.models
     ]

@@ -3,7 +3,7 @@
 import numpy as np
 
 from catseye.app.render.markup import Html, paragraphs, table
-from catseye.app.results.numbers import fixed, plain
+from catseye.app.results.numbers import fixd, plain
 from catseye.app.results.scara.repeated_poses import repeated_poses
 from catseye.app.results.scara.validation import PathValidation
 
@@ -22,9 +22,9 @@ def repeat_table(validation: PathValidation) -> Html:
         [
             ", ".join(plain(round(float(value), 3)) for value in path.command_mm[row]),
             str(one.n),
-            fixed(1e3 * one.accuracy, 1),
-            fixed(1e3 * one.repeatability, 1),
-            fixed(1e3 * float(off), 1),
+            fixd(1e3 * one.accuracy, 1),
+            fixd(1e3 * one.repeatability, 1),
+            fixd(1e3 * float(off), 1),
         ]
         for row, one, off in zip(found.rows, found.poses, found.model_mm, strict=True)
     ]

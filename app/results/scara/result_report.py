@@ -7,7 +7,14 @@ from catseye.app.files.identified_arm import nominal_of
 from catseye.app.files.result_json import Estimate, MapTable, Result
 from catseye.app.render.drawing import figure
 from catseye.app.render.markup import Html, bullets, element, join, paragraphs, section, table
-from catseye.app.results.numbers import NOTHING, decimals_for, fixed, probability, signed, three_digits
+from catseye.app.results.numbers import (
+    NOTHING,
+    decimals_for,
+    fixd,
+    probability_text,
+    signd,
+    three_digits,
+)
 from catseye.app.results.scara.agreement import normalised
 from catseye.app.results.scara.content import MODEL_TITLES, ReportContent, TruthMap
 from catseye.app.results.scara.figures.maps import error_map_figure
@@ -62,26 +69,26 @@ def _at_reference(result: Result) -> str:
     if one is None or two is None or result.material_c is None:
         return ""
     return (
-        f"{MODEL_TITLES[result.model]}: the links had {fixed(result.material_c, 2)} °C; at 20 °C they are "
-        f"L1 = {fixed(one.value, 4)} mm (u = {fixed(one.u, 4)} mm) and L2 = {fixed(two.value, 4)} mm "
-        f"(u = {fixed(two.u, 4)} mm)."
+        f"{MODEL_TITLES[result.model]}: the links had {fixd(result.material_c, 2)} °C; at 20 °C they are "
+        f"L1 = {fixd(one.value, 4)} mm (u = {fixd(one.u, 4)} mm) and L2 = {fixd(two.value, 4)} mm "
+        f"(u = {fixd(two.u, 4)} mm)."
     )
 
 
 def _link_row(name: str, nominal: float, estimates: Sequence[Estimate], true: float | None) -> list[str]:
     decimals = decimals_for(estimate.u for estimate in estimates)
-    row = [name, fixed(nominal, 1)]
+    row = [name, fixd(nominal, 1)]
     for estimate in estimates:
-        row += [fixed(estimate.value, decimals), fixed(estimate.u, decimals)]
-        row += [] if true is None else [signed(normalised(estimate.value, true, estimate.u), 2)]
-    return row if true is None else [*row, fixed(true, decimals)]
+        row += [fixd(estimate.value, decimals), fixd(estimate.u, decimals)]
+        row += [] if true is None else [signd(normalised(estimate.value, true, estimate.u), 2)]
+    return row if true is None else [*row, fixd(true, decimals)]
 
 
 def _offset_row(models: Sequence[Result], with_truth: bool) -> list[str]:
     row = ["θ20 / mdeg", NOTHING]
     for model in models:
         offset = model.theta20_mdeg
-        row += [NOTHING, NOTHING] if offset is None else [fixed(offset.value, 2), fixed(offset.u, 2)]
+        row += [NOTHING, NOTHING] if offset is None else [fixd(offset.value, 2), fixd(offset.u, 2)]
         row += [NOTHING] if with_truth else []
     return [*row, NOTHING] if with_truth else row
 
@@ -117,17 +124,17 @@ def _map_table(result: Result, joint: int, nodes: MapTable, truth: TruthMap | No
     head += ["reversal", *([] if u_reversal is None else ["u"])]
     rows = []
     for i, node in enumerate(nodes.node_deg):
-        row = [fixed(node, 0 if node == round(node) else 3)]
+        row = [fixd(node, 0 if node == round(node) else 3)]
         for direction, values, us in (
             (1, nodes.positive_mdeg, nodes.u_positive_mdeg),
             (-1, nodes.negative_mdeg, nodes.u_negative_mdeg),
         ):
-            row += [signed(values[i], decimals), fixed(us[i], decimals)]
+            row += [signd(values[i], decimals), fixd(us[i], decimals)]
             if truth is not None:
                 true = float(truth.at([node], direction)[0])
-                row += [signed(true, decimals), signed(normalised(values[i], true, us[i]), 2)]
-        row.append(signed(reversal_mdeg(nodes)[i], decimals))
-        row += [] if u_reversal is None else [fixed(u_reversal[i], decimals)]
+                row += [signd(true, decimals), signd(normalised(values[i], true, us[i]), 2)]
+        row.append(signd(reversal_mdeg(nodes)[i], decimals))
+        row += [] if u_reversal is None else [fixd(u_reversal[i], decimals)]
         rows.append(row)
     return table(f"Map of J{joint}, mdeg, with standard uncertainties (k = 1)", head, rows)
 
@@ -159,24 +166,26 @@ def _statistics(model: Result) -> dict[str, str]:
         "distances": str(fit.n_points),
         "free parameters": str(fit.n_parameters),
         "degrees of freedom": str(fit.dof),
-        "rms of residuals / µm": fixed(fit.rms_um, 2),
-        "σ of a distance, from the fit / µm": fixed(fit.sigma0_um, 2),
-        "σ of a distance, stated / µm": fixed(expected.sigma_um, 2) if expected.stated else NOTHING,
+        "rms of residuals / µm": fixd(fit.rms_um, 2),
+        "σ of a distance, from the fit / µm": fixd(fit.sigma0_um, 2),
+        "σ of a distance, stated / µm": fixd(expected.sigma_um, 2) if expected.stated else NOTHING,
         "χ² / dof": NOTHING if fit.chi2_reduced is None else three_digits(fit.chi2_reduced),
         "χ² / dof expected of what was stated": NOTHING
         if fit.chi2_reduced is None
         else three_digits(fit.chi2_expected),
         "probability of a larger χ²": NOTHING
         if fit.chi2_probability is None
-        else probability(fit.chi2_probability),
-        "pure scatter of repeats / µm": NOTHING if lack is None else fixed(lack.pure_um, 2),
-        "systematic part / µm": NOTHING if lack is None else fixed(lack.systematic_um, 2),
+        else probability_text(fit.chi2_probability),
+        "pure scatter of repeats / µm": NOTHING if lack is None else fixd(lack.pure_um, 2),
+        "systematic part / µm": NOTHING if lack is None else fixd(lack.systematic_um, 2),
         "lack of fit, F": NOTHING if lack is None else three_digits(lack.ratio),
         "F expected of what was stated": NOTHING if lack is None else three_digits(lack.expected_ratio),
-        "probability of a larger F, white errors": NOTHING if lack is None else probability(lack.probability),
+        "probability of a larger F, white errors": NOTHING
+        if lack is None
+        else probability_text(lack.probability),
         "probability of a larger F, as stated": NOTHING
         if lack is None
-        else probability(lack.probability_stated),
+        else probability_text(lack.probability_stated),
         "uncertainties widened by": three_digits(math.sqrt(fit.variance_factor))
         if expected.stated
         else NOTHING,
@@ -209,11 +218,11 @@ def reflector_section(content: ReportContent) -> Html:
     for place in best.reflectors:
         row = [place.name]
         for value in (place.x_mm, place.y_mm):
-            row += [fixed(value.value, decimals), fixed(value.u, decimals)]
+            row += [fixd(value.value, decimals), fixd(value.u, decimals)]
         if truth is not None:
             true = truth.reflectors_mm.get(place.name, (math.nan, math.nan))
             row += [
-                signed(normalised(value.value, one, value.u), 2)
+                signd(normalised(value.value, one, value.u), 2)
                 for value, one in zip((place.x_mm, place.y_mm), true, strict=True)
             ]
         rows.append(row)
@@ -221,8 +230,8 @@ def reflector_section(content: ReportContent) -> Html:
         [
             path.reflector,
             str(path.segment),
-            fixed(path.length_mm.value, decimals),
-            fixed(path.length_mm.u, decimals),
+            fixd(path.length_mm.value, decimals),
+            fixd(path.length_mm.u, decimals),
         ]
         for path in best.dead_paths
     ]

@@ -7,7 +7,7 @@ import numpy as np
 from catseye.app.files.identified_arm import arm_of
 from catseye.app.files.result_json import Result
 from catseye.app.render.markup import Html, paragraphs, section, table
-from catseye.app.results.numbers import decimals_for, fixed, plain, signed
+from catseye.app.results.numbers import decimals_for, fixd, plain, signd
 from catseye.app.results.scara.joint_maps import ARCSEC_PER_MDEG, JointMap, joint_maps
 
 
@@ -45,11 +45,11 @@ def _rows(one: JointMap) -> list[list[str]]:
         [
             quantity.symbol,
             quantity.name,
-            fixed(quantity.value, decimals),
-            fixed(quantity.u, decimals),
-            fixed(ARCSEC_PER_MDEG * quantity.value, decimals),
-            fixed(ARCSEC_PER_MDEG * quantity.u, decimals),
-            signed(quantity.excess, decimals),
+            fixd(quantity.value, decimals),
+            fixd(quantity.u, decimals),
+            fixd(ARCSEC_PER_MDEG * quantity.value, decimals),
+            fixd(ARCSEC_PER_MDEG * quantity.u, decimals),
+            signd(quantity.excess, decimals),
         ]
         for quantity in found
     ]

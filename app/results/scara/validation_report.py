@@ -6,7 +6,7 @@ import numpy as np
 
 from catseye.app.render.drawing import figure
 from catseye.app.render.markup import Html, bullets, paragraphs, section, table
-from catseye.app.results.numbers import fixed, probability, signed
+from catseye.app.results.numbers import fixd, probability_text, signd
 from catseye.app.results.scara.agreement_text import agreement_text
 from catseye.app.results.scara.circle_table import circle_table
 from catseye.app.results.scara.content import ReportContent
@@ -100,9 +100,9 @@ def _row(model: ModelOnPath, reference_um: float) -> list[str]:
     u_um = 1e3 * float(np.median(np.hypot(*model.prediction.u_mm[comparison.inside].T)))
     return [
         model_title(model),
-        *(fixed(value, 1) for value in (rms_x, rms_y, comparison.rms_2d_um, comparison.max_um)),
-        fixed(comparison.rms_2d_um / reference_um, 2) if reference_um > 0.0 else fixed(None, 2),
-        fixed(u_um, 1),
+        *(fixd(value, 1) for value in (rms_x, rms_y, comparison.rms_2d_um, comparison.max_um)),
+        fixd(comparison.rms_2d_um / reference_um, 2) if reference_um > 0.0 else fixd(None, 2),
+        fixd(u_um, 1),
     ]
 
 
@@ -130,17 +130,17 @@ def _judged(model: ModelOnPath) -> list[str]:
     transform, judged = model.comparison.transform, model.agreement
     cells = [
         model_title(model),
-        signed(1e3 * math.degrees(transform.rotation_rad), 2),
-        fixed(1e3 * math.degrees(judged.u_rotation_rad), 2),
+        signd(1e3 * math.degrees(transform.rotation_rad), 2),
+        fixd(1e3 * math.degrees(judged.u_rotation_rad), 2),
     ]
     for shift, u in zip(transform.shift_mm, judged.u_shift_mm, strict=True):
-        cells += [signed(float(shift), 4), fixed(float(u), 4)]
+        cells += [signd(float(shift), 4), fixd(float(u), 4)]
     return [
         *cells,
-        fixed(judged.expected_um, 1),
-        f"{fixed(100.0 * judged.share, 0)} %",
-        f"{fixed(100.0 * judged.within, 0)} %",
-        probability(judged.probability).removeprefix("p ").removeprefix("= "),
+        fixd(judged.expected_um, 1),
+        f"{fixd(100.0 * judged.share, 0)} %",
+        f"{fixd(100.0 * judged.within, 0)} %",
+        probability_text(judged.probability).removeprefix("p ").removeprefix("= "),
     ]
 
 
@@ -149,5 +149,5 @@ def _gap_texts(left_out: list[Gap], axis: PathAxis) -> list[str]:
     name = axis.label.removesuffix(" / mm")
     stretches: dict[str, list[str]] = {}
     for gap in left_out:
-        stretches.setdefault(gap.reason, []).append(f"{fixed(gap.low_mm, 0)} … {fixed(gap.high_mm, 0)}")
+        stretches.setdefault(gap.reason, []).append(f"{fixd(gap.low_mm, 0)} … {fixd(gap.high_mm, 0)}")
     return [f"{name} {', '.join(parts)} mm: {reason}." for reason, parts in stretches.items()]

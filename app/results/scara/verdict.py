@@ -7,7 +7,14 @@ from typing import Literal
 import numpy as np
 
 from catseye.app.files.result_json import Fit, LackOfFitPart, MapTable, Result
-from catseye.app.results.numbers import counted, decimals_for, fixed, probability, signed, three_digits
+from catseye.app.results.numbers import (
+    counted,
+    decimals_for,
+    fixd,
+    probability_text,
+    signd,
+    three_digits,
+)
 from catseye.app.results.scara.agreement import LIMIT, normalised_errors
 from catseye.app.results.scara.content import MODEL_TITLES, ReportContent, TruthTables
 from catseye.app.results.scara.distance_validation import DistanceValidation
@@ -61,11 +68,13 @@ def identified(result: Result) -> str:
     decimals = decimals_for((l1.u, l2.u))
     text = (
         f"The {MODEL_TITLES[result.model]} was identified from {result.fit.n_points} distances to "
-        f"{counted(len(result.reflectors), 'reflector')} ({names}): L1 = {fixed(l1.value, decimals)} mm "
-        f"(u = {1e3 * l1.u:.1f} µm), L2 = {fixed(l2.value, decimals)} mm (u = {1e3 * l2.u:.1f} µm)"
+        f"{counted(len(result.reflectors), 'reflector')} ({names}): L1 = {fixd(l1.value, decimals)} mm "
+        f"(u = {1e3 * l1.u:.1f} µm), L2 = {fixd(l2.value, decimals)} mm (u = {1e3 * l2.u:.1f} µm)"
     )
     if result.theta20_mdeg is not None:
-        return f"{text}, θ20 = {fixed(result.theta20_mdeg.value, 2)} mdeg (u = {result.theta20_mdeg.u:.2f} mdeg)."
+        return (
+            f"{text}, θ20 = {fixd(result.theta20_mdeg.value, 2)} mdeg (u = {result.theta20_mdeg.u:.2f} mdeg)."
+        )
     maps = [
         _range(joint, table) for joint, table in ((1, result.theta1_map), (2, result.theta2_map)) if table
     ]
@@ -76,8 +85,8 @@ def _range(joint: int, table: MapTable) -> str:
     values = [*table.positive_mdeg, *table.negative_mdeg]
     reversal = float(np.mean(reversal_mdeg(table)))
     return (
-        f"J{joint} deviates by {signed(min(values), 1)} to {signed(max(values), 1)} mdeg with a mean reversal error "
-        f"(− minus +) of {signed(reversal, 1)} mdeg"
+        f"J{joint} deviates by {signd(min(values), 1)} to {signd(max(values), 1)} mdeg with a mean reversal error "
+        f"(− minus +) of {signd(reversal, 1)} mdeg"
     )
 
 
@@ -90,7 +99,9 @@ def fit_verdict(result: Result) -> Statement:
     judged = _against_stated(fit, name)
     if lack is None or not lack.significant:
         return judged
-    expected = f"F = {three_digits(lack.expected_ratio)} expected, {probability(lack.probability_stated)}"
+    expected = (
+        f"F = {three_digits(lack.expected_ratio)} expected, {probability_text(lack.probability_stated)}"
+    )
     told = f"Repeats {_misses(name, lack)}; the stated systematic contributors account for it ({expected})."
     return Statement(judged.kind, f"{judged.text} {told}")
 
@@ -107,7 +118,7 @@ def _against_stated(fit: Fit, name: str) -> Statement:
     stated = f"the stated {reference(fit).sigma_um:.1f} µm"
     figures = f"χ²/dof = {fit.chi2_reduced:.2f}"
     figures += "" if abs(fit.chi2_expected - 1.0) < 0.005 else f", {fit.chi2_expected:.2f} expected"
-    figures += f", {probability(fit.chi2_probability)}"
+    figures += f", {probability_text(fit.chi2_probability)}"
     if fit.chi2_probability < SIGNIFICANCE:
         text = f"scatters by {fit.sigma0_um:.1f} µm, more than {stated} ({figures}); {_widened(fit)}"
         return Statement("bad", f"The fit of the {name} {text}.")
@@ -121,7 +132,7 @@ def _misses(name: str, lack: LackOfFitPart) -> str:
     return (
         f"of a pose scatter by {lack.pure_um:.1f} µm, but the {name} misses them by "
         f"{lack.systematic_um:.1f} µm in a systematic way (F = {three_digits(lack.ratio)}, "
-        f"{probability(lack.probability)})"
+        f"{probability_text(lack.probability)})"
     )
 
 
@@ -172,7 +183,7 @@ def truth_verdict(result: Result, truth: TruthTables) -> Statement:
         "good" if share >= 0.9 else "bad",
         f"Against the truth of the emulated bench {within} of {len(errors)} parameters lie within ±2 u "
         f"({100.0 * share:.0f} %, 95 % expected); rms of the normalised errors {np.sqrt(np.mean(values**2)):.2f}, "
-        f"the largest {signed(worst.value, 2)} at {worst.name}.",
+        f"the largest {signd(worst.value, 2)} at {worst.name}.",
     )
 
 

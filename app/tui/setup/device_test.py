@@ -13,9 +13,9 @@ from textual.content import Content
 from textual.screen import ModalScreen
 from textual.widgets import Label
 
+from catseye.app.results.numbers import duration_text
 from catseye.app.tui.widgets.key_line import KeyLine
 from catseye.app.tui.widgets.told import Told, lines
-from catseye.app.tui.words import duration_text
 from catseye.app.tui.work import Work
 
 _NOT_USABLE = 3

@@ -2,9 +2,9 @@
 
 from textual.content import Content
 
+from catseye.app.results.numbers import duration_text
 from catseye.app.tui.run_picture import RunPicture
 from catseye.app.tui.widgets.told import Told
-from catseye.app.tui.words import duration_text
 
 _EIGHTHS = " ▏▎▍▌▋▊▉█"
 

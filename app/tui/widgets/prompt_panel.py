@@ -10,9 +10,9 @@ from textual.content import Content
 from textual.message import Message
 from textual.widgets import Button, Input, Label
 
+from catseye.app.results.numbers import duration_text
 from catseye.app.tui.widgets.task_picture import task_picture
 from catseye.app.tui.widgets.told import Told, lines
-from catseye.app.tui.words import duration_text
 
 SETTLE_S: Final = 0.5
 """A key that was meant for something else, pressed as the question came onto the screen, answers nothing."""

@@ -4,9 +4,9 @@ from textual.app import RenderResult
 from textual.content import Content
 from textual.widget import Widget
 
-from catseye.app.commands.progress import duration_text as whole_duration_text
+from catseye.app.results.numbers import duration_text
 from catseye.app.tui.picture import Picture
-from catseye.app.tui.words import bytes_text, duration_text
+from catseye.app.tui.words import bytes_text
 
 Part = tuple[str, str]
 """Text and style."""
@@ -97,7 +97,7 @@ class StatusBar(Widget):
         text: list[Part] = []
         if picture.drives_off_at_s is not None:
             left_s = max(0.0, picture.drives_off_at_s - self._now_s)
-            text.append((f"DRIVES ON, off in {whole_duration_text(left_s)} ", _BANNER))
+            text.append((f"DRIVES ON, off in {duration_text(left_s, whole=True)} ", _BANNER))
             text.append((" ", ""))
         bench = picture.bench
         if bench is None:

@@ -4,7 +4,7 @@ import numpy as np
 
 from catseye.app.render.drawing import figure
 from catseye.app.render.markup import STYLE, Html, bullets, element, paragraphs, section, table
-from catseye.app.results.numbers import counted, duration, fixed, plain
+from catseye.app.results.numbers import counted, duration_text, fixd, plain
 from catseye.app.results.scara.design.design import Design, weakest
 from catseye.app.results.scara.design.figures.front import front_figure
 from catseye.app.results.scara.design.figures.places import places_figure
@@ -35,9 +35,9 @@ def _places(found: Design) -> Html:
     rows = [
         [
             f"P{k}",
-            fixed(float(sight.xy_mm[0]), 0),
-            fixed(float(sight.xy_mm[1]), 0),
-            fixed(float(np.rad2deg(sight.facing_rad)), 1),
+            fixd(float(sight.xy_mm[0]), 0),
+            fixd(float(sight.xy_mm[1]), 0),
+            fixd(float(np.rad2deg(sight.facing_rad)), 1),
             f"{int(sight.seen.sum())} of {sight.seen.size}",
             str(sight.breaks),
         ]
@@ -47,7 +47,7 @@ def _places(found: Design) -> Html:
     criterion, places = found.problem.criterion, found.places
     text = (
         f"Criterion {criterion.name}: {criterion.meaning}. {_contents(found)} "
-        f"{counted(len(places.allowed), 'place')} allowed on a grid of {fixed(places.spacing_mm, 0)} mm, "
+        f"{counted(len(places.allowed), 'place')} allowed on a grid of {fixd(places.spacing_mm, 0)} mm, "
         f"{len(places.excluded)} excluded; the best are then moved off the grid."
     )
     caption = (
@@ -76,7 +76,7 @@ def _comparison(found: Design) -> Html:
             str(layout.cost.points),
             str(layout.cost.blind),
             str(layout.cost.breaks),
-            layout.cost.refused or duration(layout.cost.duration_s),
+            layout.cost.refused or duration_text(layout.cost.duration_s),
         ]
         for layout in found.layouts
     ]
@@ -109,10 +109,10 @@ def _rows(found: Design, layout: Layout) -> list[list[str]]:
             [
                 layout.name,
                 name,
-                *(fixed(layout.shown(one, systematic=systematic), 3) for one in _CRITERIA),
-                fixed(1e3 * float(u[0]), 1),
-                fixed(1e3 * float(u[1]), 1),
-                *(fixed(float(value), 2) for value in maps),
+                *(fixd(layout.shown(one, systematic=systematic), 3) for one in _CRITERIA),
+                fixd(1e3 * float(u[0]), 1),
+                fixd(1e3 * float(u[1]), 1),
+                *(fixd(float(value), 2) for value in maps),
             ]
         )
     return rows
@@ -121,7 +121,7 @@ def _rows(found: Design, layout: Layout) -> list[list[str]]:
 def _weakness(found: Design) -> Html:
     worst = [
         f"Δθ{one.joint} at {plain(one.node_deg)}°, {'positive' if one.direction > 0 else 'negative'} direction: "
-        f"{fixed(one.u_mdeg, 2)} mdeg"
+        f"{fixd(one.u_mdeg, 2)} mdeg"
         for one in weakest(found.layout)
     ]
     nodes = figure(
@@ -151,9 +151,9 @@ def _commands(found: Design) -> Html:
     whole = found.layout.shown(name, systematic=problem.systematic)
     chosen = choice.shown(name, systematic=problem.systematic)
     text = (
-        f"{int(choice.kept.sum())} of {choice.kept.size} commands: criterion {name} {fixed(chosen, 3)} "
-        f"{problem.criterion.unit} instead of {fixed(whole, 3)} {problem.criterion.unit}, bench time "
-        f"{duration(choice.cost.duration_s)} instead of {duration(found.layout.cost.duration_s)}."
+        f"{int(choice.kept.sum())} of {choice.kept.size} commands: criterion {name} {fixd(chosen, 3)} "
+        f"{problem.criterion.unit} instead of {fixd(whole, 3)} {problem.criterion.unit}, bench time "
+        f"{duration_text(choice.cost.duration_s)} instead of {duration_text(found.layout.cost.duration_s)}."
     )
     bench = problem.bench
     signs = (("+ +", 1, 1), ("+ −", 1, -1), ("− +", -1, 1), ("− −", -1, -1))
@@ -184,9 +184,9 @@ def _front(found: Design) -> Html:
             str(row.reflectors),
             str(row.commands),
             str(row.repeats),
-            duration(row.time_s),
-            fixed(row.u_white, 3),
-            fixed(row.u_total, 3),
+            duration_text(row.time_s),
+            fixd(row.u_white, 3),
+            fixd(row.u_total, 3),
         ]
         for row in found.compromises
         if row.front

@@ -7,25 +7,8 @@ import pytest
 
 from catseye.app.commands.narrator import Narrator
 from catseye.app.commands.output import table
-from catseye.app.commands.progress import ProgressBar, duration_text
+from catseye.app.commands.progress import ProgressBar
 from catseye.procedures.kit.context import Json
-
-
-@pytest.mark.parametrize(
-    ("seconds", "text"),
-    [
-        (-3.0, "0 s"),
-        (0.4, "0 s"),
-        (59.4, "59 s"),
-        (59.6, "1 min 00 s"),
-        (61.0, "1 min 01 s"),
-        (3599.7, "1 h 00 min"),
-        (3661.0, "1 h 01 min"),
-        (90_000.0, "25 h 00 min"),
-    ],
-)
-def test_durations_as_people_read_them(seconds: float, text: str) -> None:
-    assert duration_text(seconds) == text
 
 
 class Wall:

@@ -17,7 +17,6 @@ from catseye.app.guidance.need import Need, links_need
 from catseye.app.guidance.needs import aim_of
 from catseye.app.guidance.stages import Stage, results_in, stages_of
 from catseye.app.guidance.survey import Survey, survey_cell
-from catseye.app.guidance.words import age_text
 from catseye.app.procedure_list import procedure_names
 from catseye.app.store.run_store import RunStore
 from catseye.procedures.kit.context import Json
@@ -190,11 +189,3 @@ def test_only_error_maps_count_as_results(tmp_path: Path) -> None:
     (tmp_path / "a.json").write_text("{")
     (tmp_path / "b.json").write_text('{"format": "catseye-result/1", "model": "conventional"}')
     assert results_in([tmp_path, tmp_path / "none"]) == {}
-
-
-@pytest.mark.parametrize(
-    ("age_s", "text"),
-    [(5.0, "just now"), (720.0, "12 min ago"), (5 * 3600.0, "5 h ago"), (3 * 86400.0, "3 d ago")],
-)
-def test_ages_read_plainly(age_s: float, text: str) -> None:
-    assert age_text(age_s) == text
