@@ -8,7 +8,10 @@ from catseye.app.commands.narrator import Narrator
 from catseye.app.commands.output import emit, emit_json, say, table
 from catseye.app.demo import DemoInterruptedError, DemoResult, evaluate, measure, prepare_folder
 from catseye.app.engine.announcer import Publish
+from catseye.app.files.documents import read_truth
+from catseye.app.results.scara.identify import MODELS
 from catseye.app.results.scara.validation import ModelOnPath
+from catseye.app.store.reader import RunReader
 
 
 def demo_command(out: Path, speed: float, seed: int, truth: Path | None, as_json: bool) -> None:
@@ -37,10 +40,20 @@ def demo_command(out: Path, speed: float, seed: int, truth: Path | None, as_json
 
 
 def _write_report(result: DemoResult) -> Path:
-    from catseye.app.results.scara.run_report import demo_report
+    from catseye.app.render.page import write_page
+    from catseye.app.results.scara.run_content import job_content, truth_tables
+    from catseye.app.results.scara.run_report import run_report
 
     path = result.folder / "report.html"
-    demo_report(result, path)
+    content = job_content(
+        "catseye demo: error map of an emulated SCARA arm",
+        [RunReader(run) for run in result.runs.values()],
+        RunReader(result.runs["open-loop"]),
+        [result.results[model] for model in MODELS],
+        truth_tables(result.identified["error-map"], read_truth(result.folder / "truth.json")),
+        result.validation,
+    )
+    write_page(run_report(content), path)
     return path
 
 

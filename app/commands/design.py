@@ -10,16 +10,18 @@ from catseye.app.cell.bench import bench_of
 from catseye.app.cell.load import LoadedCell, load_cell
 from catseye.app.cell.reflectors import with_reflector_tables
 from catseye.app.cluster.sharing import sharing
-from catseye.app.commands.design_words import tell_design
-from catseye.app.commands.output import say
+from catseye.app.commands.output import emit, emit_json, say
 from catseye.app.commands.progress import ProgressBar
 from catseye.app.errors import UsageError
 from catseye.app.files.atomic import write_atomically
 from catseye.app.files.csv_text import csv_text
 from catseye.app.files.path_csv import DIRECTIONS, JOINTS, read_path_csv
+from catseye.app.render.page import write_page
+from catseye.app.render.text import statement_lines, tables_text
 from catseye.app.results.scara.design.design import Design, Wanted, design
+from catseye.app.results.scara.design.document import design_document
 from catseye.app.results.scara.design.problem import Wish, problem_of
-from catseye.app.results.scara.design.report import render_design
+from catseye.app.results.scara.design.report import design_report
 from catseye.calibration.design.criteria import CriterionName
 from catseye.calibration.points import Commands
 
@@ -104,8 +106,17 @@ def design_command(
         found = design(problem, wanted, share, done)
     for bar in bars.values():
         bar.close()
-    tell_design(found, as_json=as_json)
-    _write(found, loaded, output, write_cell, write_commands)
+    report = design_report(found, loaded.cell.name)
+    if as_json:
+        emit_json(design_document(found))
+    else:
+        emit(tables_text(report))
+    for line in statement_lines(report):
+        say(line)
+    if output is not None:
+        write_page(report, output)
+        say(f"{output} written")
+    _write(found, loaded, write_cell, write_commands)
 
 
 def _require_consistent(options: DesignOptions, write_commands: Path | None) -> None:
@@ -134,12 +145,7 @@ def _path(path: Path, loaded: LoadedCell) -> Commands:
     return read_path_csv(path, (robot.link1_mm, robot.link2_mm)).commands
 
 
-def _write(
-    found: Design, loaded: LoadedCell, output: Path | None, cell: Path | None, commands: Path | None
-) -> None:
-    if output is not None:
-        write_atomically(output, render_design(found, loaded.cell.name))
-        say(f"{output} written")
+def _write(found: Design, loaded: LoadedCell, cell: Path | None, commands: Path | None) -> None:
     if cell is not None:
         reflectors = [
             (f"P{k}", float(s.xy_mm[0]), float(s.xy_mm[1]), round(float(np.rad2deg(s.facing_rad)), 1))

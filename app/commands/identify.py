@@ -26,7 +26,7 @@ from catseye.app.results.scara.uncertainty import (
     by_jacobian,
     by_monte_carlo,
     require_draws,
-    sentences,
+    uncertainty_statements,
 )
 from catseye.app.store.unverified import taken_as_it_is
 from catseye.calibration.extension import Term
@@ -107,7 +107,7 @@ def _identified(source: DistanceSource, options: IdentifyOptions) -> tuple[Resul
     result = with_what_speaks_against(result, source.readers).model_copy(
         update={"uncertainty": propagated.part}
     )
-    return result, [*verdicts(result), *sentences(propagated.part)]
+    return result, [*verdicts(result), *(one.text for one in uncertainty_statements(propagated.part))]
 
 
 def _hand_over(result: Result, summary: str, output: Path, texts: list[str], *, as_json: bool) -> None:

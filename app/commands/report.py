@@ -4,7 +4,9 @@ from pathlib import Path
 
 from catseye.app.commands.output import say
 from catseye.app.errors import UsageError
-from catseye.app.results.scara.run_report import require_html, result_report, run_report
+from catseye.app.render.page import require_html, write_page
+from catseye.app.results.scara.run_content import result_content, run_content
+from catseye.app.results.scara.run_report import run_report
 from catseye.app.runs_folder import runs_folder
 from catseye.app.store.catalog import resolve_run
 from catseye.app.store.reader import RunReader, accept
@@ -16,7 +18,7 @@ def report_command(source: str, output: Path, runs: Path | None, unverified: boo
     require_html(output)
     direct = Path(source)
     if direct.is_file():
-        result_report(direct, output)
+        write_page(run_report(result_content(direct)), output)
     elif direct.suffix.lower() == ".json":
         raise UsageError(f"{direct}: there is no such file")
     else:
@@ -24,5 +26,6 @@ def report_command(source: str, output: Path, runs: Path | None, unverified: boo
         path = resolve_run(root, source)
         reader = RunReader(path, accept(unverified=unverified))
         with taken_as_it_is(reader):
-            run_report(reader, path.parent, output)
+            content = run_content(reader, path.parent)
+        write_page(run_report(content), output)
     say(f"{output} written")

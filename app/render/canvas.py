@@ -14,26 +14,6 @@ from matplotlib.figure import Figure
 
 from catseye.app.render.compact_svg import compact
 
-POSITIVE = "#c62828"
-"""Approached upwards, or the way there."""
-
-NEGATIVE = "#1556b0"
-"""Approached downwards, or the way back."""
-
-CONVENTIONAL = "#1b7f3b"
-TRUTH = "#222222"
-MUTED = "#8a8f98"
-
-SERIES = (
-    ("#d55e00", "o"),
-    ("#0072b2", "s"),
-    ("#8e44ad", "^"),
-    ("#00806a", "D"),
-    ("#8c6d1f", "v"),
-    ("#444444", "P"),
-)
-"""Colour and marker of each reflector in turn; nothing is told by colour alone."""
-
 STYLE: dict[Any, Any] = {
     "axes.axisbelow": True,
     "axes.edgecolor": "#5f6670",
@@ -69,11 +49,6 @@ _NOT_FOR_A_PAGE = re.compile(r"<\?xml.*?\?>|<!DOCTYPE.*?>", re.DOTALL)
 _SIZE = re.compile(r'(<svg[^>]*?) width="[^"]*"', re.DOTALL)
 _HEIGHT = re.compile(r'(<svg[^>]*?) height="[^"]*"', re.DOTALL)
 _NAMES = re.compile(r'(\bid="|href="#|url\(#)')
-
-
-def series(index: int) -> tuple[str, str]:
-    """Return colour and marker of a reflector."""
-    return SERIES[index % len(SERIES)]
 
 
 def svg(figure: Figure, name: str, label: str) -> str:

@@ -3,10 +3,6 @@
 import html
 import re
 from collections.abc import Iterable, Sequence
-from pathlib import Path
-
-STYLE = Path(__file__).with_name("report.css")
-"""Style sheet of every page."""
 
 
 class Html(str):
@@ -44,18 +40,18 @@ def bullets(texts: Iterable[str]) -> Html:
     return element("ul", *(element("li", text) for text in texts))
 
 
-def table(caption: str, head: Sequence[str], rows: Iterable[Sequence[str]], text_columns: int = 1) -> Html:
+def table(caption: str, head: Sequence[str], rows: Iterable[Sequence[str]], numeric: Sequence[bool]) -> Html:
     """Return a table that scrolls by itself on a narrow screen.
 
     Args:
         caption: what it shows.
         head: names of the columns with their units.
         rows: cells; the first names the row.
-        text_columns: columns from the left that hold text; numbers stand flush right.
+        numeric: which columns stand flush right.
     """
 
     def kind(column: int) -> str:
-        return "text" if column < text_columns else "number"
+        return "number" if numeric[column] else "text"
 
     names = (element("th", name, scope="col", class_=kind(i)) for i, name in enumerate(head))
     body = (

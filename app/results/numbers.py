@@ -13,6 +13,9 @@ MINUS: Final = "−"
 EXPANDED: Final = 2.0
 """Coverage factor of expanded uncertainties; 95 in 100 errors lie within so many standard uncertainties."""
 
+SHARE_EXPECTED: Final = 0.9
+"""Fewer than this share of errors within the expanded uncertainty speaks against the stated uncertainties."""
+
 MDEG_PER_RAD: Final = 1e3 * math.degrees(1.0)
 
 Style = Literal["text", "fixed", "significant", "plain", "percent", "probability", "duration", "minutes"]
@@ -150,23 +153,3 @@ _STYLES: Final[Mapping[Style, Callable[[float, int], str]]] = {
     "duration": lambda value, _: duration_text(value),
     "minutes": lambda value, _: f"{value / 60.0:.1f}",
 }
-
-
-def fixd(value: float | None, decimals: int) -> str:
-    """Return a number with so many decimals; a dash for None and NaN."""
-    return number(value, fixed(decimals))
-
-
-def signd(value: float | None, decimals: int) -> str:
-    """Return a number that shows its sign."""
-    return number(value, fixed(decimals, signed=True))
-
-
-def plain(value: float) -> str:
-    """Return a number as short as it can be written."""
-    return number(value, PLAIN)
-
-
-def three_digits(value: float) -> str:
-    """Return a number with three significant digits and no exponent."""
-    return number(value, THREE_DIGITS)

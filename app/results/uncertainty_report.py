@@ -1,59 +1,62 @@
-"""Section about where the uncertainties come from: the budget, contributions, correlations, intervals."""
+"""Where the uncertainties come from: the budget, contributions, correlations, intervals."""
 
-from catseye.app.cell.model import Cell
+from collections.abc import Sequence
+
 from catseye.app.cell.uncertainty import ContributorEntry
-from catseye.app.files.result_json import Result
 from catseye.app.files.uncertainty_part import (
     ContributionTable,
     CoverageInterval,
     MonteCarloPart,
     UncertaintyPart,
 )
-from catseye.app.render.markup import Html, join, paragraphs, section, table
-from catseye.app.results.numbers import NOTHING, fixd, signd
+from catseye.app.results.model import Block, Cell, Column, Paragraph, Quantity, Section, Table, section
+from catseye.app.results.numbers import COUNT, NOTHING, OF_UNIT, fixed, number
 
 _LEAST_SHARE = 0.0005
 """Shares below this round to nothing."""
 
-_DECIMALS = {"mm": 4, "mdeg": 2, "um": 2}
 _UNITS = {"mm": "mm", "mdeg": "mdeg", "um": "µm"}
 
 
-def uncertainty_section(result: Result | None, cell: Cell | None) -> Html:
+def uncertainty_section(part: UncertaintyPart | None, budget: Sequence[ContributorEntry] | None) -> Section:
     """Return the budget and what becomes of it in the results.
 
     Args:
-        result: the result that the page is about; None leaves its parts out.
-        cell: the configuration with the budget; None where only a result file is known.
+        part: of the result; None leaves it out.
+        budget: of the configuration; None where only a result file is known.
     """
-    part = None if result is None else result.uncertainty
-    if part is None and cell is None:
-        return Html()
-    blocks = [] if cell is None else [_budget(cell.uncertainty.contributor)]
+    blocks: list[Block | None] = [] if budget is None else [_budget(budget)]
     if part is not None:
-        blocks += [paragraphs(_method(part)), _contributions(part.contributions), _correlations(part)]
-        blocks += [_validation(part.monte_carlo), _intervals(part)]
-    return section("uncertainty", "Uncertainty", *blocks)
+        blocks += [Paragraph(_method(part)), _contributions(part.contributions), _correlations(part)]
+        blocks += [*_validation(part.monte_carlo), _intervals(part)]
+    return section("uncertainty", "Uncertainty", blocks)
 
 
-def _budget(entries: list[ContributorEntry]) -> Html:
-    rows = [
-        [
-            one.name,
-            one.kind,
-            one.stated,
-            one.distribution,
-            one.correlation,
-            (one.axis or "").upper() or NOTHING,
-        ]
-        for one in entries
-    ]
-    head = ["contributor", "kind", "value", "distribution", "shared by", "axis"]
-    caption = (
+def _budget(entries: Sequence[ContributorEntry]) -> Table:
+    return Table(
+        "budget",
         "Error budget of the cell file. A normal contributor is stated by its standard uncertainty, the others by "
-        "their half width; what is shared by several distances does not average out."
+        "their half width; what is shared by several distances does not average out.",
+        (
+            Column("name", "contributor"),
+            Column("kind", "kind"),
+            Column("value", "value"),
+            Column("distribution", "distribution"),
+            Column("correlation", "shared by"),
+            Column("axis", "axis"),
+        ),
+        tuple(
+            (
+                one.name,
+                one.kind,
+                one.stated,
+                one.distribution,
+                one.correlation,
+                (one.axis or "").upper() or NOTHING,
+            )
+            for one in entries
+        ),
     )
-    return table(caption, head, rows, text_columns=6)
 
 
 def _method(part: UncertaintyPart) -> str:
@@ -66,56 +69,86 @@ def _method(part: UncertaintyPart) -> str:
     )
 
 
-def _contributions(found: ContributionTable) -> Html:
-    head = ["result", "u", *found.contributors]
-    rows = [
-        [f"{row.result} / {_UNITS[row.unit]}", fixd(row.u, 2), *(_share(share) for share in row.shares)]
-        for row in found.rows
-    ]
-    return table("Share of each contributor in the variance of each result, %.", head, rows)
+def _contributions(found: ContributionTable) -> Table:
+    shares = fixed(1)
+    return Table(
+        "contributions",
+        "Share of each contributor in the variance of each result, %.",
+        (
+            Column("result", "result"),
+            Column("u", "u", format=fixed(2)),
+            *(Column(name, name, format=shares) for name in found.contributors),
+        ),
+        tuple(
+            (f"{row.result} / {_UNITS[row.unit]}", row.u, *(_share(share) for share in row.shares))
+            for row in found.rows
+        ),
+    )
 
 
-def _share(share: float) -> str:
-    return NOTHING if share < _LEAST_SHARE else fixd(100.0 * share, 1)
+def _share(share: float) -> float | None:
+    return None if share < _LEAST_SHARE else 100.0 * share
 
 
-def _correlations(part: UncertaintyPart) -> Html:
-    rows = [[" and ".join(pair.parameters), signd(pair.coefficient, 3)] for pair in part.correlations]
-    return table("Strongest correlations of the arm's parameters.", ["parameters", "coefficient"], rows)
+def _correlations(part: UncertaintyPart) -> Table:
+    return Table(
+        "correlations",
+        "Strongest correlations of the arm's parameters.",
+        (
+            Column("parameters", "parameters"),
+            Column("coefficient", "coefficient", format=fixed(3, signed=True)),
+        ),
+        tuple((" and ".join(pair.parameters), pair.coefficient) for pair in part.correlations),
+    )
 
 
-def _validation(part: MonteCarloPart | None) -> Html:
+def _validation(part: MonteCarloPart | None) -> list[Block]:
     if part is None:
-        return Html()
-    rows = [
-        [
-            f"{row.parameter} / {_UNITS[row.unit]}",
-            fixd(row.difference, 3),
-            fixd(row.delta, 3),
-            row.verdict,
-        ]
-        for row in part.validation
-        if row.verdict != "validated"
-    ]
-    confirmed = len(part.validation) - len(rows)
-    told = (
+        return []
+    open_rows = [row for row in part.validation if row.verdict != "validated"]
+    confirmed = len(part.validation) - len(open_rows)
+    text = (
         f"The draws confirm the Jacobian's intervals of {confirmed} of {len(part.validation)} parameters (JCGM 101: "
         "no end differs by more than δ, half a unit of the one significant digit of u)."
     )
-    if not rows:
-        return paragraphs(told)
-    head = ["parameter", "largest difference", "δ", "verdict"]
-    return join([paragraphs(told), table("Intervals that are not confirmed.", head, rows)])
+    if not open_rows:
+        return [Paragraph(text)]
+    table = Table(
+        "unconfirmed",
+        "Intervals that are not confirmed.",
+        (
+            Column("parameter", "parameter"),
+            Column("difference", "largest difference", format=fixed(3)),
+            Column("delta", "δ", format=fixed(3)),
+            Column("verdict", "verdict"),
+        ),
+        tuple(
+            (f"{row.parameter} / {_UNITS[row.unit]}", row.difference, row.delta, row.verdict)
+            for row in open_rows
+        ),
+    )
+    return [Paragraph(text), table]
 
 
-def _intervals(part: UncertaintyPart) -> Html:
-    caption = f"Coverage intervals, {100.0 * part.coverage:g} %."
-    rows = [_interval(one) for one in part.intervals]
-    return table(caption, ["parameter", "value", "u", "from", "to", "degrees of freedom"], rows)
+def _intervals(part: UncertaintyPart) -> Table:
+    values = fixed(4)
+    return Table(
+        "intervals",
+        f"Coverage intervals, {100.0 * part.coverage:g} %.",
+        (
+            Column("parameter", "parameter"),
+            *(Column(key, title, format=values) for key, title in _ENDS),
+            Column("degrees_of_freedom", "degrees of freedom", format=COUNT),
+        ),
+        tuple(_interval(one) for one in part.intervals),
+    )
 
 
-def _interval(one: CoverageInterval) -> list[str]:
-    decimals = _DECIMALS[one.unit]
-    values = (one.value, one.u, one.low, one.high)
-    dof = "∞" if one.degrees_of_freedom is None else fixd(one.degrees_of_freedom, 0)
-    return [f"{one.parameter} / {_UNITS[one.unit]}", *(fixd(value, decimals) for value in values), dof]
+_ENDS = (("value", "value"), ("u", "u"), ("low", "from"), ("high", "to"))
+
+
+def _interval(one: CoverageInterval) -> tuple[Cell, ...]:
+    unit = _UNITS[one.unit]
+    values = (Quantity(value, OF_UNIT[unit]) for value in (one.value, one.u, one.low, one.high))
+    dof = "∞" if one.degrees_of_freedom is None else number(one.degrees_of_freedom, COUNT)
+    return (f"{one.parameter} / {unit}", *values, dof)

@@ -9,21 +9,17 @@ import numpy as np
 
 from catseye.app.files.result_files import ResultFile
 from catseye.app.files.result_json import MapTable, Result
+from catseye.app.results.model import Sign, Statement
 from catseye.app.results.scara.comparison import MapDifference, ResultComparison
-from catseye.app.results.scara.content import MODEL_TITLES
+from catseye.app.results.scara.diagnosis_document import finding_statements
 from catseye.app.results.scara.export import result_rows
-from catseye.app.results.scara.uncertainty import sentences
-from catseye.app.results.scara.verdict import fit_verdict, identified
+from catseye.app.results.scara.fit_text import fit_statements, identified_text, left_out_statements
+from catseye.app.results.scara.names import MODEL_TITLES
+from catseye.app.results.scara.uncertainty import uncertainty_statements
 from catseye.app.tui.widgets.result_charts import COVERAGE, MapColumns
 from catseye.app.tui.work import command_line
 
-SIGNS: Final = {"good": "✓", "bad": "✗", "note": "·"}
-STYLES: Final = {"good": "$success", "bad": "$error", "note": ""}
-
 _DECIMALS: Final = {"mm": 4, "mdeg": 2, "µm": 2}
-
-Sentence = tuple[str, str]
-"""How it is meant (good, bad, note), and the text."""
 
 
 def file_row(file: ResultFile) -> list[str]:
@@ -107,21 +103,18 @@ def layout_text(result: Result) -> str:
     return "\n".join(lines)
 
 
-def fit_sentences(result: Result, diagnosis: dict[str, Any] | None) -> list[Sentence]:
+def fit_sentences(result: Result, diagnosis: dict[str, Any] | None) -> list[Statement]:
     """Return what was identified, how it fits, and what a diagnosis found."""
-    judged = fit_verdict(result)
-    told: list[Sentence] = [("note", identified(result)), (judged.kind, judged.text)]
-    if result.fit.null_directions:
-        named = "; ".join(", ".join(names) for names in result.fit.null_directions)
-        told.append(("bad", f"Not observable, and therefore without numbers: {named}."))
+    statements = [Statement(Sign.NEUTRAL, identified_text(result)), *fit_statements(result)]
     if result.uncertainty is not None:
-        told += [("note", text) for text in sentences(result.uncertainty)]
+        statements += uncertainty_statements(result.uncertainty)
     if diagnosis is None:
-        told.append(("note", "d: diagnosis, what speaks for and against the fit (takes seconds to minutes)"))
+        text = "d: diagnosis, what speaks for and against the fit (takes seconds to minutes)"
+        statements.append(Statement(Sign.NEUTRAL, text))
     else:
-        told += [(str(one["kind"]), str(one["text"])) for one in diagnosis["findings"]]
+        statements += finding_statements(diagnosis["findings"])
     # After many losses of the beam these are more lines than a small screen has.
-    return [*told, *(("note", f"left out: {text}") for text in result.fit.rejected)]
+    return [*statements, *left_out_statements(result)]
 
 
 def outlier_rows(result: Result, diagnosis: dict[str, Any] | None) -> list[int]:

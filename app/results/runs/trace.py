@@ -1,42 +1,68 @@
-"""Section about what the page can be traced to: programs, runs, their files with digests, how to check them."""
+"""What a report can be traced to: programs, runs, their files with digests, how to check them."""
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping, Sequence
 
-from catseye.app.render.markup import Html, element, paragraphs, section, table
-from catseye.app.results.scara.content import ReportContent, RunRecord
+from catseye.app.results.model import Block, Column, Listing, Paragraph, Section, Table, section
+from catseye.app.results.runs.records import RunRecord
 
 
-def trace_section(content: ReportContent) -> Html:
-    """Return versions, runs with the digests of their files, and the commands that check them."""
-    files = [row for run in content.runs for row in _files(run)]
-    files += [["result", name, digest] for name, digest in content.digests.items()]
-    names = [run.name for run in content.runs if run.files]
+def trace_section(
+    software: str,
+    versions: Mapping[str, str],
+    runs: Sequence[RunRecord],
+    result_software: Iterable[str],
+    digests: Mapping[str, str],
+) -> Section:
+    """Return versions, runs with the digests of their files, and the commands that check them.
+
+    Args:
+        software: name and version of the program that made the report.
+        versions: of what it ran on, by name.
+        runs: that the report draws on.
+        result_software: what identified the results; shown where no run is known.
+        digests: SHA-256 of result files, by name.
+    """
+    files = [(run.name, name, digest) for run in runs for name, digest in run.files.items()]
+    files += [("result", name, digest) for name, digest in digests.items()]
+    others = () if runs else tuple(dict.fromkeys(result_software))
+    columns = (Column("of", "of"), Column("file", "file"), Column("sha256", "SHA-256"))
     return section(
         "trace",
         "Traceability",
-        _versions(content),
-        table("Files with their SHA-256", ["of", "file", "SHA-256"], files, 3) if files else "",
-        paragraphs(
-            "Each command recomputes the digests and compares them, and the run's own record, with what was sealed "
-            "at its end; sha256sum gives the same digests."
-        )
-        if names
-        else "",
-        element("pre", "\n".join(f"catseye verify {name}" for name in names)) if names else "",
+        [
+            _programs(software, versions, runs, others),
+            Table("files", "Files with their SHA-256", columns, tuple(files)) if files else None,
+            *_checks([run.name for run in runs if run.files]),
+        ],
     )
 
 
-def _versions(content: ReportContent) -> Html:
-    rows = [["this page", content.software, _listed(content.versions), ""]]
-    rows += [[run.name, run.software, _listed(run.versions), run.operator] for run in content.runs]
-    results = dict.fromkeys(result.provenance.software for result in content.results)
-    rows += [["identified results", name, "", ""] for name in results if not content.runs]
-    return table("Programs", ["made", "by", "with", "operator"], rows, 4)
+def _checks(names: Sequence[str]) -> list[Block]:
+    if not names:
+        return []
+    return [
+        Paragraph(
+            "Each command recomputes the digests and compares them, and the run's own record, with what was sealed "
+            "at its end; sha256sum gives the same digests."
+        ),
+        Listing(tuple((f"catseye verify {name}", "") for name in names)),
+    ]
+
+
+def _programs(
+    software: str, versions: Mapping[str, str], runs: Sequence[RunRecord], others: Sequence[str]
+) -> Table:
+    rows = [("this page", software, _listed(versions), "")]
+    rows += [(run.name, run.software, _listed(run.versions), run.operator) for run in runs]
+    rows += [("identified results", name, "", "") for name in others]
+    columns = (
+        Column("made", "made"),
+        Column("by", "by"),
+        Column("with", "with"),
+        Column("operator", "operator"),
+    )
+    return Table("programs", "Programs", columns, tuple(rows))
 
 
 def _listed(versions: Mapping[str, str]) -> str:
     return ", ".join(f"{name} {version}" for name, version in versions.items())
-
-
-def _files(run: RunRecord) -> list[list[str]]:
-    return [[run.name, name, digest] for name, digest in run.files.items()]

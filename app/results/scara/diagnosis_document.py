@@ -1,36 +1,29 @@
-"""From distances to a diagnosis, and the diagnosis as JSON."""
+"""A diagnosis as JSON."""
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
 
-from catseye.app.files.result_json import term_unit
-from catseye.app.results.scara.diagnosis_report import distance_text, findings, outlier_limit, outlying
-from catseye.app.results.scara.distances import DistanceSource
-from catseye.app.results.scara.identify import problem_of_rows
+from catseye.app.results.model import Sign, Statement
+from catseye.app.results.numbers import MDEG_PER_RAD
+from catseye.app.results.scara.diagnosis import coefficients, outlier_limit, outlying
+from catseye.app.results.scara.diagnosis_findings import distance_text, findings
 from catseye.calibration.diagnostics.cross_validation import CrossValidation
-from catseye.calibration.diagnostics.diagnosis import Diagnosis, diagnose
+from catseye.calibration.diagnostics.diagnosis import Diagnosis
 from catseye.calibration.diagnostics.harmonics import HarmonicSeries
 from catseye.calibration.diagnostics.joint_angles import AnglePattern
 from catseye.calibration.diagnostics.nested_models import ComparedModel
 from catseye.calibration.diagnostics.node_spacing import Grid, NodeSpacing
 
-_MDEG = 1e3 * math.degrees(1.0)
+_KINDS = {Sign.GOOD: "good", Sign.BAD: "bad", Sign.NEUTRAL: "note", Sign.ATTENTION: "note"}
 
 
-def diagnose_distances(source: DistanceSource, tell: Callable[[str], None] = lambda _: None) -> Diagnosis:
-    """Diagnose the error map of distances.
-
-    Args:
-        source: the distances.
-        tell: is told what comes next.
-
-    Raises:
-        CalibrationError: the distances cannot determine the error map.
-    """
-    return diagnose(problem_of_rows(source.rows, source.bench, "error-map", source.budget), tell)
+def finding_statements(found: Sequence[Mapping[str, str]]) -> list[Statement]:
+    """Return the findings of a diagnosis that was written as JSON."""
+    signs = {"good": Sign.GOOD, "bad": Sign.BAD, "note": Sign.NEUTRAL}
+    return [Statement(signs[one["kind"]], one["text"]) for one in found]
 
 
 def diagnosis_json(diagnosis: Diagnosis, names: Sequence[str]) -> dict[str, Any]:
@@ -43,7 +36,7 @@ def diagnosis_json(diagnosis: Diagnosis, names: Sequence[str]) -> dict[str, Any]
     fit = diagnosis.identified.fit
     return {
         "sources": list(names),
-        "findings": [{"kind": one.kind, "text": one.text} for one in findings(diagnosis)],
+        "findings": [{"kind": _KINDS[one.sign], "text": one.text} for one in findings(diagnosis)],
         "fit": {
             "n_points": fit.n_points,
             "n_parameters": fit.n_parameters,
@@ -99,11 +92,11 @@ def _model(one: ComparedModel) -> dict[str, Any]:
         "terms": [
             {
                 "name": term.name,
-                "unit": "mdeg" if term.angular else "um",
-                "value": _number(term_unit(term) * value),
-                "u": _number(term_unit(term) * u),
+                "unit": "mdeg" if term.unit == "mdeg" else "um",
+                "value": _number(term.value),
+                "u": _number(term.u),
             }
-            for term, value, u in zip(one.terms, one.coefficients.tolist(), one.u.tolist(), strict=True)
+            for term in coefficients(one)
         ],
     }
 
@@ -149,7 +142,7 @@ def _pattern(one: AnglePattern) -> dict[str, Any]:
 
 def _series(one: HarmonicSeries) -> dict[str, Any]:
     length = one.target == "length"
-    factor = 1e3 if length else _MDEG
+    factor = 1e3 if length else MDEG_PER_RAD
     return {
         "target": one.target,
         "source": one.source,

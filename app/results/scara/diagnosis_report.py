@@ -1,282 +1,149 @@
-"""A diagnosis in plain sentences."""
+"""What speaks for and against a fit: findings, nested models, predictions of what was left out, grids, figures."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
-from typing import Literal
 
-import numpy as np
-from scipy import special
-
-from catseye.app.files.result_json import term_unit
+from catseye.app.results.model import Bullets, Cell, Column, Origin, Report, Section, Table, section
+from catseye.app.results.numbers import COUNT, PROBABILITY, fixed
+from catseye.app.results.scara.diagnosis import coefficients
+from catseye.app.results.scara.diagnosis_findings import findings
+from catseye.app.results.scara.figures.diagnosis import diagnosis_figures
 from catseye.calibration.diagnostics.cross_validation import CrossValidation
 from catseye.calibration.diagnostics.diagnosis import Diagnosis
-from catseye.calibration.diagnostics.drift import Change
-from catseye.calibration.diagnostics.harmonics import Harmonic, HarmonicSeries
-from catseye.calibration.diagnostics.nested_models import CONVENTIONAL, ERROR_MAP, TOGETHER, ComparedModel
-from catseye.calibration.diagnostics.node_spacing import Grid, NodeSpacing
-from catseye.calibration.fit_statistics import SIGNIFICANCE
-from catseye.calibration.types import Floats
+from catseye.calibration.diagnostics.nested_models import ComparedModel
+from catseye.calibration.diagnostics.node_spacing import Grid
 
-ANGLES = {"theta1": "θ1", "theta2": "θ2", "theta4": "θ4"}
-"""What a reader calls the angles; θ4 is the angle of the beam against link 2."""
-
-VARYING = {"theta1": "deviation of J1", "theta2": "deviation of J2", "length": "distance"}
+_UM, _CRITERION = fixed(2), fixed(1)
+_NOT_IDENTIFIABLE = "not identifiable"
 
 
-@dataclass(frozen=True)
-class Finding:
-    """A sentence and how it is meant: nothing found, something found, or a remark."""
-
-    kind: Literal["good", "bad", "note"]
-    text: str
+def diagnosis_report(diagnosis: Diagnosis, origin: Origin) -> Report:
+    """Return what a diagnosis says."""
+    return Report("Diagnosis", origin, (diagnosis_section(diagnosis),))
 
 
-def findings(diagnosis: Diagnosis) -> list[Finding]:
-    """Return what the diagnosis says, the fit first."""
-    return [
-        _fit(diagnosis),
-        _models(diagnosis.models),
-        *_single_distances(diagnosis),
-        *_changes(diagnosis.changes),
-        *_patterns(diagnosis),
-        *[_harmonics(one) for one in diagnosis.harmonics],
-        *[_prediction(one) for one in (diagnosis.reflectors, diagnosis.sweeps, diagnosis.segments) if one],
-        *_nodes(diagnosis.nodes),
-    ]
-
-
-def _fit(diagnosis: Diagnosis) -> Finding:
-    fit = diagnosis.identified.fit
-    text = f"The error map leaves {fit.rms_um:.1f} µm rms in {fit.n_points} distances"
-    if fit.chi2_reduced is None or fit.chi2_probability is None:
-        return Finding("note", f"{text}; no uncertainty is stated that this could be compared with.")
-    agrees = fit.chi2_probability >= SIGNIFICANCE
-    words = "agrees with" if agrees else "exceeds"
-    expected = f"χ²/dof = {fit.chi2_reduced:.2f}, expected {fit.chi2_expected:.2f}"
-    return Finding(
-        "good" if agrees else "bad", f"{text}; that {words} the stated uncertainties ({expected})."
+def diagnosis_section(diagnosis: Diagnosis | None) -> Section:
+    """Return findings, tables and figures; empty without a diagnosis."""
+    if diagnosis is None:
+        return section("diagnosis", "Diagnosis", ())
+    refused = [(one.name, one.refused) for one in diagnosis.models]
+    refused += [(one.name, one.refused) for one in diagnosis.nodes.grids]
+    texts = tuple(f"{name}: {why}" for name, why in refused if why)
+    return section(
+        "diagnosis",
+        "Diagnosis",
+        [
+            *findings(diagnosis),
+            _models(diagnosis.models),
+            _coefficients(diagnosis.models),
+            _predictions(diagnosis),
+            _grids(diagnosis.nodes.grids),
+            *diagnosis_figures(diagnosis),
+            Bullets("Not identifiable", texts) if texts else None,
+        ],
+        brief=True,
     )
 
 
-def _models(models: Sequence[ComparedModel]) -> Finding:
-    error_map = next(one for one in models if one.name == ERROR_MAP)
-    parts = [_error_map(error_map)]
-    extensions = [one for one in models if one.name not in {CONVENTIONAL, ERROR_MAP, TOGETHER}]
-    parts += [_extension(one) for one in extensions]
-    beyond = any(one.significant and not one.explained for one in extensions)
-    return Finding("bad" if beyond else "good", "; ".join(parts) + ".")
+def _models(models: Sequence[ComparedModel]) -> Table:
+    return Table(
+        "models",
+        "Nested models. The error map is compared with the conventional model, all others with the error map. "
+        "Probabilities count how many extensions were tried",
+        (
+            Column("name", "model"),
+            Column("n_parameters", "parameters", format=COUNT),
+            Column("rms_um", "rms", "µm", _UM),
+            Column("aicc", "AICc", format=_CRITERION),
+            Column("bic", "BIC", format=_CRITERION),
+            Column("explained_um", "adds", "µm", _UM),
+            Column("f_ratio", "F", format=fixed(2)),
+            Column("probability", "p, white errors", format=PROBABILITY),
+            Column("probability_stated", "p, as stated", format=PROBABILITY),
+            Column("verdict", "verdict"),
+        ),
+        tuple(_model(one) for one in models),
+    )
 
 
-def _error_map(one: ComparedModel) -> str:
-    if one.significant:
-        return f"The error map explains {one.explained_um:.1f} µm that the conventional model leaves"
-    return "The error map explains nothing beyond the conventional model"
-
-
-def _extension(one: ComparedModel) -> str:
+def _model(one: ComparedModel) -> tuple[Cell, ...]:
     if one.refused:
-        return f"{one.name} cannot be told from these distances"
+        return (one.name, *[None] * 8, _NOT_IDENTIFIABLE)
+    row = (one.name, one.free, one.rms_um, one.aicc, one.bic)
+    if one.base is None:
+        return (*row, *[None] * 4, "")
+    return (*row, one.explained_um, one.ratio, one.probability, one.probability_stated, _judged(one))
+
+
+def _judged(one: ComparedModel) -> str:
     if not one.significant:
-        return f"no {one.name} ({_clearest(one)})"
-    text = f"{one.name} adds {one.explained_um:.1f} µm, significant"
-    return f"{text}, as much as the stated uncertainties let expect" if one.explained else text
+        return "not significant"
+    return "significant, as stated" if one.explained else "significant"
 
 
-def _clearest(one: ComparedModel) -> str:
-    """Return the clearest coefficient with its uncertainty."""
-    place = int(np.argmax(np.abs(one.coefficients) / one.u))
-    return coefficient_text(one, place)
+def _coefficients(models: Sequence[ComparedModel]) -> Table | None:
+    """Return the coefficients of all but the last model, which holds those of all others together."""
+    rows = tuple(
+        (one.name, term.name, term.value, term.u, term.unit)
+        for one in models[:-1]
+        if not one.refused
+        for term in coefficients(one)
+    )
+    columns = (
+        Column("model", "model"),
+        Column("term", "term"),
+        Column("value", "value", format=fixed(2)),
+        Column("u", "u (k=1)", format=fixed(2)),
+        Column("unit", "unit"),
+    )
+    caption = "Coefficients of the extensions, each alone (k = 1)"
+    return Table("coefficients", caption, columns, rows) if rows else None
 
 
-def coefficient_text(one: ComparedModel, place: int) -> str:
-    """Return a coefficient of a model with its name, unit and standard uncertainty."""
-    term = one.terms[place]
-    factor, unit = term_unit(term), "mdeg" if term.angular else "µm"
-    return f"{term.name}: {factor * one.coefficients[place]:.2f} ± {factor * one.u[place]:.2f} {unit}"
-
-
-def outlier_limit(diagnosis: Diagnosis) -> float:
-    """Return the studentised residual that one distance of all exceeds by chance with 1 % (Bonferroni)."""
-    fit = diagnosis.identified.fit
-    return -float(special.stdtrit(max(fit.dof - 1, 1), SIGNIFICANCE / 2.0 / fit.n_points))
-
-
-def outlying(diagnosis: Diagnosis) -> list[int]:
-    """Return the distances beyond the limit, the farthest first."""
-    size = np.abs(np.nan_to_num(diagnosis.residuals.external))
-    order = np.argsort(-size)
-    return [int(i) for i in order if size[i] > outlier_limit(diagnosis)]
-
-
-def distance_text(diagnosis: Diagnosis, row: int) -> str:
-    """Return which distance a row is."""
-    points = diagnosis.identified.points
-    commands = points.commands
-    name, segment = points.dead_paths[int(points.dead_path[row])]
-    signs = "".join("+" if one > 0 else "−" for one in (commands.direction1[row], commands.direction2[row]))
-    return (
-        f"row {row + 1} (reflector {name}, segment {segment}, θ1 {np.rad2deg(commands.theta1_rad[row]):.6g}°, "
-        f"θ2 {np.rad2deg(commands.theta2_rad[row]):.6g}°, approach {signs})"
+def _predictions(diagnosis: Diagnosis) -> Table:
+    ways = [way for way in (diagnosis.reflectors, diagnosis.sweeps, diagnosis.segments) if way]
+    return Table(
+        "predictions",
+        "What the other distances predict (rms)",
+        (
+            Column("left_out", "left out"),
+            Column("distances", "distances", format=COUNT),
+            Column("predicted_um", "predicted", "µm", _UM),
+            Column("in_sample_um", "in the fit", "µm", _UM),
+            Column("expected_um", "expected", "µm", _UM),
+        ),
+        tuple(row for way in ways for row in _left_out(way)),
     )
 
 
-def _single_distances(diagnosis: Diagnosis) -> list[Finding]:
-    external: Floats = np.nan_to_num(diagnosis.residuals.external)
-    far, limit = outlying(diagnosis), outlier_limit(diagnosis)
-    if not far:
-        largest = float(np.abs(external).max())
-        return [
-            Finding(
-                "good",
-                f"No distance stands out: the largest studentised residual is {largest:.1f}, limit {limit:.1f}.",
-            )
-        ]
-    listed = "; ".join(f"{distance_text(diagnosis, row)}: {abs(external[row]):.1f}" for row in far[:5])
-    more = f" and {len(far) - 5} more" if len(far) > 5 else ""
-    return [
-        Finding(
-            "bad",
-            f"{len(far)} of {external.size} distances stand out (studentised residual beyond {limit:.1f}): {listed}"
-            f"{more}. catseye identify --reject {limit:.1f} leaves such distances out and says which.",
-        )
+def _left_out(one: CrossValidation) -> list[tuple[Cell, ...]]:
+    """Return a row for each part that was left out, and one for all; sweeps are too many to be listed."""
+    used = [fold for fold in one.folds if fold.identified and not fold.weak]
+    rows: list[tuple[Cell, ...]] = [
+        (fold.name, fold.rows, fold.predicted_um, fold.in_sample_um, fold.expected_um)
+        for fold in (one.folds if one.way != "sweep" else ())
     ]
+    name = f"each {one.way} in turn ({len(used)} of {len(one.folds)})"
+    count = sum(fold.rows for fold in used)
+    return [*rows, (name, count, one.predicted_um, one.in_sample_um, one.expected_um)]
 
 
-def _changes(changes: Sequence[Change]) -> list[Finding]:
-    found = [one for one in changes if one.significant]
-    if found:
-        return [Finding("bad", change_text(one)) for one in found]
-    if not changes:
-        return [Finding("note", "No segment is long enough to tell a drift.")]
-    largest = max(changes, key=lambda one: abs(one.size_um) / one.u_um)
-    return [
-        Finding(
-            "good",
-            f"No drift and no jump: the clearest is {largest.size_um:+.1f} ± {largest.u_um:.1f} µm over segment "
-            f"{largest.segment} of reflector {largest.reflector}.",
-        )
-    ]
-
-
-def change_text(one: Change) -> str:
-    """Return a change in words."""
-    where = f"segment {one.segment} of reflector {one.reflector}"
-    size = f"{one.size_um:+.1f} ± {one.u_um:.1f} µm"
-    if one.kind == "drift":
-        return f"Drift: over {where} ({one.rows} distances) the measured distance grows by {size}."
-    return (
-        f"Jump: in {where} the measured distance steps by {size} at its distance {one.within} (row {one.row}): the "
-        "counter slipped, or reflector or arm moved. Give what follows a segment of its own, or measure it anew."
+def _grids(grids: Sequence[Grid]) -> Table:
+    return Table(
+        "grids",
+        "Other grids of nodes; the first one is the present one",
+        (
+            Column("name", "nodes"),
+            Column("n_parameters", "parameters", format=COUNT),
+            Column("rms_um", "rms", "µm", _UM),
+            Column("aicc", "AICc", format=_CRITERION),
+            Column("bic", "BIC", format=_CRITERION),
+            Column("predicted_um", "predicted sweeps", "µm", _UM),
+            Column("verdict", ""),
+        ),
+        tuple(
+            (one.name, *[None] * 5, _NOT_IDENTIFIABLE)
+            if one.refused
+            else (one.name, one.free, one.rms_um, one.aicc, one.bic, one.predicted_um, "")
+            for one in grids
+        ),
     )
-
-
-def _patterns(diagnosis: Diagnosis) -> list[Finding]:
-    found = [one for one in diagnosis.patterns if one.significant]
-    if not found:
-        return [Finding("good", "No pattern of the residuals along θ1, θ2 or θ4.")]
-    parts = [
-        f"{one.explained_um:.1f} µm along θ{one.joint}" + (" (stated)" if one.explained else "")
-        for one in found
-    ]
-    stated = all(one.explained for one in found)
-    text = "Residuals follow the joints' angles: " + ", ".join(parts)
-    if stated:
-        text += "; the stated systematic contributors let expect as much"
-    return [Finding("note" if stated else "bad", text + ".")]
-
-
-def _harmonics(series: HarmonicSeries) -> Finding:
-    what = f"{VARYING[series.target]} against {ANGLES[series.source]}"
-    if not series.harmonics:
-        return Finding(
-            "note",
-            f"Harmonics, {what}: nothing can be said, the map takes up every order at these commands; measure "
-            "between the nodes.",
-        )
-    found = [one for one in series.harmonics if one.significant]
-    if not found:
-        highest = max(one.order for one in series.harmonics)
-        return Finding(
-            "good", f"Harmonics, {what}: none left among orders up to {highest}{_aliases(series)}."
-        )
-    ranked = sorted(found, key=lambda one: -one.explained_um)
-    listed = ", ".join(harmonic_text(one) for one in ranked[:4])
-    more = f" and {len(found) - 4} more" if len(found) > 4 else ""
-    stated = all(one.explained for one in found)
-    tail = "; the stated systematic contributors let expect as much" if stated else ""
-    return Finding("note" if stated else "bad", f"Harmonics, {what}: {listed}{more}{tail}.")
-
-
-def harmonic_text(one: Harmonic) -> str:
-    """Return an order with its amplitude."""
-    factor, unit = (1e3, "µm") if one.target == "length" else (1e3 * float(np.rad2deg(1.0)), "mdeg")
-    alias = f" (or {', '.join(str(order) for order in one.aliases[:3])}, …)" if one.aliases else ""
-    return f"order {one.order}{alias}: {factor * one.amplitude:.2f} ± {factor * one.u:.2f} {unit}"
-
-
-def _aliases(series: HarmonicSeries) -> str:
-    aliased = [one for one in series.harmonics if one.aliases]
-    if not aliased:
-        return ""
-    one = aliased[0]
-    listed = ", ".join(str(order) for order in one.aliases[:3])
-    return f" (higher ones look alike at these commands: {one.order} is also {listed}, …)"
-
-
-def _prediction(one: CrossValidation) -> Finding:
-    lost = [fold.name for fold in one.folds if not fold.identified or fold.weak]
-    open_text = f" Hardly or not determined without it: {_listed(lost)}." if lost else ""
-    if not np.isfinite(one.predicted_um):
-        return Finding("note", f"Leave one {one.way} out: the others do not determine the model.")
-    text = (
-        f"Leave one {one.way} out: the others predict it to {one.predicted_um:.1f} µm rms, in the fit the same "
-        f"distances have {one.in_sample_um:.1f} µm; expected {one.expected_um:.1f} µm"
-    )
-    failing = [
-        f"{fold.name} ({fold.predicted_um:.1f} µm, expected {fold.expected_um:.1f})"
-        for fold in one.folds
-        if fold.fails
-    ]
-    if failing:
-        return Finding("bad", f"{text}. Worse than expected: {_listed(failing)}.{open_text}")
-    return Finding("good", f"{text}.{open_text}")
-
-
-def _listed(names: Sequence[str], most: int = 4) -> str:
-    more = f" and {len(names) - most} more" if len(names) > most else ""
-    return ", ".join(names[:most]) + more
-
-
-def _nodes(nodes: NodeSpacing) -> list[Finding]:
-    present = nodes.grids[0]
-    chosen: list[tuple[str, Grid | None]] = [
-        ("AICc", nodes.by_aicc),
-        ("BIC", nodes.by_bic),
-        ("prediction of left-out sweeps", nodes.by_prediction),
-    ]
-    others = {name: grid for name, grid in chosen if grid is not None and grid is not present}
-    if not others:
-        text = "Keep the nodes: every other grid that was tried is worse by AICc, BIC and prediction."
-        found = [Finding("good", text)]
-    elif len({grid.name for _, grid in chosen if grid is not None}) == 1:
-        found = [
-            Finding("bad", f"Take other nodes: {nodes.by_aicc.name} is better by AICc, BIC and prediction.")
-        ]
-    else:
-        listed = "; ".join(f"{name}: {grid.name}" for name, grid in chosen if grid is not None)
-        found = [
-            Finding(
-                "note",
-                f"The criteria disagree about the nodes, which says that little depends on it: {listed}.",
-            )
-        ]
-    unseen = [f"J{joint}" for joint, seen in ((1, nodes.between1), (2, nodes.between2)) if not seen]
-    if unseen:
-        found.append(
-            Finding(
-                "note",
-                f"Whether nodes of {' and '.join(unseen)} should stand closer cannot be told: commands stand on the "
-                "nodes only. Measure between them.",
-            )
-        )
-    return found

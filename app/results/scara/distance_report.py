@@ -1,60 +1,78 @@
-"""Section about a validation path that the interferometer measured."""
+"""What models leave on a validation path that the interferometer measured."""
 
 import numpy as np
 
-from catseye.app.render.drawing import figure
-from catseye.app.render.markup import Html, bullets, paragraphs, section, table
-from catseye.app.results.numbers import counted, fixd, plain
-from catseye.app.results.scara.content import MODEL_TITLES, ReportContent
+from catseye.app.results.model import Bullets, Column, Paragraph, Section, Statement, Table, section
+from catseye.app.results.numbers import PLAIN, counted, fixed, number
 from catseye.app.results.scara.distance_validation import DistanceValidation
 from catseye.app.results.scara.figures.distances import distance_figure
+from catseye.app.results.scara.names import MODEL_TITLES
+from catseye.app.results.scara.validation_text import compared_text, ratio_statement
+
+_UM = fixed(1)
 
 
-def distance_section(content: ReportContent) -> Html:
-    """Return figure and comparison of distances along the path."""
-    distances = content.distances
-    if distances is None:
-        return Html()
-    drawn = figure(
-        distance_figure(distances),
-        "path-distances",
-        "Deviations of distances along the validation path",
-        "Predicted minus measured distance; error bars: standard uncertainty of the prediction (k = 1). One dead "
-        "path is fitted for each segment and model.",
+def distance_statement(distances: DistanceValidation) -> Statement:
+    """Return what the last model leaves, and how much less than the first."""
+    last, first = distances.models[-1], distances.models[0]
+    return ratio_statement(
+        f"On distances along a path the {MODEL_TITLES[last.model]} leaves {last.rms_um:.1f} µm rms",
+        f"the {MODEL_TITLES[first.model]} {first.rms_um:.1f} µm",
+        distances.ratio,
+        compared_text(distances.compared),
     )
+
+
+def distance_section(distances: DistanceValidation | None) -> Section:
+    """Return figure and comparison of distances along the path."""
+    key, title = "validation-distances", "Validation path, measured by distances"
+    if distances is None:
+        return section(key, title, ())
     return section(
-        "validation-distances",
-        "Validation path, measured by distances",
-        paragraphs(_measured(distances)),
-        _comparison(distances),
-        bullets(distances.rejected) if distances.rejected else "",
-        drawn,
+        key,
+        title,
+        [
+            Paragraph(_measured(distances)),
+            _comparison(distances),
+            Paragraph("Ratio: rms over that of the first model."),
+            Bullets("", distances.rejected) if distances.rejected else None,
+            distance_figure(distances),
+        ],
     )
 
 
 def _measured(distances: DistanceValidation) -> str:
     points, compared = distances.path.points, int(distances.compared.sum())
     x, y = distances.path.command_mm.T
+    x_mm, low, high = (number(float(value), PLAIN) for value in (np.mean(x), y.min(), y.max()))
     return (
-        f"Path X = {plain(np.mean(x))} mm, Y = {plain(y.min())} … {plain(y.max())} mm; {len(points)} distances to "
+        f"Path X = {x_mm} mm, Y = {low} … {high} mm; {len(points)} distances to "
         f"{', '.join(points.reflector_names)} in {counted(len(points.dead_paths), 'segment')}. {compared} compared, "
         f"{len(points) - compared} left out (beyond the nodes, just reversed, or in a short segment); all models are "
         "compared over the same rows. Distances see the error along the beam only."
     )
 
 
-def _comparison(distances: DistanceValidation) -> Html:
-    reference = distances.models[0].rms_um
-    rows = [
-        [
-            MODEL_TITLES[model.model],
-            fixd(model.rms_um, 1),
-            fixd(model.max_um, 1),
-            fixd(model.rms_um / reference, 2) if reference > 0.0 else fixd(None, 2),
-            fixd(model.median_u_um, 1),
-        ]
-        for model in distances.models
-    ]
-    head = ["model", "rms / µm", "largest / µm", "ratio", "u of prediction / µm"]
-    inner = table("Predicted minus measured distance", head, rows)
-    return Html(inner + paragraphs("Ratio: rms over that of the first model."))
+def _comparison(distances: DistanceValidation) -> Table:
+    first_um = distances.models[0].rms_um
+    return Table(
+        "distance_models",
+        "Predicted minus measured distance",
+        (
+            Column("model", "model"),
+            Column("rms_um", "rms", "µm", _UM),
+            Column("max_um", "largest", "µm", _UM),
+            Column("ratio", "ratio", format=fixed(2)),
+            Column("median_u_um", "u of prediction", "µm", _UM),
+        ),
+        tuple(
+            (
+                MODEL_TITLES[model.model],
+                model.rms_um,
+                model.max_um,
+                model.rms_um / first_um if first_um > 0.0 else None,
+                model.median_u_um,
+            )
+            for model in distances.models
+        ),
+    )

@@ -6,7 +6,6 @@ import numpy as np
 
 from catseye.app.files.identified_arm import nominal_of
 from catseye.app.files.result_json import Residuals, Result
-from catseye.app.results.scara.content import ReportContent
 from catseye.calibration.kinematics import forward
 from catseye.calibration.pointing import visible
 from catseye.calibration.types import Floats
@@ -66,15 +65,19 @@ class Scene:
         return float(theta1), float(theta2)
 
 
-def scene_of(content: ReportContent) -> Scene | None:
-    """Return the scene, None when neither a bench nor a result with its commands is there."""
-    path = None if content.validation is None else content.validation.path.command_mm
-    if content.bench is not None:
-        return _of_bench(content.bench, path)
-    result = content.best
+def scene_of(bench: Bench | None, result: Result | None, path_mm: Floats | None) -> Scene | None:
+    """Return the scene, None when neither a bench nor a result with its commands is there.
+
+    Args:
+        bench: as it was planned with.
+        result: where there is no bench.
+        path_mm: validation path, shape (m, 2).
+    """
+    if bench is not None:
+        return _of_bench(bench, path_mm)
     if result is None or result.residuals is None or not result.residuals.theta1_deg:
         return None
-    return _of_result(result, result.residuals, path)
+    return _of_result(result, result.residuals, path_mm)
 
 
 def _of_bench(bench: Bench, path_mm: Floats | None) -> Scene:

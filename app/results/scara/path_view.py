@@ -5,8 +5,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from catseye.app.files.result_json import MapTable, Result
-from catseye.app.results.numbers import plain
-from catseye.app.results.scara.content import MODEL_TITLES
+from catseye.app.results.numbers import PLAIN, number
+from catseye.app.results.scara.names import MODEL_TITLES
 from catseye.app.results.scara.validation import ModelOnPath, PathMeasurement, PathValidation
 from catseye.calibration.types import Bools, Floats
 
@@ -53,14 +53,14 @@ def path_axis(path: PathMeasurement) -> PathAxis:
         return PathAxis(
             y,
             "Y / mm",
-            f"X = {plain(np.mean(x))} mm, Y = {plain(y.min())} … {plain(y.max())} mm",
+            f"X = {_plain(np.mean(x))} mm, Y = {_plain(y.min())} … {_plain(y.max())} mm",
             (("E_{YY}", "linear positioning deviation", 1), ("E_{XY}", "straightness deviation", 0)),
         )
     if np.ptp(y) <= _STRAIGHT * np.ptp(x):
         return PathAxis(
             x,
             "X / mm",
-            f"Y = {plain(np.mean(y))} mm, X = {plain(x.min())} … {plain(x.max())} mm",
+            f"Y = {_plain(np.mean(y))} mm, X = {_plain(x.min())} … {_plain(x.max())} mm",
             (("E_{XX}", "linear positioning deviation", 0), ("E_{YX}", "straightness deviation", 1)),
         )
     steps = np.hypot(np.diff(x), np.diff(y))
@@ -70,6 +70,10 @@ def path_axis(path: PathMeasurement) -> PathAxis:
         f"{np.sum(steps):.0f} mm in the plane",
         (("E_X", "error in x", 0), ("E_Y", "error in y", 1)),
     )
+
+
+def _plain(value: float) -> str:
+    return number(float(value), PLAIN)
 
 
 def gaps(validation: PathValidation, error_map: Result | None) -> list[Gap]:

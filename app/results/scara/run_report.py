@@ -1,267 +1,108 @@
-"""What a report shows, gathered from stored runs and results."""
+"""The report of a run, of a result, of a whole job: which sections stand in which order."""
 
-import hashlib
-import platform
-from collections.abc import Iterable, Mapping, Sequence
-from datetime import UTC, datetime
-from importlib.metadata import version
-from pathlib import Path
-from typing import Any
-
-import numpy as np
-
-from catseye.app.aim import search_result
-from catseye.app.cell.model import Cell
-from catseye.app.demo import DemoResult
-from catseye.app.errors import UsageError
-from catseye.app.files.atomic import write_atomically
-from catseye.app.files.documents import LARGEST_RESULT_BYTES, read_document, read_truth
-from catseye.app.files.result_json import Result, read_result
-from catseye.app.render.page import render_html
-from catseye.app.results.scara.content import (
-    DeviceRecord,
-    EnvironmentSummary,
-    ReportContent,
-    RunRecord,
-    Spread,
-    TruthMap,
-    TruthTables,
+from catseye.app.results.model import Bullets, Origin, Paragraph, Report, Section, Sign, Statement, section
+from catseye.app.results.numbers import counted
+from catseye.app.results.runs.sections import (
+    configuration_section,
+    incident_section,
+    run_section,
+    search_section,
 )
-from catseye.app.results.scara.identify import (
-    MODELS,
-    aimed_bench,
-    are_simulated,
-    bench_of_runs,
-    cell_of_run,
-    error_budget,
-    identified_result,
-    identify_rows,
-    problem_of_rows,
-    run_rows,
+from catseye.app.results.runs.trace import trace_section
+from catseye.app.results.scara.content import ReportContent
+from catseye.app.results.scara.diagnosis_report import diagnosis_section
+from catseye.app.results.scara.distance_report import distance_section, distance_statement
+from catseye.app.results.scara.figures.layout import layout_figure
+from catseye.app.results.scara.fit_text import fit_statements, identified_text
+from catseye.app.results.scara.layout import scene_of
+from catseye.app.results.scara.result_report import (
+    fit_section,
+    map_section,
+    parameter_section,
+    reflector_section,
 )
-from catseye.app.results.scara.material import with_reference_links
-from catseye.app.results.scara.path_of_run import compare_path
-from catseye.app.results.scara.path_rows import holds_distances
-from catseye.app.results.scara.truth import gauge_turn_rad, turned_places
-from catseye.app.results.scara.uncertainty import by_jacobian
-from catseye.app.store.reader import RunReader
-from catseye.app.store.seal import read_manifest
-from catseye.app.version import SOFTWARE
-from catseye.calibration.diagnostics.diagnosis import Diagnosis, diagnose
-from catseye.calibration.errors import CalibrationError
-from catseye.calibration.identification import Identification
-
-_MEASURED_WITH = ("python", "numpy", "sqlite", "platform")
-
-_TOLD_EVENTS = ("beam-lost", "step-dropped", "run-reopened", "walk-waived")
+from catseye.app.results.scara.standards_report import standards_section
+from catseye.app.results.scara.truth_tables import truth_statement
+from catseye.app.results.scara.validation_report import path_section
+from catseye.app.results.scara.validation_text import path_statement
+from catseye.app.results.uncertainty_report import uncertainty_section
 
 
-def demo_report(result: DemoResult, path: Path) -> None:
-    """Write the report of a demo."""
-    readers = [RunReader(run) for run in result.runs.values()]
-    measured = RunReader(result.runs["open-loop"])
-    content = ReportContent(
-        title="catseye demo: error map of an emulated SCARA arm",
-        results=[result.results[model] for model in MODELS],
-        truth=demo_truth(result),
-        validation=result.validation,
-        bench=bench_of_runs([measured], result.folder / "runs"),
-        **_run_parts(readers, cell_of_run(measured)),
+def run_report(content: ReportContent) -> Report:
+    """Return everything that is known, the verdict first."""
+    origin = Origin(content.software, content.created_utc, content.simulated, tuple(content.unverified))
+    return Report(content.title, origin, tuple(_sections(content)))
+
+
+def verdict(content: ReportContent) -> list[Statement]:
+    """Return what a metrologist wants to know first."""
+    best = content.best
+    if best is None:
+        return [Statement(Sign.BAD, "Nothing was identified: there is no result to report.")]
+    statements = [Statement(Sign.NEUTRAL, identified_text(best)), *fit_statements(best)]
+    statements.append(
+        path_statement(content.validation)
+        if content.distances is None
+        else distance_statement(content.distances)
     )
-    write_atomically(path, render_html(content))
+    if content.truth is not None and best.model == "error-map":
+        statements.append(truth_statement(best, content.truth))
+    # Segments that are too short, and single distances.
+    left_out = [f"{len(best.fit.rejected)} left out"] if best.fit.rejected else []
+    left_out += [f"{counted(len(content.events), 'incident')} on the way"] if content.events else []
+    if left_out:
+        statements.append(Statement(Sign.NEUTRAL, f"{' and '.join(left_out)}: see below."))
+    return statements
 
 
-def demo_truth(result: DemoResult) -> TruthTables:
-    """Return the true arm of a demo in the gauge of its error map."""
-    document = read_truth(result.folder / "truth.json")
-    return truth_tables(result.identified["error-map"], document)
+def _sections(content: ReportContent) -> list[Section]:
+    best, truth = content.best, content.truth
+    note = Paragraph("All uncertainties are standard uncertainties (k = 1).")
+    budget = None if content.cell is None else content.cell.uncertainty.contributor
+    sources = sorted({name for result in content.results for name in result.provenance.runs})
+    return [
+        section("verdict", "Verdict", [*verdict(content), note], brief=True),
+        parameter_section(content.models, truth),
+        map_section(content.error_map, truth),
+        standards_section(content.error_map),
+        path_section(content.validation, content.error_map, content.lines),
+        distance_section(content.distances),
+        fit_section(content.models),
+        diagnosis_section(content.diagnosis),
+        uncertainty_section(None if best is None else best.uncertainty, budget),
+        _layout_section(content),
+        reflector_section(best, truth if best is not None and best.model == "error-map" else None),
+        search_section(content.search),
+        incident_section(content.warnings, content.events),
+        run_section(content.runs, sources, content.devices, content.environment, content.compensation),
+        _convention_section(content),
+        configuration_section(content.cell, content.origins),
+        trace_section(
+            content.software,
+            content.versions,
+            content.runs,
+            (result.provenance.software for result in content.results),
+            content.digests,
+        ),
+    ]
 
 
-def run_report(reader: RunReader, root: Path, path: Path) -> None:
-    """Write the report of one run; a measurement is identified with both models, a path compared with both."""
-    cell = cell_of_run(reader)
-    results, notes = _identified(reader, root) if reader.points() else ([], [])
-    parts = _run_parts([reader], cell) | {"diagnosis": _diagnosed(reader, root)}
-    if reader.count("path"):
-        compared = compare_path(reader, root)
-        results, notes = compared.results, compared.notes
-        parts |= {"validation": compared.validation, "distances": compared.distances}
-    parts["warnings"] = [*parts["warnings"], *notes]
-    bench = aimed_bench(reader, root)
-    parts["unverified"] = reader.unverified
-    title = f"{reader.meta.get('procedure')} on {cell.name}"
-    write_atomically(path, render_html(ReportContent(title=title, results=results, bench=bench, **parts)))
+def _layout_section(content: ReportContent) -> Section:
+    path_mm = None if content.validation is None else content.validation.path.command_mm
+    scene = scene_of(content.bench, content.best, path_mm)
+    return section("layout", "Layout", [None if scene is None else layout_figure(scene)])
 
 
-def result_report(source: Path, path: Path) -> None:
-    """Write the report of a result file."""
-    result = read_result(source)
-    content = ReportContent(
-        title=f"Result {source.name}",
-        created_utc=_now(),
-        software=SOFTWARE,
-        simulated=bool(result.provenance.simulated),
-        results=[result],
-        versions=_versions(),
-        unverified=result.provenance.unverified or (),
-        digests={
-            source.name: hashlib.sha256(read_document(source, largest_bytes=LARGEST_RESULT_BYTES)).hexdigest()
-        },
+def _convention_section(content: ReportContent) -> Section:
+    """Return what the numbers mean."""
+    gauges = [f"Gauge of the {result.model} model: {result.gauge}." for result in content.results]
+    texts = (
+        "All uncertainties are standard uncertainties (k = 1).",
+        "Angular positioning deviation Δθ: actual minus command angle; 1 mdeg = 0.001°.",
+        "Direction of approach: + after real motion upwards, − after real motion downwards.",
+        "Reversal error: the map of the negative direction minus that of the positive one.",
+        "Maps are piecewise linear between their nodes and never extrapolated.",
+        "Origin: J1 axis. Distances cannot see a rotation of everything about J1; the gauge fixes it.",
+        *dict.fromkeys(gauges),
     )
-    write_atomically(path, render_html(content))
-
-
-def truth_tables(identified: Identification, document: dict[str, Any]) -> TruthTables:
-    """Return a truth document in the gauge of an identification."""
-    turn = gauge_turn_rad(identified, document)
-    return TruthTables(
-        link1_mm=document["link1_mm"]["value"],
-        link2_mm=document["link2_mm"]["value"],
-        theta1_map=_truth_map(document["theta1_map"], 1e3 * float(np.rad2deg(turn))),
-        theta2_map=_truth_map(document["theta2_map"], 0.0),
-        reflectors_mm=turned_places(document, turn),
-    )
-
-
-def _truth_map(table: Mapping[str, Any], shift_mdeg: float) -> TruthMap:
-    return TruthMap(
-        table["node_deg"],
-        [value - shift_mdeg for value in table["positive_mdeg"]],
-        [value - shift_mdeg for value in table["negative_mdeg"]],
-    )
-
-
-def _identified(reader: RunReader, root: Path) -> tuple[list[Result], list[str]]:
-    """Return both models as far as the points determine them, and what could not be done."""
-    bench, rows = bench_of_runs([reader], root), run_rows([reader])
-    results, notes = [], []
-    for model in MODELS:
-        try:
-            one = identify_rows(rows, bench, model, error_budget(cell_of_run(reader)))
-        except CalibrationError as error:
-            notes.append(f"the {model} model could not be identified: {error}")
-            continue
-        result = with_reference_links(
-            identified_result(one, bench, [reader.path.name], are_simulated([reader])), [reader]
-        )
-        results.append(result.model_copy(update={"uncertainty": by_jacobian(one).part}))
-    return results, notes
-
-
-def _diagnosed(reader: RunReader, root: Path) -> Diagnosis | None:
-    """Return what speaks for and against the error map; None where there is none, which the notes tell."""
-    if not reader.points():
-        return None
-    bench, budget = bench_of_runs([reader], root), error_budget(cell_of_run(reader))
-    try:
-        return diagnose(problem_of_rows(run_rows([reader]), bench, "error-map", budget))
-    except CalibrationError:
-        return None
-
-
-def _run_parts(readers: Sequence[RunReader], cell: Cell) -> dict[str, Any]:
-    events = [event for reader in readers for event in reader.events()]
-    searches = [found for reader in readers if (found := search_result(reader)) is not None]
-    warnings = [str(e.data.get("text")) for e in events if e.kind == "warning"]
-    return {
-        "created_utc": _now(),
-        "software": SOFTWARE,
-        "simulated": bool(are_simulated(readers)),
-        "cell": cell,
-        "origins": readers[-1].meta.get("configuration_origins") or {},
-        "search": searches,
-        "warnings": list(dict.fromkeys(warnings)),
-        "events": [f"{e.time_utc[:19]} {e.kind}: {_facts(e.data)}" for e in events if e.kind in _TOLD_EVENTS],
-        "devices": _devices(readers, cell),
-        "environment": _environment([row for reader in readers for row in _distances(reader)]),
-        "compensation": _compensation(readers),
-        "runs": [_run_record(reader) for reader in readers],
-        "versions": _versions(),
-    }
-
-
-def _facts(data: Mapping[str, object]) -> str:
-    return ", ".join(f"{key} {value}" for key, value in data.items())
-
-
-def _devices(readers: Sequence[RunReader], cell: Cell) -> list[DeviceRecord]:
-    endpoints = {
-        "robot": cell.robot.endpoint,
-        "interferometer": cell.interferometer.endpoint,
-        "environment": cell.environment.endpoint,
-        "tracker": "" if cell.tracker is None else cell.tracker.endpoint,
-    }
-    found: dict[str, DeviceRecord] = {}
-    for reader in readers:
-        devices: Any = reader.meta.get("devices") or {}
-        for name, facts in devices.items():
-            found[name] = DeviceRecord(name=name, endpoint=endpoints.get(name, ""), **facts)
-    return list(found.values())
-
-
-def _distances(reader: RunReader) -> list[dict[str, Any]]:
-    """Return every row with a distance and the air: points, and those of a path that the interferometer measured."""
-    path = reader.path_rows()
-    return [*reader.points(), *(path if holds_distances(path) else [])]
-
-
-def _environment(points: Sequence[Mapping[str, Any]]) -> EnvironmentSummary | None:
-    if not points:
-        return None
-    return EnvironmentSummary(
-        *(
-            _spread(point[key] for point in points)
-            for key in ("temperature_c", "pressure_hpa", "humidity_percent")
-        )
-    )
-
-
-def _compensation(readers: Sequence[RunReader]) -> list[str]:
-    """Return who corrected the lengths for the air; runs of earlier versions do not say it."""
-    facts = [reader.meta.get("compensation") for reader in readers if _distances(reader)]
-    return list(dict.fromkeys(str(fact["sentence"]) for fact in facts if isinstance(fact, dict)))
-
-
-def _spread(values: Iterable[float | None]) -> Spread | None:
-    known = [value for value in values if value is not None]
-    return Spread(min(known), sum(known) / len(known), max(known)) if known else None
-
-
-def _run_record(reader: RunReader) -> RunRecord:
-    events = reader.events()
-    start, end = (datetime.fromisoformat(events[i].time_utc) for i in (0, -1))
-    measured_with: Any = reader.meta.get("software") or {}
-    manifest = read_manifest(reader.path)
-    measured = reader.count("points") or reader.count("path") or reader.count("search")
-    return RunRecord(
-        name=reader.path.name,
-        procedure=str(reader.meta.get("procedure")),
-        status=reader.status,
-        started_utc=events[0].time_utc,
-        duration_s=(end - start).total_seconds(),
-        points=measured or None,
-        software=f"catseye {measured_with.get('catseye', '')}",
-        versions={key: str(measured_with[key]) for key in _MEASURED_WITH if key in measured_with},
-        operator=str(reader.meta.get("operator", "")),
-        files={} if manifest is None else {name: file.sha256 for name, file in manifest.files.items()},
-    )
-
-
-def _versions() -> dict[str, str]:
-    """Return what this program runs on."""
-    packages = {name: version(name) for name in ("numpy", "scipy", "matplotlib")}
-    return {"python": platform.python_version(), **packages, "platform": platform.platform()}
-
-
-def _now() -> str:
-    return datetime.now(UTC).isoformat(timespec="seconds")
-
-
-def require_html(path: Path) -> None:
-    """Refuse an output that could not be a report.
-
-    Raises:
-        UsageError: the file's name does not end in .html.
-    """
-    if path.suffix.lower() not in {".html", ".htm"}:
-        raise UsageError(f"{path}: a report is an HTML page; write -o {path.with_suffix('.html')}")
+    return section("conventions", "Conventions", [Bullets("", texts)])

@@ -1,4 +1,4 @@
-"""Quantities after ISO 230-2 of the joints' maps, as a section of a report."""
+"""Quantities after ISO 230-2 of the joints' maps."""
 
 from collections.abc import Sequence
 
@@ -6,60 +6,55 @@ import numpy as np
 
 from catseye.app.files.identified_arm import arm_of
 from catseye.app.files.result_json import Result
-from catseye.app.render.markup import Html, paragraphs, section, table
-from catseye.app.results.numbers import decimals_for, fixd, plain, signd
+from catseye.app.results.model import Column, Paragraph, Section, Table, section
+from catseye.app.results.numbers import PLAIN, decimals_for, fixed, number
 from catseye.app.results.scara.joint_maps import ARCSEC_PER_MDEG, JointMap, joint_maps
 
 
-def standards_section(result: Result | None) -> Html:
-    """Return a table of the quantities of each joint; empty for a model without maps.
+def standards_section(result: Result | None) -> Section:
+    """Return a table of the quantities of each joint; empty for a model without maps."""
+    maps = () if result is None or result.model != "error-map" else joint_maps(arm_of(result))
+    blocks = [*map(_table, maps), *(map(Paragraph, _notes(maps)) if maps else ())]
+    return section("standards", "Positioning quantities of the joints", blocks, brief=True)
 
-    Args:
-        result: an error map.
-    """
-    if result is None or result.model != "error-map":
-        return Html()
-    maps = joint_maps(arm_of(result))
-    return section(
-        "standards", "Positioning quantities of the joints", *_tables(maps), paragraphs(*_notes(maps))
+
+def _table(one: JointMap) -> Table:
+    low, high = (number(float(end), PLAIN) for end in np.rad2deg(one.nodes_rad[[0, -1]]))
+    quantities = one.quantities()
+    decimals = decimals_for((quantity.u for quantity in quantities), fallback=2)
+    form, changed = fixed(decimals), fixed(decimals, signed=True)
+    return Table(
+        f"iso230_2_{one.joint}",
+        f"J{one.joint}: quantities of ISO 230-2 from the map's {one.nodes_rad.size} nodes, {low}° … {high}°",
+        (
+            Column("symbol", "quantity"),
+            Column("name", ""),
+            Column("value_mdeg", "mdeg", format=form),
+            Column("u_mdeg", "u", format=form),
+            Column("value_arcsec", "arcsec", format=form),
+            Column("u_arcsec", "u", format=form),
+            Column("excess_mdeg", "expected excess", "mdeg", changed),
+        ),
+        tuple(
+            (
+                quantity.symbol,
+                quantity.name,
+                quantity.value,
+                quantity.u,
+                ARCSEC_PER_MDEG * quantity.value,
+                ARCSEC_PER_MDEG * quantity.u,
+                quantity.excess,
+            )
+            for quantity in quantities
+        ),
     )
-
-
-def _tables(maps: Sequence[JointMap]) -> list[Html]:
-    head = ["quantity", "", "mdeg", "u", "arcsec", "u", "expected excess / mdeg"]
-    return [table(_caption(one), head, _rows(one), text_columns=2) for one in maps]
-
-
-def _caption(one: JointMap) -> str:
-    low, high = np.rad2deg(one.nodes_rad[[0, -1]])
-    return (
-        f"J{one.joint}: quantities of ISO 230-2 from the map's {one.nodes_rad.size} nodes, "
-        f"{plain(float(low))}° … {plain(float(high))}°"
-    )
-
-
-def _rows(one: JointMap) -> list[list[str]]:
-    found = one.quantities()
-    decimals = decimals_for((quantity.u for quantity in found), fallback=2)
-    return [
-        [
-            quantity.symbol,
-            quantity.name,
-            fixd(quantity.value, decimals),
-            fixd(quantity.u, decimals),
-            fixd(ARCSEC_PER_MDEG * quantity.value, decimals),
-            fixd(ARCSEC_PER_MDEG * quantity.u, decimals),
-            signd(quantity.excess, decimals),
-        ]
-        for quantity in found
-    ]
 
 
 def _notes(maps: Sequence[JointMap]) -> list[str]:
     notes = [
         "Reversal errors are those of upward minus downward approaches. u: standard uncertainty (k = 1), by draws "
         "from the covariance of the map. A largest difference grows with the noise of the values that it is taken "
-        "from: the expected excess tells by how much on average; it is not taken off. Accuracy A and repeatability R "
+        "from: the expected excess says by how much on average; it is not taken off. Accuracy A and repeatability R "
         "need repeated approaches of each joint by itself; distances along a beam mix both joints, so they are not "
         "stated here."
     ]

@@ -18,6 +18,7 @@ from catseye.app.files.uncertainty_part import (
     UncertaintyPart,
     ValidationRow,
 )
+from catseye.app.results.model import Sign, Statement
 from catseye.calibration.identification import Identification
 from catseye.calibration.layout import Layout
 from catseye.calibration.types import Floats
@@ -107,8 +108,8 @@ def require_draws(draws: int) -> None:
         )
 
 
-def sentences(part: UncertaintyPart) -> list[str]:
-    """Return what a user is told at the end of an identification."""
+def uncertainty_statements(part: UncertaintyPart) -> list[Statement]:
+    """Return whether the draws confirm the uncertainties of a result, and what the links' come from."""
     texts = []
     if part.monte_carlo is not None:
         texts.append(_validated(part.monte_carlo))
@@ -118,10 +119,11 @@ def sentences(part: UncertaintyPart) -> list[str]:
                 "damped solver had to solve them"
             )
     links = [row for row in part.contributions.rows if row.result in {"L1", "L2"}]
-    return texts + [
+    texts += [
         f"{row.result}: u = {row.u:.2f} µm, most of it from {_largest(row, part.contributions.contributors)}"
         for row in links
     ]
+    return [Statement(Sign.NEUTRAL, f"{text}.") for text in texts]
 
 
 def _validated(part: MonteCarloPart) -> str:

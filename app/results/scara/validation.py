@@ -86,6 +86,11 @@ class ModelOnPath:
     comparison: Comparison
     agreement: Agreement
 
+    @property
+    def median_u_um(self) -> float:
+        """Median of the 2-D standard uncertainties of what is predicted and compared, µm."""
+        return 1e3 * float(np.nanmedian(np.hypot(*self.prediction.u_mm[self.comparison.inside].T)))
+
 
 @dataclass(frozen=True)
 class PathValidation:

@@ -5,10 +5,11 @@ from typing import Any
 
 import numpy as np
 
-from catseye.app.results.scara.agreement_text import agreement_text
+from catseye.app.results.numbers import MDEG_PER_RAD
 from catseye.app.results.scara.path_view import model_title, path_axis, there
 from catseye.app.results.scara.validation import ModelOnPath
-from catseye.app.results.scara.validation_of_files import FileValidation, median_u_um
+from catseye.app.results.scara.validation_of_files import FileValidation
+from catseye.app.results.scara.validation_text import agreement_text
 
 
 def validation_facts(found: FileValidation, limit_um: float | None) -> dict[str, Any]:
@@ -61,8 +62,8 @@ def model_facts(model: ModelOnPath, found: FileValidation) -> dict[str, Any]:
         "title": model_title(model),
         "alignment": {
             "rotation_mdeg": {
-                "value": 1e3 * math.degrees(comparison.transform.rotation_rad),
-                "u": 1e3 * math.degrees(judged.u_rotation_rad),
+                "value": MDEG_PER_RAD * comparison.transform.rotation_rad,
+                "u": MDEG_PER_RAD * judged.u_rotation_rad,
             },
             "shift_x_mm": shift[0],
             "shift_y_mm": shift[1],
@@ -73,7 +74,7 @@ def model_facts(model: ModelOnPath, found: FileValidation) -> dict[str, Any]:
         "max_um": comparison.max_um,
         "max_line": found.lines[comparison.worst],
         "ratio": comparison.rms_2d_um / first_um if first_um > 0.0 else 1.0,
-        "median_u_um": median_u_um(model.prediction.u_mm[comparison.inside]),
+        "median_u_um": model.median_u_um,
         "expected_um": judged.expected_um,
         "share_explained": judged.share if math.isfinite(judged.share) else None,
         "within_2u": None if math.isnan(judged.within) else judged.within,

@@ -4,8 +4,6 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-import numpy as np
-
 from catseye.app.errors import UsageError
 from catseye.app.files.identified_arm import arm_of, arm_remarks, nominal_of
 from catseye.app.files.path_csv import start_states
@@ -18,7 +16,6 @@ from catseye.app.results.scara.repeated_poses import RepeatedPoses, repeated_pos
 from catseye.app.results.scara.validation import TAKE_UP_DEG, PathValidation, validate_on_path
 from catseye.calibration.identification import IdentifiedArm
 from catseye.calibration.kinematics import Hand
-from catseye.calibration.types import Floats
 
 
 @dataclass(frozen=True)
@@ -114,8 +111,3 @@ def _left_out(arms: Sequence[IdentifiedArm], validation: PathValidation, lines: 
             "what a cell file has by default"
         )
     return list(dict.fromkeys(text for text in texts if text))
-
-
-def median_u_um(u_mm: Floats) -> float:
-    """Return the median of 2-D standard uncertainties, µm, over the rows that have one."""
-    return 1e3 * float(np.nanmedian(np.hypot(*u_mm.T)))

@@ -1,55 +1,68 @@
-"""Section about the validation path."""
+"""What models leave on a path that an independent instrument measured."""
 
 import math
+from collections.abc import Sequence
 
 import numpy as np
 
-from catseye.app.render.drawing import figure
-from catseye.app.render.markup import Html, bullets, paragraphs, section, table
-from catseye.app.results.numbers import fixd, probability_text, signd
-from catseye.app.results.scara.agreement_text import agreement_text
-from catseye.app.results.scara.circle_table import circle_table
-from catseye.app.results.scara.content import ReportContent
+from catseye.app.files.result_json import Result
+from catseye.app.results.model import Bullets, Cell, Column, Paragraph, Section, Table, section
+from catseye.app.results.numbers import COUNT, MDEG_PER_RAD, PERCENT, PROBABILITY, fixed, number
+from catseye.app.results.scara.circle_table import circle_blocks
 from catseye.app.results.scara.figures.path import path_figure
+from catseye.app.results.scara.figures.trajectories import trajectory_figure
 from catseye.app.results.scara.path_view import Gap, PathAxis, gaps, model_title, path_axis
-from catseye.app.results.scara.repeat_table import repeat_table
-from catseye.app.results.scara.trajectory_section import trajectory_section
+from catseye.app.results.scara.repeat_table import repeat_blocks
 from catseye.app.results.scara.validation import ModelOnPath, PathValidation
+from catseye.app.results.scara.validation_text import agreement_statement
+
+_UM = fixed(1)
 
 
-def path_section(content: ReportContent) -> Html:
-    """Return figures and comparison on the validation path."""
-    validation = content.validation
+def path_section(
+    validation: PathValidation | None, error_map: Result | None, lines: Sequence[int] = ()
+) -> Section:
+    """Return figures and comparison on the validation path.
+
+    Args:
+        validation: what was compared; None gives an empty section.
+        error_map: names the joints that leave its nodes.
+        lines: of the path's file, one a row; empty for a run.
+    """
     if validation is None:
-        return Html()
-    axis, left_out = path_axis(validation.path), gaps(validation, content.error_map)
-    deviations = figure(
-        path_figure(validation, left_out),
-        "path",
-        "Deviations along the validation path",
-        f"{_definitions(axis)} × there, + back: measured; circles, squares or lines: predicted, error bars or bands: "
-        "standard uncertainty of the prediction (k = 1). Below each: measured minus predicted; yellow: ±2 standard "
-        "uncertainties of that difference. Grey: not compared.",
-    )
+        return section("validation", "Validation path", ())
+    axis, left_out = path_axis(validation.path), gaps(validation, error_map)
     return section(
         "validation",
         "Validation path",
-        paragraphs(_measured(validation, axis)),
-        _comparison(validation),
-        _agreement(validation),
-        bullets(_gap_texts(left_out, axis)) if left_out else "",
-        deviations,
-        trajectory_section(validation),
-        circle_table(validation),
-        repeat_table(validation),
+        [
+            Paragraph(_measured(validation, axis)),
+            _comparison(validation, lines),
+            Paragraph(
+                "Ratio: 2D rms over that of the first model. u of prediction: median of the 2D standard uncertainty."
+            ),
+            _agreement(validation.models),
+            *(agreement_statement(model) for model in validation.models),
+            Paragraph(_AGREEMENT_NOTE),
+            Bullets("", _gap_texts(left_out, axis)) if left_out else None,
+            path_figure(validation, left_out),
+            trajectory_figure(validation),
+            *circle_blocks(validation),
+            *repeat_blocks(validation),
+        ],
+        brief=True,
     )
 
 
-def _definitions(axis: PathAxis) -> str:
-    parts = [
-        f"{symbol.replace('{', '').replace('}', '')}: {meaning}" for symbol, meaning, _ in axis.deviations
-    ]
-    return "Actual minus command position. " + ", ".join(parts) + "."
+_AGREEMENT_NOTE = (
+    "Distances cannot fix the rotation about J1, and the instrument has a frame of its own: the measurement was "
+    "turned about the J1 axis (counter-clockwise) and shifted onto each model by least squares. Expected: "
+    "√(trace W / n), with W = P V P; V is the covariance of measured minus predicted coordinates (prediction and "
+    "instrument), P takes off what a rotation and a shift absorb. Share explained: trace W over the sum of squared "
+    "differences. p: probability of differences this large if the stated uncertainties are all there is (χ² with the "
+    "effective degrees of freedom of W). The arm's own repeatability is part of what is measured; where the "
+    "instrument's uncertainty does not include it, it belongs to what is not explained."
+)
 
 
 def _measured(validation: PathValidation, axis: PathAxis) -> str:
@@ -63,91 +76,92 @@ def _measured(validation: PathValidation, axis: PathAxis) -> str:
 def _stated(validation: PathValidation) -> str:
     """Return what the instrument says about its uncertainty."""
     stated = 1e3 * validation.path.u_mm[np.isfinite(validation.path.u_mm)]
+    if not stated.size:
+        return "that states no uncertainty"
     if stated.size < validation.path.u_mm.size:
-        return (
-            "that states no uncertainty"
-            if not stated.size
-            else "that states an uncertainty for some of them only"
-        )
+        return "that states an uncertainty for some of them only"
     low, high = float(stated.min()), float(stated.max())
     u = f"{low:.1f}" if math.isclose(low, high, abs_tol=0.05) else f"{low:.1f} to {high:.1f}"
     return f"with a standard uncertainty of {u} µm a coordinate"
 
 
-def _comparison(validation: PathValidation) -> Html:
-    head = [
-        "model",
-        "rms x / µm",
-        "rms y / µm",
-        "rms 2D / µm",
-        "largest / µm",
-        "ratio",
-        "u of prediction / µm",
-    ]
-    reference = validation.models[0].comparison.rms_2d_um
-    rows = [_row(model, reference) for model in validation.models]
-    return Html(
-        table("Measured minus predicted position", head, rows)
-        + paragraphs(
-            "Ratio: 2D rms over that of the first model. u of prediction: median of the 2D standard uncertainty."
-        )
+def _comparison(validation: PathValidation, lines: Sequence[int]) -> Table:
+    first_um = validation.models[0].comparison.rms_2d_um
+    return Table(
+        "models",
+        "Measured minus predicted position",
+        (
+            Column("model", "model"),
+            Column("rms_x_um", "rms x", "µm", _UM),
+            Column("rms_y_um", "rms y", "µm", _UM),
+            Column("rms_um", "rms 2D", "µm", _UM),
+            Column("max_um", "largest", "µm", _UM),
+            Column("ratio", "ratio", format=fixed(3)),
+            Column("median_u_um", "u of prediction", "µm", _UM),
+            *((Column("max_line", "largest in line", format=COUNT),) if lines else ()),
+        ),
+        tuple(
+            (*_compared(model, first_um), *((lines[model.comparison.worst],) if lines else ()))
+            for model in validation.models
+        ),
     )
 
 
-def _row(model: ModelOnPath, reference_um: float) -> list[str]:
+def _compared(model: ModelOnPath, first_um: float) -> tuple[Cell, ...]:
     comparison = model.comparison
-    rms_x, rms_y = comparison.rms_um
-    u_um = 1e3 * float(np.median(np.hypot(*model.prediction.u_mm[comparison.inside].T)))
-    return [
+    return (
         model_title(model),
-        *(fixd(value, 1) for value in (rms_x, rms_y, comparison.rms_2d_um, comparison.max_um)),
-        fixd(comparison.rms_2d_um / reference_um, 2) if reference_um > 0.0 else fixd(None, 2),
-        fixd(u_um, 1),
-    ]
+        *comparison.rms_um,
+        comparison.rms_2d_um,
+        comparison.max_um,
+        comparison.rms_2d_um / first_um if first_um > 0.0 else None,
+        model.median_u_um,
+    )
 
 
-def _agreement(validation: PathValidation) -> Html:
+def _agreement(models: Sequence[ModelOnPath]) -> Table:
     """Return the alignment with its uncertainties, and what the stated uncertainties account for."""
-    head = ["model", "rotation / mdeg", "u", "shift x / mm", "u", "shift y / mm", "u"]
-    head += ["rms 2D expected / µm", "share explained", "within ±2 u", "p"]
-    rows = [_judged(model) for model in validation.models]
-    note = (
-        "Distances cannot fix the rotation about J1, and the instrument has a frame of its own: the measurement was "
-        "turned about the J1 axis (counter-clockwise) and shifted onto each model by least squares. Expected: "
-        "√(trace W / n), with W = P V P; V is the covariance of measured minus predicted coordinates (prediction and "
-        "instrument), P takes off what a rotation and a shift absorb. Share explained: trace W over the sum of "
-        "squared differences. p: probability of differences this large if the stated uncertainties are all there is "
-        "(χ² with the effective degrees of freedom of W). The arm's own repeatability is part of what is measured; "
-        "where the instrument's uncertainty does not include it, it belongs to what is not explained."
-    )
-    told = bullets(agreement_text(model) for model in validation.models)
-    return Html(
-        table("Alignment, and agreement with the uncertainties", head, rows) + told + paragraphs(note)
+    turned, shifted, angle, length = fixed(2, signed=True), fixed(4, signed=True), fixed(2), fixed(4)
+    return Table(
+        "alignment",
+        "Alignment, and agreement with the uncertainties",
+        (
+            Column("model", "model"),
+            Column("rotation_mdeg", "rotation", "mdeg", turned),
+            Column("u_rotation_mdeg", "u", format=angle),
+            Column("shift_x_mm", "shift x", "mm", shifted),
+            Column("u_shift_x_mm", "u", format=length),
+            Column("shift_y_mm", "shift y", "mm", shifted),
+            Column("u_shift_y_mm", "u", format=length),
+            Column("expected_um", "rms 2D expected", "µm", _UM),
+            Column("share_explained", "share explained", format=PERCENT),
+            Column("within_2u", "within ±2 u", format=PERCENT),
+            Column("probability", "p", format=PROBABILITY),
+        ),
+        tuple(_judged(model) for model in models),
     )
 
 
-def _judged(model: ModelOnPath) -> list[str]:
+def _judged(model: ModelOnPath) -> tuple[Cell, ...]:
     transform, judged = model.comparison.transform, model.agreement
-    cells = [
+    shifts = [float(x) for pair in zip(transform.shift_mm, judged.u_shift_mm, strict=True) for x in pair]
+    return (
         model_title(model),
-        signd(1e3 * math.degrees(transform.rotation_rad), 2),
-        fixd(1e3 * math.degrees(judged.u_rotation_rad), 2),
-    ]
-    for shift, u in zip(transform.shift_mm, judged.u_shift_mm, strict=True):
-        cells += [signd(float(shift), 4), fixd(float(u), 4)]
-    return [
-        *cells,
-        fixd(judged.expected_um, 1),
-        f"{fixd(100.0 * judged.share, 0)} %",
-        f"{fixd(100.0 * judged.within, 0)} %",
-        probability_text(judged.probability).removeprefix("p ").removeprefix("= "),
-    ]
+        MDEG_PER_RAD * transform.rotation_rad,
+        MDEG_PER_RAD * judged.u_rotation_rad,
+        *shifts,
+        judged.expected_um,
+        judged.share,
+        judged.within,
+        judged.probability,
+    )
 
 
-def _gap_texts(left_out: list[Gap], axis: PathAxis) -> list[str]:
+def _gap_texts(left_out: Sequence[Gap], axis: PathAxis) -> tuple[str, ...]:
     """Return a sentence for each reason, with all its stretches."""
     name = axis.label.removesuffix(" / mm")
     stretches: dict[str, list[str]] = {}
     for gap in left_out:
-        stretches.setdefault(gap.reason, []).append(f"{fixd(gap.low_mm, 0)} … {fixd(gap.high_mm, 0)}")
-    return [f"{name} {', '.join(parts)} mm: {reason}." for reason, parts in stretches.items()]
+        ends = (number(end, fixed(0)) for end in (gap.low_mm, gap.high_mm))
+        stretches.setdefault(gap.reason, []).append(" … ".join(ends))
+    return tuple(f"{name} {', '.join(parts)} mm: {reason}." for reason, parts in stretches.items())

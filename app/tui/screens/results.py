@@ -19,6 +19,7 @@ from textual.content import Content
 from textual.timer import Timer
 from textual.widgets import ContentSwitcher, DataTable
 
+from catseye.app.render.signs import SIGNS
 from catseye.app.tui.dialogs.form_dialog import Answers, Field, FormDialog
 from catseye.app.tui.dialogs.text_dialog import TextDialog
 from catseye.app.tui.path_questions import newest_path_run, path_fault, reference_of
@@ -451,8 +452,9 @@ class ResultsScreen(WorkScreen):
         self.query_one(ResidualsPart).show(result, diagnosis)
         self.query_one(PathPart).show(self._validations.get(_version(file)))
         told = [
-            Content.assemble((f"{texts.SIGNS[kind]} ", texts.STYLES[kind]), text)
-            for kind, text in texts.fit_sentences(result, diagnosis)
+            Content.assemble((f"{look.glyph} ", look.theme and f"${look.theme}"), one.text)
+            for one in texts.fit_sentences(result, diagnosis)
+            for look in [SIGNS[one.sign]]
         ]
         self.query_one("#findings", Told).tell(lines(*told))
         self._show_comparison()

@@ -1,173 +1,279 @@
-"""One self-contained page about a design."""
+"""What a design says: where to put the reflectors, which commands to use, what it costs at the bench."""
 
 import numpy as np
 
-from catseye.app.render.drawing import figure
-from catseye.app.render.markup import STYLE, Html, bullets, element, paragraphs, section, table
-from catseye.app.results.numbers import counted, duration_text, fixd, plain
-from catseye.app.results.scara.design.design import Design, weakest
+from catseye.app.results.model import (
+    Bullets,
+    Cell,
+    Column,
+    Paragraph,
+    Report,
+    Section,
+    Sign,
+    Statement,
+    Table,
+    section,
+)
+from catseye.app.results.numbers import (
+    COUNT,
+    DURATION,
+    MDEG_PER_RAD,
+    PLAIN,
+    counted,
+    duration_text,
+    fixed,
+    number,
+)
+from catseye.app.results.origin import origin_now
+from catseye.app.results.scara.design.bench_time import BenchCost as Cost
+from catseye.app.results.scara.design.commands import CommandChoice
+from catseye.app.results.scara.design.design import Design, NodeUncertainty, weakest
 from catseye.app.results.scara.design.figures.front import front_figure
 from catseye.app.results.scara.design.figures.places import places_figure
 from catseye.app.results.scara.design.figures.weakness import node_figure, position_figure
 from catseye.app.results.scara.design.layouts import Layout
-from catseye.app.version import SOFTWARE
+from catseye.app.results.scara.names import node_name
 from catseye.calibration.design.criteria import CriterionName
 
-_CRITERIA: tuple[CriterionName, ...] = ("A", "D", "E", "path")
+CRITERIA: tuple[CriterionName, ...] = ("A", "D", "E", "path")
+
+_VALUE, _UM, _MDEG = fixed(3), fixed(1), fixed(2)
 
 
-def render_design(found: Design, cell_name: str) -> str:
-    """Return the page: style and figures inside, no script, nothing loaded."""
-    title = f"Design of a measurement: {cell_name}"
-    head = element(
-        "head",
-        Html('<meta charset="utf-8"><meta name="viewport" content="width=device-width, initial-scale=1">'),
-        element("title", title),
-        element("style", Html(STYLE.read_text(encoding="utf-8"))),
-    )
-    header = element("header", element("h1", title), element("p", SOFTWARE, class_="made"))
-    parts = (_places(found), _comparison(found), _weakness(found), _commands(found), _front(found))
-    page = element("html", head, element("body", header, element("main", *parts)), lang="en")
-    return f"<!DOCTYPE html>\n{page}\n"
+def design_report(found: Design, cell_name: str) -> Report:
+    """Return what a design says.
+
+    Args:
+        found: the design.
+        cell_name: of the cell that it was made for.
+    """
+    sections = (_places(found), _comparison(found), _weakness(found), _commands(found), _front(found))
+    return Report(f"Design of a measurement: {cell_name}", origin_now(), sections)
 
 
-def _places(found: Design) -> Html:
-    rows = [
-        [
-            f"P{k}",
-            fixd(float(sight.xy_mm[0]), 0),
-            fixd(float(sight.xy_mm[1]), 0),
-            fixd(float(np.rad2deg(sight.facing_rad)), 1),
-            f"{int(sight.seen.sum())} of {sight.seen.size}",
-            str(sight.breaks),
-        ]
-        for k, sight in enumerate(found.layout.sights, 1)
-    ]
-    head = ["reflector", "x / mm", "y / mm", "facing / °", "commands seen", "breaks of the beam"]
+def _places(found: Design) -> Section:
     criterion, places = found.problem.criterion, found.places
-    text = (
-        f"Criterion {criterion.name}: {criterion.meaning}. {_contents(found)} "
-        f"{counted(len(places.allowed), 'place')} allowed on a grid of {fixd(places.spacing_mm, 0)} mm, "
-        f"{len(places.excluded)} excluded; the best are then moved off the grid."
+    reasons = ", ".join(f"{count} {reason}" for reason, count in places.reasons.items())
+    contents = (
+        "everything that [uncertainty] states, also what does not average out"
+        if found.problem.systematic
+        else "only what averages out"
     )
-    caption = (
-        "Candidates coloured by the criterion if the reflector that is missed least stood there instead; darker is "
-        "better. Grey marks: no reflector may stand there, by reason. Wedges: fields of the chosen reflectors."
-    )
-    drawn = figure(places_figure(found), "places", "Places for reflectors seen from above", caption)
-    return section(
-        "places", "Where to put the reflectors", paragraphs(text), drawn, table("Places", head, rows)
-    )
-
-
-def _contents(found: Design) -> str:
-    if found.problem.systematic:
-        return "It contains everything that [uncertainty] states, also what does not average out."
-    return "It contains only what averages out."
-
-
-def _comparison(found: Design) -> Html:
-    rows = [row for layout in found.layouts for row in _rows(found, layout)]
-    head = ["layout", "errors", "A / mdeg", "D / mdeg", "E / mdeg", "path / µm"]
-    head += ["u(L1) / µm", "u(L2) / µm", "largest u(Δθ1) / mdeg", "largest u(Δθ2) / mdeg"]
-    costs = [
-        [
-            layout.name,
-            str(layout.cost.points),
-            str(layout.cost.blind),
-            str(layout.cost.breaks),
-            layout.cost.refused or duration_text(layout.cost.duration_s),
-        ]
-        for layout in found.layouts
+    texts = [
+        f"Criterion {criterion.name}: {criterion.meaning}, {criterion.unit}, k = 1; it contains {contents}.",
+        f"Path: {found.problem.path_text}.",
+        f"{counted(len(places.allowed), 'place')} allowed on a grid of {number(places.spacing_mm, COUNT)} mm, "
+        f"{len(places.excluded)} excluded ({reasons or 'none'}); the best are then moved off the grid.",
     ]
-    meaning = bullets(
-        f"{name}: {found.problem.with_criterion(name).meaning}, {found.problem.with_criterion(name).unit}"
-        for name in _CRITERIA
-    )
-    path = f"Path: {found.problem.path_text}. Links count as the angles that they look like at full reach."
     return section(
-        "comparison",
-        "Comparison",
-        table("Standard uncertainties (k = 1)", head, rows, text_columns=2),
-        meaning,
-        paragraphs(path),
-        table(
-            "At the bench, as the plan of open-loop says; times are estimates without search and set-up",
-            ["layout", "distances", "blind commands", "planned breaks", "bench time"],
-            costs,
+        "places",
+        "Where to put the reflectors",
+        [*(Statement(Sign.NEUTRAL, text) for text in texts), places_figure(found), _place_table(found)],
+        brief=True,
+    )
+
+
+def _place_table(found: Design) -> Table:
+    return Table(
+        "places",
+        "Places",
+        (
+            Column("name", "reflector"),
+            Column("x_mm", "x", "mm", PLAIN),
+            Column("y_mm", "y", "mm", PLAIN),
+            Column("facing_deg", "facing", "°", fixed(1)),
+            Column("commands_seen", "commands seen", format=COUNT),
+            Column("commands", "of", format=COUNT),
+            Column("breaks", "breaks of the beam", format=COUNT),
+        ),
+        tuple(
+            (
+                f"P{place}",
+                *sight.xy_mm.tolist(),
+                float(np.rad2deg(sight.facing_rad)),
+                int(sight.seen.sum()),
+                sight.seen.size,
+                sight.breaks,
+            )
+            for place, sight in enumerate(found.layout.sights, 1)
         ),
     )
 
 
-def _rows(found: Design, layout: Layout) -> list[list[str]]:
-    arm = found.problem.study.layout
-    rows = []
-    for systematic, name in ((False, "random"), (True, "all")):
-        u = layout.u(systematic=systematic)
-        maps = (1e3 * np.rad2deg(u[part].max()) for part in (arm.map1, arm.map2))
-        rows.append(
-            [
-                layout.name,
-                name,
-                *(fixd(layout.shown(one, systematic=systematic), 3) for one in _CRITERIA),
-                fixd(1e3 * float(u[0]), 1),
-                fixd(1e3 * float(u[1]), 1),
-                *(fixd(float(value), 2) for value in maps),
-            ]
-        )
-    return rows
-
-
-def _weakness(found: Design) -> Html:
-    worst = [
-        f"Δθ{one.joint} at {plain(one.node_deg)}°, {'positive' if one.direction > 0 else 'negative'} direction: "
-        f"{fixd(one.u_mdeg, 2)} mdeg"
-        for one in weakest(found.layout)
-    ]
-    nodes = figure(
-        node_figure(found),
-        "nodes",
-        "Uncertainty of the nodes of both maps",
-        "Standard uncertainty of each value of the maps (k = 1), in the gauge that the J1 map has zero mean.",
-    )
-    positions = figure(
-        position_figure(found),
-        "positions",
-        "Uncertainty of predicted positions over the workspace",
-        "Standard uncertainty of predicted positions in the worst direction, for the worst directions of approach. "
-        "Ellipses: k = 1 at the nodes approached upwards, magnified alike in both pictures.",
+def _comparison(found: Design) -> Section:
+    meanings = tuple(
+        f"{name}: {found.problem.with_criterion(name).meaning}, {found.problem.with_criterion(name).unit}"
+        for name in CRITERIA
     )
     return section(
-        "weakness", "Where the map is weak", paragraphs("Most uncertain:"), bullets(worst), nodes, positions
+        "comparison",
+        "Comparison",
+        [
+            _uncertainties(found),
+            Bullets("", meanings),
+            Paragraph("Links count as the angles that they look like at full reach."),
+            _costs(found),
+            _plan_statement(found.layouts[0].cost),
+        ],
+        brief=True,
     )
 
 
-def _commands(found: Design) -> Html:
-    choice = found.choice
-    if choice is None:
-        return Html()
-    problem = found.problem
-    name = problem.criterion.name
-    whole = found.layout.shown(name, systematic=problem.systematic)
-    chosen = choice.shown(name, systematic=problem.systematic)
-    text = (
-        f"{int(choice.kept.sum())} of {choice.kept.size} commands: criterion {name} {fixd(chosen, 3)} "
-        f"{problem.criterion.unit} instead of {fixd(whole, 3)} {problem.criterion.unit}, bench time "
-        f"{duration_text(choice.cost.duration_s)} instead of {duration_text(found.layout.cost.duration_s)}."
-    )
-    bench = problem.bench
-    signs = (("+ +", 1, 1), ("+ −", 1, -1), ("− +", -1, 1), ("− −", -1, -1))
+def _uncertainties(found: Design) -> Table:
     rows = [
-        [plain(node), *(_kept(found, node, one, two) for _, one, two in signs)] for node in bench.nodes1_deg
+        _uncertain(found, layout, systematic=systematic)
+        for layout in found.layouts
+        for systematic in (False, True)
     ]
-    head = ["θ1 / °", *(f"θ2 / °, directions {name}" for name, _, _ in signs)]
-    return section("commands", "Which commands", paragraphs(text), table("Commands chosen", head, rows, 5))
+    if found.choice is not None:
+        rows += [_chosen(found, found.choice, systematic=systematic) for systematic in (False, True)]
+    return Table(
+        "uncertainties",
+        "Standard uncertainties (k = 1)",
+        (
+            Column("layout", "layout"),
+            Column("errors", "errors"),
+            *(Column(name, name, "µm" if name == "path" else "mdeg", _VALUE) for name in CRITERIA),
+            Column("u_link1_um", "u(L1)", "µm", _UM),
+            Column("u_link2_um", "u(L2)", "µm", _UM),
+            Column("u_theta1_mdeg", "largest u(Δθ1)", "mdeg", _MDEG),
+            Column("u_theta2_mdeg", "largest u(Δθ2)", "mdeg", _MDEG),
+        ),
+        tuple(rows),
+    )
 
 
-def _kept(found: Design, theta1_deg: float, direction1: int, direction2: int) -> str:
+def _uncertain(found: Design, layout: Layout, *, systematic: bool) -> tuple[Cell, ...]:
+    arm, u = found.problem.study.layout, layout.u(systematic=systematic)
+    return (
+        layout.name,
+        _errors(systematic=systematic),
+        *(layout.shown(name, systematic=systematic) for name in CRITERIA),
+        1e3 * float(u[0]),
+        1e3 * float(u[1]),
+        *(MDEG_PER_RAD * float(u[part].max()) for part in (arm.map1, arm.map2)),
+    )
+
+
+def _chosen(found: Design, choice: CommandChoice, *, systematic: bool) -> tuple[Cell, ...]:
+    values = (choice.shown(name, systematic=systematic) for name in CRITERIA)
+    return (_choice_name(found, choice), _errors(systematic=systematic), *values, *[None] * 4)
+
+
+def _errors(*, systematic: bool) -> str:
+    return "all" if systematic else "random"
+
+
+def _choice_name(found: Design, choice: CommandChoice) -> str:
+    return f"{found.layout.name}, {int(choice.kept.sum())} commands"
+
+
+def _costs(found: Design) -> Table:
+    costs = [(layout.name, layout.cost) for layout in found.layouts]
+    if found.choice is not None:
+        costs.append((_choice_name(found, found.choice), found.choice.cost))
+    return Table(
+        "costs",
+        "At the bench, as the plan of open-loop says; times are estimates without search and set-up",
+        (
+            Column("layout", "layout"),
+            Column("points", "distances", format=COUNT),
+            Column("blind", "blind commands", format=COUNT),
+            Column("planned_breaks", "planned breaks", format=COUNT),
+            Column("bench_s", "bench time", format=DURATION),
+            Column("refused", "refused by the plan"),
+        ),
+        tuple(
+            (name, cost.points, cost.blind, cost.breaks, cost.duration_s, cost.refused)
+            for name, cost in costs
+        ),
+    )
+
+
+def _plan_statement(cost: Cost) -> Statement:
+    """Return what the plan of the measurement says of a layout; bench times are estimates of that plan."""
+    if cost.refused:
+        return Statement(Sign.ATTENTION, f"The plan of open-loop refuses this layout: {cost.refused}.")
+    return Statement(
+        Sign.NEUTRAL,
+        f"Planned: {cost.points} distances in about {duration_text(cost.duration_s)} (estimate of the plan, without "
+        f"search and set-up), {cost.breaks} planned breaks of the beam, {cost.blind} blind commands.",
+    )
+
+
+def _weakness(found: Design) -> Section:
+    worst = ", ".join(map(_weak_text, weakest(found.layout)))
+    return section(
+        "weakness",
+        "Where the map is weak",
+        [
+            Statement(Sign.NEUTRAL, f"Most uncertain: {worst}."),
+            node_figure(found),
+            position_figure(found),
+        ],
+        brief=True,
+    )
+
+
+def _weak_text(one: NodeUncertainty) -> str:
+    return f"{node_name(one.joint, one.node_deg, one.direction)} {one.u_mdeg:.2f} mdeg"
+
+
+def _commands(found: Design) -> Section:
     choice = found.choice
     if choice is None:
+        return section("commands", "Which commands", ())
+    problem = found.problem
+    criterion = problem.criterion
+    whole, chosen = (
+        number(one.shown(criterion.name, systematic=problem.systematic), _VALUE)
+        for one in (found.layout, choice)
+    )
+    texts = [
+        f"{int(choice.kept.sum())} of {choice.kept.size} commands: criterion {criterion.name} {chosen} "
+        f"{criterion.unit} instead of {whole} {criterion.unit}, bench time {duration_text(choice.cost.duration_s)} "
+        f"instead of {duration_text(found.layout.cost.duration_s)}.",
+        "Open-loop measures whole grids of nodes; a choice of commands is for programs of your own, or a hint which "
+        "nodes may be left out.",
+    ]
+    too_few = _too_few(choice)
+    statements = [Statement(Sign.NEUTRAL, text) for text in texts]
+    return section(
+        "commands",
+        "Which commands",
+        [
+            *statements,
+            Statement(Sign.ATTENTION, too_few) if too_few else None,
+            _command_table(found, choice),
+        ],
+        brief=True,
+    )
+
+
+def _too_few(choice: CommandChoice) -> str:
+    kept = int(choice.kept.sum())
+    if choice.asked is None or kept <= choice.asked:
         return ""
+    return f"{choice.asked} commands leave parameters undetermined; the fewest that do not are {kept}."
+
+
+def _command_table(found: Design, choice: CommandChoice) -> Table:
+    signs = (("+ +", 1, 1), ("+ −", 1, -1), ("− +", -1, 1), ("− −", -1, -1))
+    return Table(
+        "commands",
+        "Commands chosen",
+        (
+            Column("theta1_deg", "θ1", "°"),
+            *(Column(f"theta2_deg {name}", f"θ2 / °, directions {name}") for name, _, _ in signs),
+        ),
+        tuple(
+            (number(node, PLAIN), *(_kept(found, choice, node, one, two) for _, one, two in signs))
+            for node in found.problem.bench.nodes1_deg
+        ),
+    )
+
+
+def _kept(found: Design, choice: CommandChoice, theta1_deg: float, direction1: int, direction2: int) -> str:
     return ", ".join(
         f"{one.theta2_deg:g}"
         for one, keep in zip(found.problem.sequence, choice.kept, strict=True)
@@ -175,28 +281,28 @@ def _kept(found: Design, theta1_deg: float, direction1: int, direction2: int) ->
     )
 
 
-def _front(found: Design) -> Html:
+def _front(found: Design) -> Section:
+    title = "Bench time against uncertainty"
     if not found.compromises:
-        return Html()
+        return section("front", title, ())
     unit = found.problem.criterion.unit
-    rows = [
-        [
-            str(row.reflectors),
-            str(row.commands),
-            str(row.repeats),
-            duration_text(row.time_s),
-            fixd(row.u_white, 3),
-            fixd(row.u_total, 3),
-        ]
-        for row in found.compromises
-        if row.front
-    ]
-    head = ["reflectors", "commands", "repeats", "bench time", f"random / {unit}", f"all / {unit}"]
-    caption = (
-        "Filled: everything stated in the budget; open: only what averages out. More points lower the open marks, "
-        "what does not average out keeps the filled ones up."
+    table = Table(
+        "front",
+        "Compromises nothing beats",
+        (
+            Column("reflectors", "reflectors", format=COUNT),
+            Column("commands", "commands", format=COUNT),
+            Column("repeats", "repeats", format=COUNT),
+            Column("bench_s", "bench time", format=DURATION),
+            Column("u_random", "random", unit, _VALUE),
+            Column("u", "all", unit, _VALUE),
+        ),
+        tuple(
+            (row.reflectors, row.commands, row.repeats, row.time_s, row.u_white, row.u_total)
+            for row in found.compromises
+            if row.front
+        ),
     )
-    drawn = figure(front_figure(found), "front", "Bench time against uncertainty", caption)
-    return section(
-        "front", "Bench time against uncertainty", drawn, table("Compromises nothing beats", head, rows)
-    )
+    beaten = sum(not row.front for row in found.compromises)
+    text = f"{beaten} further compromises are beaten in time and uncertainty; --json lists them too."
+    return section("front", title, [front_figure(found), table, Statement(Sign.NEUTRAL, text)], brief=True)

@@ -1,99 +1,119 @@
 """Figures of a diagnosis: residuals in measuring order, against the joints, and the harmonics that are left."""
 
 import numpy as np
-from matplotlib import rc_context
-from matplotlib.axes import Axes
-from matplotlib.figure import Figure
 
-from catseye.app.render.canvas import MUTED, NEGATIVE, POSITIVE, STYLE, WIDTH_IN, series
-from catseye.app.results.scara.diagnosis_report import ANGLES, VARYING, outlier_limit
+from catseye.app.results.figures import (
+    Axis,
+    Band,
+    Figure,
+    Level,
+    Mark,
+    Panel,
+    Points,
+    Role,
+    Stems,
+)
+from catseye.app.results.scara.diagnosis import outlier_limit
+from catseye.app.results.scara.names import ANGLES, VARYING
 from catseye.calibration.diagnostics.diagnosis import Diagnosis
 from catseye.calibration.diagnostics.harmonics import HarmonicSeries
 from catseye.calibration.diagnostics.joint_angles import AnglePattern
 
 
-@rc_context(STYLE)
+def diagnosis_figures(diagnosis: Diagnosis) -> list[Figure]:
+    """Return all figures; without harmonics that the maps leave there is none of them."""
+    figures = [order_figure(diagnosis), pattern_figure(diagnosis)]
+    shown = [one for one in diagnosis.harmonics if one.harmonics]
+    return [*figures, harmonic_figure(shown)] if shown else figures
+
+
 def order_figure(diagnosis: Diagnosis) -> Figure:
-    """Draw studentised residuals in measuring order, with the limit for a single one and what changed."""
-    figure = Figure(figsize=(WIDTH_IN, 3.4))
-    axes = figure.subplots()
+    """Return studentised residuals in measuring order, with the limit for a single one and what changed."""
     points, external = diagnosis.identified.points, diagnosis.residuals.external
-    row, limit = np.arange(1, external.size + 1), outlier_limit(diagnosis)
-    for index, name in enumerate(points.reflector_names):
-        colour, marker = series(index)
-        own = points.reflector == index
-        axes.plot(
-            row[own],
-            external[own],
-            marker,
-            color=colour,
-            markersize=2.4,
-            alpha=0.7,
-            label=f"reflector {name}",
-        )
-    starts = 1 + np.flatnonzero(np.diff(points.dead_path) != 0)
-    for start in starts:
-        axes.axvline(start + 0.5, color=MUTED, linewidth=0.6, linestyle=":")
-    for sign in (-1.0, 1.0):
-        axes.axhline(sign * limit, color=POSITIVE, linewidth=0.8, linestyle="--")
-    for one in diagnosis.changes:
-        if one.significant and one.kind == "jump":
-            axes.axvline(one.row - 0.5, color=POSITIVE, linewidth=1.4)
-    axes.set_xlabel("distance in measuring order")
-    axes.set_ylabel("studentised residual")
-    figure.legend(*axes.get_legend_handles_labels(), loc="outside upper center", ncols=6)
-    return figure
+    row, limit = np.arange(1, external.size + 1, dtype=np.float64), outlier_limit(diagnosis)
+    marks: list[Mark] = []
+    for place, name in enumerate(points.reflector_names):
+        own = points.reflector == place
+        marks.append(Points(row[own], external[own], place, f"reflector {name}", size=2.4, faint=True))
+    for start in np.flatnonzero(np.diff(points.dead_path) != 0).tolist():
+        marks.append(Level(start + 1.5, Role.MUTED, vertical=True, dash="dotted", width=0.6))
+    marks += [Level(sign * limit, Role.CHANGE, dash="dashed") for sign in (-1.0, 1.0)]
+    marks += [
+        Level(one.row - 0.5, Role.CHANGE, vertical=True, width=1.4)
+        for one in diagnosis.changes
+        if one.significant and one.kind == "jump"
+    ]
+    return Figure(
+        "diagnosis-order",
+        "Studentised residuals in measuring order",
+        "Externally studentised residuals. Dashed: what one of all distances exceeds by chance in 1 % of "
+        "measurements. Dotted: a new segment; red line: a jump.",
+        ((Panel("", Axis("distance in measuring order"), Axis("studentised residual"), tuple(marks)),),),
+        aspect=0.43,
+        legend_columns=6,
+    )
 
 
-@rc_context(STYLE)
 def pattern_figure(diagnosis: Diagnosis) -> Figure:
-    """Draw mean residuals against the angles of J1, J2 and the beam."""
-    figure = Figure(figsize=(WIDTH_IN, 2.6))
-    panels = figure.subplots(1, len(diagnosis.patterns), sharey=True, squeeze=False)[0]
+    """Return mean residuals against the angles of J1, J2 and the beam."""
     sigma_um = diagnosis.identified.fit.sigma0_um
-    for letter, axes, one in zip("abc", panels, diagnosis.patterns, strict=True):
-        _pattern(axes, one, sigma_um)
-        axes.set_title(f"{letter}) against θ{one.joint}")
-        axes.set_xlabel(f"θ{one.joint} / °")
-    panels[0].set_ylabel("mean residual / µm")
-    return figure
+    panels = tuple(
+        _pattern(letter, one, sigma_um) for letter, one in zip("abc", diagnosis.patterns, strict=True)
+    )
+    return Figure(
+        "diagnosis-angles",
+        "Mean residuals against the joints' angles",
+        "Mean residuals (predicted minus measured) against J1, J2 and the angle of the beam against link 2 (θ4). "
+        "Grey: twice the standard deviation that scatter alone gives them.",
+        (panels,),
+        aspect=0.33,
+    )
 
 
-def _pattern(axes: Axes, one: AnglePattern, sigma_um: float) -> None:
+def _pattern(letter: str, one: AnglePattern, sigma_um: float) -> Panel:
     order = np.argsort(one.angle_deg)
     angle, mean = one.angle_deg[order], one.mean_um[order]
     scatter = 2.0 * sigma_um / np.sqrt(one.count[order])
-    axes.fill_between(angle, -scatter, scatter, color="#e3e6ea", linewidth=0.0)
-    axes.axhline(0.0, color="#5f6670", linewidth=0.6)
-    axes.plot(angle, mean, "o-", color=NEGATIVE, markersize=3.2)
+    marks = (
+        Band(angle, -scatter, scatter, Role.MUTED),
+        Level(0.0, Role.AXIS, width=0.6),
+        Points(angle, mean, Role.NEGATIVE, marker="o", size=3.2, joined=True),
+    )
+    upwards = Axis("mean residual / µm") if letter == "a" else Axis(shared=True)
+    return Panel(f"{letter}) against θ{one.joint}", Axis(f"θ{one.joint} / °"), upwards, marks)
 
 
-@rc_context(STYLE)
-def harmonic_figure(diagnosis: Diagnosis) -> Figure:
-    """Draw what each order would explain; series that the maps absorb are left out."""
-    shown = [one for one in diagnosis.harmonics if one.harmonics]
-    figure = Figure(figsize=(WIDTH_IN, 1.0 + 1.5 * max(len(shown), 1)))
-    panels = figure.subplots(max(len(shown), 1), 1, squeeze=False)[:, 0]
-    for letter, axes, one in zip("abcde", panels, shown, strict=False):
-        _spectrum(axes, one)
-        axes.set_title(f"{letter}) {VARYING[one.target]} against {ANGLES[one.source]}")
-        axes.set_ylabel("µm")
-    panels[-1].set_xlabel("order (periods in a turn)")
-    return figure
+def harmonic_figure(shown: list[HarmonicSeries]) -> Figure:
+    """Return what each order would explain; series that the maps absorb are left out."""
+    rows = tuple(
+        (_spectrum(letter, one, last=one is shown[-1]),) for letter, one in zip("abcde", shown, strict=False)
+    )
+    return Figure(
+        "diagnosis-harmonics",
+        "Harmonics that the fit leaves",
+        "Standard deviation of a distance that each order would explain beyond the error map. Orders that the maps "
+        "take up at these commands are not shown; of orders that are one at these commands the lowest is.",
+        rows,
+        aspect=0.125 + 0.19 * len(shown),
+    )
 
 
-def _spectrum(axes: Axes, one: HarmonicSeries) -> None:
-    order = np.array([harmonic.order for harmonic in one.harmonics])
+def _spectrum(letter: str, one: HarmonicSeries, *, last: bool) -> Panel:
+    order = np.array([harmonic.order for harmonic in one.harmonics], dtype=np.float64)
     explained = np.array([harmonic.explained_um for harmonic in one.harmonics])
     flags = np.array([harmonic.significant for harmonic in one.harmonics])
-    axes.vlines(order, 0.0, explained, color=MUTED, linewidth=1.0)
-    for rows, colour, marker, label in (
-        (~flags, MUTED, "o", "chance"),
-        (flags, POSITIVE, "D", "clearer than chance"),
-    ):
-        if rows.any():
-            axes.plot(order[rows], explained[rows], marker, color=colour, markersize=3.0, label=label)
-    axes.set_ylim(bottom=0.0)
-    axes.set_xlim(0.0, float(order.max()) + 1.0)
-    if flags.any():
-        axes.legend(loc="upper right")
+    marks: list[Mark] = [Stems(order, explained, Role.MUTED)]
+    marks += [
+        Points(order[rows], explained[rows], ink, label if flags.any() else "", size=3.0)
+        for rows, ink, label in (
+            (~flags, Role.MUTED, "chance"),
+            (flags, Role.CHANGE, "clearer than chance"),
+        )
+        if rows.any()
+    ]
+    return Panel(
+        f"{letter}) {VARYING[one.target]} against {ANGLES[one.source]}",
+        Axis("order (periods in a turn)" if last else "", low=0.0, high=float(order.max()) + 1.0),
+        Axis("µm", low=0.0),
+        tuple(marks),
+    )

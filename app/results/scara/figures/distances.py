@@ -1,48 +1,43 @@
 """Deviations of measured distances along a validation path."""
 
 import numpy as np
-from matplotlib import rc_context
-from matplotlib.axes import Axes
-from matplotlib.figure import Figure
 
-from catseye.app.render.canvas import NEGATIVE, POSITIVE, STYLE, WIDTH_IN
-from catseye.app.results.scara.content import MODEL_TITLES
+from catseye.app.results.figures import Axis, Figure, Panel, Points, Role
 from catseye.app.results.scara.distance_validation import DistanceValidation, ModelOnDistances
+from catseye.app.results.scara.names import MODEL_TITLES
 from catseye.calibration.types import Bools, Floats
 
 
-@rc_context(STYLE)
 def distance_figure(distances: DistanceValidation) -> Figure:
-    """Draw a panel for each model.
-
-    Args:
-        distances: models on the path.
-    """
-    figure = Figure(figsize=(WIDTH_IN, 3.4))
-    panels = figure.subplots(1, len(distances.models), sharey=True, squeeze=False)[0]
+    """Return a panel for each model."""
     y, there = distances.path.command_mm[:, 1], distances.path.travel > 0
-    for number, (axes, model) in enumerate(zip(panels, distances.models, strict=True)):
-        _deviations(axes, model, y, there)
-        axes.set_title(f"{'abcdef'[number]}) {MODEL_TITLES[model.model]}")
-        axes.set_xlabel("Y / mm")
-    panels[0].set_ylabel("predicted − measured / µm")
-    handles, labels = panels[0].get_legend_handles_labels()
-    figure.legend(handles, labels, loc="outside upper center", ncols=2)
-    return figure
+    panels = tuple(_panel("abcdef"[place], model, y, there) for place, model in enumerate(distances.models))
+    return Figure(
+        "path-distances",
+        "Deviations of distances along the validation path",
+        "Predicted minus measured distance; error bars: standard uncertainty of the prediction (k = 1). One dead "
+        "path is fitted for each segment and model.",
+        (panels,),
+        aspect=0.43,
+    )
 
 
-def _deviations(axes: Axes, model: ModelOnDistances, y: Floats, there: Bools) -> None:
-    drawn = np.isfinite(model.deviation_mm)
-    for rows, colour, marker, name in ((there, POSITIVE, "o", "there"), (~there, NEGATIVE, "s", "back")):
-        chosen = rows & drawn
-        axes.errorbar(
-            y[chosen],
-            1e3 * model.deviation_mm[chosen],
-            1e3 * model.u_mm[chosen],
-            fmt=marker,
-            color=colour,
-            markersize=4.0,
-            markerfacecolor="none",
-            elinewidth=0.7,
-            label=f"way {name}",
+def _panel(letter: str, model: ModelOnDistances, y: Floats, there: Bools) -> Panel:
+    known = np.isfinite(model.deviation_mm)
+    ways = ((there, Role.POSITIVE, "o", "there"), (~there, Role.NEGATIVE, "s", "back"))
+    marks = tuple(
+        Points(
+            y[rows & known],
+            1e3 * model.deviation_mm[rows & known],
+            ink,
+            f"way {name}",
+            1e3 * model.u_mm[rows & known],
+            marker=marker,
+            size=4.0,
+            hollow=True,
         )
+        for rows, ink, marker, name in ways
+    )
+    first = letter == "a"
+    upwards = Axis("predicted − measured / µm" if first else "", shared=not first)
+    return Panel(f"{letter}) {MODEL_TITLES[model.model]}", Axis("Y / mm"), upwards, marks)

@@ -3,12 +3,8 @@
 import math
 
 import numpy as np
-from matplotlib import rc_context
-from matplotlib.axes import Axes
-from matplotlib.figure import Figure
-from matplotlib.patches import Circle, Wedge
 
-from catseye.app.render.canvas import CONVENTIONAL, MUTED, STYLE, WIDTH_IN, series
+from catseye.app.results.figures import Axis, Figure, Line, Mark, Panel, Points, Role, Shape, Text, columns
 from catseye.app.results.numbers import counted
 from catseye.app.results.scara.layout import Scene, Target
 from catseye.calibration.kinematics import forward
@@ -17,86 +13,73 @@ from catseye.calibration.types import Floats
 _FIELD_MM = 130.0
 """Radius of the wedge that shows where a reflector looks."""
 
+_ORIGIN = (0.0, 0.0)
 
-@rc_context(STYLE)
+
 def layout_figure(scene: Scene) -> Figure:
-    """Draw the bench in the plane of the arm."""
-    figure = Figure(figsize=(WIDTH_IN, 5.3))
-    axes = figure.subplots()
-    axes.set_aspect("equal")
-    _reach(axes, scene)
-    axes.plot(*scene.commands_mm.T, ".", color="#3c4148", markersize=3.5, label="command positions")
+    """Return the bench in the plane of the arm."""
+    marks = [*_reach(scene), Points(*columns(scene.commands_mm), Role.COMMAND, "command positions", size=3.5)]
     if scene.path_mm is not None:
-        axes.plot(*scene.path_mm.T, color=CONVENTIONAL, linewidth=2.2, label="validation path")
-    for index, target in enumerate(scene.targets):
-        _target(axes, scene, target, index)
-    _arm(axes, scene)
-    axes.set_xlabel("X / mm")
-    axes.set_ylabel("Y / mm")
-    axes.legend(loc="upper left", bbox_to_anchor=(1.01, 1.0))
-    return figure
+        marks.append(Line(*columns(scene.path_mm), Role.CONVENTIONAL, "validation path", width=2.2))
+    for place, target in enumerate(scene.targets):
+        marks += _target(scene, target, place)
+    panel = Panel("", Axis("X / mm"), Axis("Y / mm"), (*marks, *_arm(scene)), equal=True)
+    return Figure("layout", "Layout of the bench", _caption(scene), ((panel,),), aspect=0.66, legend="right")
 
 
-def _reach(axes: Axes, scene: Scene) -> None:
+def _caption(scene: Scene) -> str:
+    caption = "The bench from above, with the arm at one pose and the beam to the first reflector."
+    if scene.column_radius_mm is None:
+        return caption
+    blind = any(len(target.blind_mm) for target in scene.targets)
+    seen = "Open symbols: commands that cannot see that reflector." if blind else "No command is blind."
+    return f"{caption} Wedges: field that a reflector looks into. {seen}"
+
+
+def _reach(scene: Scene) -> list[Mark]:
     outer, inner = scene.link1_mm + scene.link2_mm, abs(scene.link1_mm - scene.link2_mm)
-    for radius, label in ((outer, "reach of the arm"), (inner, "")):
-        axes.add_patch(
-            Circle(
-                (0.0, 0.0), radius, fill=False, linestyle=(0, (5, 4)), color=MUTED, linewidth=0.9, label=label
-            )
-        )
+    marks: list[Mark] = [
+        Shape(_ORIGIN, (radius, radius), Role.MUTED, label, dashed=True)
+        for radius, label in ((outer, "reach of the arm"), (inner, ""))
+    ]
     if scene.column_radius_mm:
-        axes.add_patch(
-            Circle(
-                (0.0, 0.0),
-                scene.column_radius_mm,
-                facecolor="#d7dbe0",
-                edgecolor=MUTED,
-                hatch="////",
-                linewidth=0.8,
-                label="base column",
-            )
-        )
+        column = (scene.column_radius_mm, scene.column_radius_mm)
+        marks.append(Shape(_ORIGIN, column, Role.COLUMN, "base column", filled=True))
+    return marks
 
 
-def _target(axes: Axes, scene: Scene, target: Target, index: int) -> None:
-    colour, marker = series(index)
-    x, y = target.xy_mm
+def _target(scene: Scene, target: Target, place: int) -> list[Mark]:
+    x, y = (float(value) for value in target.xy_mm)
+    marks: list[Mark] = []
     if target.facing_deg is not None and scene.field_half_angle_deg is not None:
-        low, high = (
-            target.facing_deg - scene.field_half_angle_deg,
-            target.facing_deg + scene.field_half_angle_deg,
-        )
-        axes.add_patch(Wedge((x, y), _FIELD_MM, low, high, facecolor=colour, alpha=0.13))
-        axes.add_patch(Wedge((x, y), _FIELD_MM, low, high, fill=False, edgecolor=colour, linewidth=0.7))
-    axes.plot(x, y, marker, color=colour, markersize=8.0, label=f"reflector {target.name}")
-    axes.annotate(
-        target.name, (x, y), xytext=(8, 4), textcoords="offset points", color=colour, fontweight="bold"
-    )
+        low, high = (target.facing_deg + sign * scene.field_half_angle_deg for sign in (-1.0, 1.0))
+        field = (_FIELD_MM, _FIELD_MM)
+        marks.append(Shape((x, y), field, place, filled=True, from_deg=low, to_deg=high))
+    marks += [
+        Points(np.array([x]), np.array([y]), place, f"reflector {target.name}", size=8.0),
+        Text(target.name, (x, y), place),
+    ]
     if len(target.blind_mm):
-        axes.plot(
-            *target.blind_mm.T,
-            marker,
-            color=colour,
-            markersize=6.0 + 3.0 * index,
-            markerfacecolor="none",
-            label=f"blind for {target.name}: {counted(len(target.blind_mm), 'position')}",
-        )
+        # Symbols of several reflectors at one command stand inside each other.
+        label = f"blind for {target.name}: {counted(len(target.blind_mm), 'position')}"
+        marks.append(Points(*columns(target.blind_mm), place, label, size=6.0 + 3.0 * place, hollow=True))
+    return marks
 
 
-def _arm(axes: Axes, scene: Scene) -> None:
-    """Draw the arm at the pose in the middle of the commands, with the beam to the first reflector."""
+def _arm(scene: Scene) -> list[Mark]:
+    """Return the arm at the pose in the middle of the commands, with the beam to the first reflector."""
     theta1, theta2 = scene.pose_rad
     tool = _position(theta1, theta2, scene)
     elbow = scene.link1_mm * np.array([math.cos(theta1), math.sin(theta1)])
     joints = np.array([np.zeros(2), elbow, tool])
-    axes.plot(
-        *joints.T, color="#59636e", linewidth=7.0, alpha=0.45, solid_capstyle="round", label="arm at one pose"
-    )
-    axes.plot(*joints.T, "o", color="white", markeredgecolor="#59636e", markersize=5.5)
+    marks: list[Mark] = [
+        Line(*columns(joints), Role.ARM, "arm at one pose", width=7.0, faint=True),
+        Points(*columns(joints), Role.ARM, size=5.5),
+    ]
     if scene.targets:
         beam = np.array([tool, scene.targets[0].xy_mm])
-        axes.plot(*beam.T, color="#e00000", linewidth=1.0, linestyle="-.", label="laser beam")
+        marks.append(Line(*columns(beam), Role.BEAM, "laser beam", "dash-dotted", 1.0))
+    return marks
 
 
 def _position(theta1_rad: float, theta2_rad: float, scene: Scene) -> Floats:

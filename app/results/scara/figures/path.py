@@ -1,24 +1,46 @@
 """Measured and predicted deviations along the validation path (Figs 9 and 10 of the SCARA paper)."""
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
-from matplotlib import rc_context
-from matplotlib.axes import Axes
-from matplotlib.figure import Figure
 
-from catseye.app.render.canvas import CONVENTIONAL, NEGATIVE, POSITIVE, STYLE, WIDTH_IN
+from catseye.app.results.figures import Axis, Band, Figure, Level, Line, Mark, Panel, Points, Role, Span
+from catseye.app.results.numbers import EXPANDED
 from catseye.app.results.scara.path_view import Gap, PathAxis, model_title, path_axis, there
 from catseye.app.results.scara.validation import ModelOnPath, PathValidation
-from catseye.calibration.types import Bools, Floats
+from catseye.calibration.types import Bools
 
 _DENSE = 60
 """More rows a way are drawn as a line with a band, fewer as markers with error bars."""
 
+_ZERO = Level(0.0, Role.AXIS, width=0.6)
 
-@rc_context(STYLE)
+
+@dataclass(frozen=True)
+class _Column:
+    """One model on the path.
+
+    Attributes:
+        model: the model.
+        axis: of the path.
+        way: which rows belong to the way there.
+        first: it is the leftmost one, whose axes have labels.
+    """
+
+    model: ModelOnPath
+    axis: PathAxis
+    way: Bools
+    first: bool
+
+    @property
+    def dense(self) -> bool:
+        """There are too many rows for markers with error bars."""
+        return bool(self.way.sum() > _DENSE)
+
+
 def path_figure(validation: PathValidation, gaps: Sequence[Gap] = ()) -> Figure:
-    """Draw a column of panels for each model: both deviations, and below each what the model leaves of it.
+    """Return a column of panels for each model: both deviations, and below each what the model leaves of it.
 
     The measurement is aligned to each model by itself.
 
@@ -27,99 +49,92 @@ def path_figure(validation: PathValidation, gaps: Sequence[Gap] = ()) -> Figure:
         gaps: stretches that are not compared.
     """
     axis, way = path_axis(validation.path), there(validation.path)
-    figure = Figure(figsize=(WIDTH_IN, 8.4))
-    panels = figure.subplots(
-        4, len(validation.models), sharex=True, sharey="row", squeeze=False, height_ratios=(2.2, 1, 2.2, 1)
+    columns = [_Column(model, axis, way, not i) for i, model in enumerate(validation.models)]
+    grey = tuple(Span(gap.low_mm, gap.high_mm, gap.reason) for gap in gaps)
+    rows = tuple(
+        tuple(panel(place, column, row, grey) for place, column in enumerate(columns))
+        for row in (0, 1)
+        for panel in (_deviation, _left)
     )
-    for column, model in enumerate(validation.models):
-        for row, (symbol, _, component) in enumerate(axis.deviations):
-            upper, lower = panels[2 * row, column], panels[2 * row + 1, column]
-            for axes in (upper, lower):
-                _gaps(axes, gaps)
-                axes.axhline(0.0, color="#5f6670", linewidth=0.6)
-            _measured(upper, axis, model, way, component)
-            _predicted(upper, axis, model, way, component)
-            _left(lower, axis, model, way, component)
-            if column == 0:
-                upper.set_ylabel(f"${symbol}$ / µm", parse_math=True)
-                lower.set_ylabel("difference / µm")
-        panels[0, column].set_title(f"{'abcdef'[column]}) {model_title(model)}")
-        panels[3, column].set_xlabel(axis.label)
-    figure.align_ylabels(panels[:, 0])
-    handles = {
-        label: handle
-        for axes in panels.ravel()
-        for handle, label in zip(*axes.get_legend_handles_labels(), strict=True)
-    }
-    figure.legend(list(handles.values()), list(handles), loc="outside upper center", ncols=3)
-    return figure
+    return Figure(
+        "path",
+        "Deviations along the validation path",
+        f"{_definitions(axis)} × there, + back: measured; circles, squares or lines: predicted, error bars or bands: "
+        "standard uncertainty of the prediction (k = 1). Below each: measured minus predicted; yellow: ±2 standard "
+        "uncertainties of that difference. Grey: not compared.",
+        rows,
+        heights=(2.2, 1.0, 2.2, 1.0),
+        aspect=1.05,
+        legend_columns=3,
+    )
 
 
-def _measured(axes: Axes, axis: PathAxis, model: ModelOnPath, way: Bools, component: int) -> None:
-    error_um = 1e3 * model.comparison.measured_error_mm[:, component]
-    size = 3.5 if way.sum() > _DENSE else 5.0
-    for rows, colour, marker, name in ((way, POSITIVE, "x", "there"), (~way, NEGATIVE, "+", "back")):
-        axes.plot(
-            axis.values_mm[rows],
+def _definitions(axis: PathAxis) -> str:
+    parts = [
+        f"{symbol.replace('{', '').replace('}', '')}: {meaning}" for symbol, meaning, _ in axis.deviations
+    ]
+    return "Actual minus command position. " + ", ".join(parts) + "."
+
+
+def _deviation(place: int, column: _Column, row: int, grey: tuple[Span, ...]) -> Panel:
+    symbol, _, component = column.axis.deviations[row]
+    title = "" if row else f"{'abcdef'[place]}) {model_title(column.model)}"
+    upwards = Axis("µm", symbol) if column.first else Axis(shared=True)
+    marks = (*grey, _ZERO, *_measured(column, component), *_predicted(column, component))
+    return Panel(title, Axis(shared=True), upwards, marks)
+
+
+def _left(_place: int, column: _Column, row: int, grey: tuple[Span, ...]) -> Panel:
+    """Return measured minus predicted, and what is expected of it by the stated uncertainties."""
+    component, along = column.axis.deviations[row][2], column.axis.values_mm
+    order = np.argsort(along, kind="stable")
+    expected_um = 1e3 * EXPANDED * column.model.agreement.u_mm[order, component]
+    left_um = 1e3 * column.model.comparison.difference_mm[:, component]
+    marks: list[Mark] = [
+        *grey,
+        _ZERO,
+        Band(along[order], -expected_um, expected_um, Role.EXPECTED, "±2 u of the difference"),
+    ]
+    marks += [
+        Points(along[rows], left_um[rows], ink, marker=marker, size=3.5)
+        for rows, ink, marker in ((column.way, Role.POSITIVE, "x"), (~column.way, Role.NEGATIVE, "+"))
+    ]
+    across = Axis(column.axis.label) if row else Axis(shared=True)
+    upwards = Axis("difference / µm") if column.first else Axis(shared=True)
+    return Panel("", across, upwards, tuple(marks))
+
+
+def _measured(column: _Column, component: int) -> list[Mark]:
+    error_um = 1e3 * column.model.comparison.measured_error_mm[:, component]
+    ways = ((column.way, Role.POSITIVE, "x", "there"), (~column.way, Role.NEGATIVE, "+", "back"))
+    size = 3.5 if column.dense else 5.0
+    return [
+        Points(
+            column.axis.values_mm[rows],
             error_um[rows],
-            marker,
-            color=colour,
-            markersize=size,
-            markeredgewidth=0.8,
-            label=f"measured, way {name}",
+            ink,
+            f"measured, way {name}",
+            marker=marker,
+            size=size,
         )
+        for rows, ink, marker, name in ways
+    ]
 
 
-def _predicted(axes: Axes, axis: PathAxis, model: ModelOnPath, way: Bools, component: int) -> None:
-    error_um = 1e3 * model.prediction.error_mm[:, component]
-    u_um = 1e3 * model.prediction.u_mm[:, component]
+def _predicted(column: _Column, component: int) -> list[Mark]:
+    error_um = 1e3 * column.model.prediction.error_mm[:, component]
+    u_um = 1e3 * column.model.prediction.u_mm[:, component]
+    way = column.way
     both = (
-        (way, POSITIVE, "o", "error map, way there"),
-        (~way, NEGATIVE, "s", "error map, way back"),
+        (way, Role.POSITIVE, "o", "error map, way there"),
+        (~way, Role.NEGATIVE, "s", "error map, way back"),
     )
-    one = ((way | ~way, CONVENTIONAL, "o", "conventional model"),)
-    for rows, colour, marker, name in one if model.model == "conventional" else both:
-        if way.sum() > _DENSE:
-            _band(axes, axis.values_mm[rows], error_um[rows], u_um[rows], colour, name)
-            continue
-        axes.errorbar(
-            axis.values_mm[rows],
-            error_um[rows],
-            u_um[rows],
-            fmt=marker,
-            color=colour,
-            markersize=5.0,
-            markerfacecolor="none",
-            elinewidth=0.7,
-            label=name,
-        )
-
-
-def _band(axes: Axes, along: Floats, value: Floats, u: Floats, colour: str, name: str) -> None:
-    axes.plot(along, value, color=colour, linewidth=1.0, label=name)
-    axes.fill_between(along, value - u, value + u, color=colour, alpha=0.2, linewidth=0.0)
-
-
-def _left(axes: Axes, axis: PathAxis, model: ModelOnPath, way: Bools, component: int) -> None:
-    """Draw measured minus predicted, and what the stated uncertainties let expect of it."""
-    order = np.argsort(axis.values_mm, kind="stable")
-    expected_um = 2e3 * model.agreement.u_mm[order, component]
-    axes.fill_between(
-        axis.values_mm[order],
-        -expected_um,
-        expected_um,
-        color="#c9b458",
-        alpha=0.35,
-        linewidth=0.0,
-        label="±2 u of the difference",
-    )
-    left_um = 1e3 * model.comparison.difference_mm[:, component]
-    for rows, colour, marker in ((way, POSITIVE, "x"), (~way, NEGATIVE, "+")):
-        axes.plot(
-            axis.values_mm[rows], left_um[rows], marker, color=colour, markersize=3.5, markeredgewidth=0.8
-        )
-
-
-def _gaps(axes: Axes, gaps: Sequence[Gap]) -> None:
-    for gap in gaps:
-        axes.axvspan(gap.low_mm, gap.high_mm, color="#e4e8ed", zorder=0.5, label=gap.reason)
+    one = ((way | ~way, Role.CONVENTIONAL, "o", "conventional model"),)
+    marks: list[Mark] = []
+    for rows, ink, marker, name in one if column.model.model == "conventional" else both:
+        along, value, u = column.axis.values_mm[rows], error_um[rows], u_um[rows]
+        if column.dense:
+            marks += [Line(along, value, ink, name, width=1.0), Band(along, value - u, value + u, ink)]
+        else:
+            marks.append(Points(along, value, ink, name, u, marker=marker, size=5.0, hollow=True))
+    return marks

@@ -4,128 +4,142 @@ from collections.abc import Sequence
 from statistics import NormalDist
 
 import numpy as np
-from matplotlib import rc_context
-from matplotlib.axes import Axes
-from matplotlib.figure import Figure, SubFigure
 
 from catseye.app.files.result_json import Residuals
-from catseye.app.render.canvas import MUTED, STYLE, WIDTH_IN, series
+from catseye.app.results.figures import (
+    Axis,
+    Bars,
+    Figure,
+    Level,
+    Line,
+    Mark,
+    Panel,
+    Point,
+    Points,
+    Role,
+    Text,
+)
 from catseye.app.results.scara.residuals import PoseMeans, Reference, pose_means
-from catseye.calibration.types import Bools, Floats
+from catseye.calibration.types import Floats
 
-_ABOVE, _BELOW = "#b35806", "#542788"
+_LETTERS = "efghijklmn"
+"""Of the panels of poses, one a reflector; more reflectors have none."""
 
 
-@rc_context(STYLE)
-def residual_figure(residuals: Residuals, reference: Reference) -> Figure:
-    """Draw the residuals.
+def residual_figure(residuals: Residuals, reference: Reference, model: str) -> Figure:
+    """Return the residuals of a fit.
 
     Args:
         residuals: of one model.
         reference: what they are compared with.
+        model: what a reader calls the model.
     """
     names = list(dict.fromkeys(residuals.reflector))
-    figure = Figure(figsize=(WIDTH_IN, 8.6))
-    upper, lower = figure.subfigures(2, 1, squeeze=False, height_ratios=(2.0, 1.05))[:, 0]
-    panels = upper.subplots(2, 2)
     value = np.array(residuals.residual_um)
-    member = [np.array([name == one for name in residuals.reflector]) for one in names]
-    for axes, joint, angles in (
-        (panels[0, 0], 1, residuals.theta1_deg),
-        (panels[0, 1], 2, residuals.theta2_deg),
-    ):
-        _against(axes, np.array(angles), value, member, names)
-        axes.set_xlabel(f"command θ{joint} / °")
-        axes.set_title(f"{'ab'[joint - 1]}) against θ{joint}, with means")
-    panels[0, 0].set_ylabel("residual / µm")
-    _histogram(panels[1, 0], value, reference)
-    _quantiles(panels[1, 1], value, reference.sigma_um)
-    upper.legend(*panels[0, 0].get_legend_handles_labels(), loc="outside upper center", ncols=len(names))
-    _poses(lower, [pose_means(residuals, name) for name in names], names, reference.scatter_um)
-    return figure
+    means = [pose_means(residuals, name) for name in names]
+    return Figure(
+        "residuals",
+        "Residuals of the fit",
+        f"Residuals (predicted minus measured) of the {model}. a), b): dots are distances, larger markers are means "
+        "per node and reflector. e) and on: means over the repeats of a pose; a pattern there that exceeds the "
+        "scatter is what the model lacks.",
+        (
+            (
+                _against("a", 1, residuals, residuals.theta1_deg, names),
+                _against("b", 2, residuals, residuals.theta2_deg, names),
+            ),
+            (_histogram(value, reference), _quantiles(value, reference.sigma_um)),
+            _poses(means, names),
+        ),
+        heights=(1.0, 1.0, 1.0),
+        aspect=1.1,
+        legend_columns=max(len(names), 1),
+        note=_pose_note(means, reference.scatter_um),
+    )
 
 
 def _against(
-    axes: Axes, theta_deg: Floats, value: Floats, member: Sequence[Bools], names: Sequence[str]
-) -> None:
+    letter: str, joint: int, residuals: Residuals, theta: Sequence[float], names: Sequence[str]
+) -> Panel:
+    theta_deg, value = np.array(theta), np.array(residuals.residual_um)
     nodes = np.unique(theta_deg)
     step = float(np.min(np.diff(nodes))) if nodes.size > 1 else 1.0
-    axes.axhline(0.0, color="#5f6670", linewidth=0.6)
-    for index, (rows, name) in enumerate(zip(member, names, strict=True)):
-        colour, marker = series(index)
-        shift = 0.16 * step * (index - 0.5 * (len(names) - 1))
-        axes.plot(theta_deg[rows] + shift, value[rows], ".", color=colour, markersize=2.0, alpha=0.55)
+    marks: list[Mark] = [Level(0.0, Role.AXIS, width=0.6)]
+    for place, name in enumerate(names):
+        rows = np.array([one == name for one in residuals.reflector])
+        shift = 0.16 * step * (place - 0.5 * (len(names) - 1))
+        marks.append(Points(theta_deg[rows] + shift, value[rows], place, marker=".", size=2.0, faint=True))
         own = np.unique(theta_deg[rows])
-        means = [float(value[rows & (theta_deg == node)].mean()) for node in own]
-        axes.plot(
-            own + shift,
-            means,
-            color=colour,
-            marker=marker,
-            markersize=4.5,
-            markeredgecolor="white",
-            markeredgewidth=0.5,
-            linewidth=0.8,
-            label=f"reflector {name}",
-        )
+        means = np.array([float(value[rows & (theta_deg == node)].mean()) for node in own])
+        marks.append(Points(own + shift, means, place, f"reflector {name}", joined=True))
+    upwards = Axis("residual / µm") if letter == "a" else Axis(shared=True)
+    return Panel(
+        f"{letter}) against θ{joint}, with means", Axis(f"command θ{joint} / °"), upwards, tuple(marks)
+    )
 
 
-def _histogram(axes: Axes, value: Floats, reference: Reference) -> None:
+def _histogram(value: Floats, reference: Reference) -> Panel:
     sigma_um, origin = reference.sigma_um, "stated" if reference.stated else "from the fit"
     bins = int(np.clip(np.sqrt(value.size), 8, 40))
     edges = np.linspace(value.min(), value.max(), bins + 1) if np.ptp(value) > 0.0 else np.array([-1.0, 1.0])
-    axes.hist(value, list(edges), color="#b9c4d2", edgecolor="white", linewidth=0.4)
+    counts = np.histogram(value, edges)[0].astype(np.float64)
+    marks: list[Mark] = [Bars(edges, counts, Role.SCATTER)]
     if sigma_um > 0.0:
         x = np.linspace(-4.0 * sigma_um, 4.0 * sigma_um, 161)
         height = value.size * (edges[1] - edges[0]) / (sigma_um * np.sqrt(2.0 * np.pi))
-        axes.plot(x, height * np.exp(-0.5 * (x / sigma_um) ** 2), color="black", linewidth=1.0)
-    axes.set_title("c) distribution")
-    axes.text(
-        0.02,
-        0.97,
-        f"line: normal,\nσ = {sigma_um:.1f} µm\n({origin})",
-        transform=axes.transAxes,
-        va="top",
-        fontsize=8,
-    )
-    axes.set_xlabel("residual / µm")
-    axes.set_ylabel("number of distances")
+        marks.append(Line(x, height * np.exp(-0.5 * (x / sigma_um) ** 2), Role.TRUTH, width=1.0))
+    marks.append(Text(f"line: normal,\nσ = {sigma_um:.1f} µm\n({origin})"))
+    return Panel("c) distribution", Axis("residual / µm"), Axis("number of distances"), tuple(marks))
 
 
-def _quantiles(axes: Axes, value: Floats, sigma_um: float) -> None:
+def _quantiles(value: Floats, sigma_um: float) -> Panel:
     normal = NormalDist()
     shares = (np.arange(value.size) + 0.5) / value.size
     expected = sigma_um * np.array([normal.inv_cdf(float(share)) for share in shares])
-    axes.plot(expected, np.sort(value), ".", color="#35608f", markersize=2.5)
-    ends = [float(expected[0]), float(expected[-1])]
-    axes.plot(ends, ends, color="black", linewidth=0.9)
-    axes.set_title("d) normal quantiles")
-    axes.set_xlabel("expected of a normal distribution / µm")
-    axes.set_ylabel("residual / µm")
+    marks = (
+        Points(expected, np.sort(value), Role.QUANTILE, size=2.5),
+        Line(expected[[0, -1]], expected[[0, -1]], Role.TRUTH, width=0.9),
+    )
+    return Panel(
+        "d) normal quantiles", Axis("expected of a normal distribution / µm"), Axis("residual / µm"), marks
+    )
 
 
-def _poses(area: SubFigure, means: Sequence[PoseMeans], names: Sequence[str], scatter_um: float) -> None:
-    row = area.subplots(1, len(names), sharex=True, sharey=True, squeeze=False)[0]
+def _poses(means: Sequence[PoseMeans], names: Sequence[str]) -> tuple[Panel, ...]:
+    unit = max(float(np.abs(one.mean_um).max()) for one in means) or 1.0
+    theta1, theta2 = (
+        _ends(np.concatenate(columns))
+        for columns in ([one.theta1_deg for one in means], [one.theta2_deg for one in means])
+    )
+    return tuple(
+        Panel(
+            f"{letter}) poses, {name}",
+            Axis("command θ1 / °", low=theta1[0], high=theta1[1]),
+            Axis("" if place else "command θ2 / °", low=theta2[0], high=theta2[1], shared=bool(place)),
+            tuple(
+                Points(
+                    one.theta1_deg[rows],
+                    one.theta2_deg[rows],
+                    ink,
+                    area=60.0 * np.abs(one.mean_um[rows]) / unit,
+                )
+                for rows, ink in ((one.mean_um > 0.0, Role.ABOVE), (one.mean_um <= 0.0, Role.BELOW))
+            ),
+        )
+        for place, (letter, one, name) in enumerate(zip(_LETTERS, means, names, strict=False))
+    )
+
+
+def _ends(values: Floats) -> Point:
+    """Return both ends with a margin."""
+    margin = 0.08 * float(np.ptp(values)) or 1.0
+    return float(values.min()) - margin, float(values.max()) + margin
+
+
+def _pose_note(means: Sequence[PoseMeans], scatter_um: float) -> str:
     largest = max(float(np.abs(one.mean_um).max()) for one in means)
-    unit = largest or 1.0
-    for letter, axes, one, name in zip("efghijklmn", row, means, names, strict=False):
-        for rows, colour, marker in ((one.mean_um > 0.0, _ABOVE, "^"), (one.mean_um <= 0.0, _BELOW, "v")):
-            axes.scatter(
-                one.theta1_deg[rows],
-                one.theta2_deg[rows],
-                60.0 * np.abs(one.mean_um[rows]) / unit,
-                c=colour,
-                marker=marker,
-                linewidths=0.0,
-            )
-        axes.set_title(f"{letter}) poses, {name}")
-        axes.set_xlabel("command θ1 / °")
-        axes.margins(0.08)
-    row[0].set_ylabel("command θ2 / °")
     count = float(np.mean(np.concatenate([one.count for one in means])))
-    text = (
+    return (
         f"▲ above, ▼ below zero; area in proportion, the largest mean is {largest:.1f} µm; "
         f"the scatter of repeats alone gives {scatter_um / np.sqrt(count):.1f} µm (k = 1)"
     )
-    area.text(0.5, 0.0, text, ha="center", va="bottom", fontsize=8, color="#33383e")
-    area.supxlabel(" ", fontsize=8, color=MUTED)

@@ -1,11 +1,10 @@
 """Trajectories in the plane with their errors magnified (Fig. 11 of the SCARA paper)."""
 
-import numpy as np
-from matplotlib import rc_context
-from matplotlib.axes import Axes
-from matplotlib.figure import Figure
+from dataclasses import dataclass
 
-from catseye.app.render.canvas import NEGATIVE, POSITIVE, STYLE, WIDTH_IN
+import numpy as np
+
+from catseye.app.results.figures import Axis, Figure, Line, Mark, Panel, Point, Points, Role, Text, columns
 from catseye.app.results.scara.path_view import model_title, there
 from catseye.app.results.scara.validation import PathMeasurement, PathValidation
 from catseye.calibration.types import Floats
@@ -27,109 +26,135 @@ _TALL = 1.6
 def magnification(validation: PathValidation) -> float:
     """Return what errors are magnified by: 1000, or the nearest of 1, 2, 5 × 10ⁿ that shows the largest well."""
     extent = float(np.max(np.ptp(validation.path.command_mm, axis=0)))
-    panels = [error for _, error in _panels(validation)]
-    largest = max(float(np.nanmax(np.hypot(*error.T))) for error in panels)
+    errors = [error for _, error in _errors(validation)]
+    largest = max(float(np.nanmax(np.hypot(*error.T))) for error in errors)
     if largest <= 0.0 or _SMALLEST * extent <= MAGNIFICATION * largest <= _LARGEST * extent:
         return float(MAGNIFICATION)
     wanted = (_LARGEST if MAGNIFICATION * largest > _LARGEST * extent else _SMALLEST) * extent / largest
     return _rounded_down(wanted) if wanted < MAGNIFICATION else _rounded_up(wanted)
 
 
-@rc_context(STYLE)
 def trajectory_figure(validation: PathValidation) -> Figure:
-    """Draw command path and magnified errors: measured, each model from the best on, what the best leaves."""
-    panels, factor = _panels(validation), magnification(validation)
+    """Return command path and magnified errors: measured, each model from the best on, what the best leaves."""
+    errors, factor = _errors(validation), magnification(validation)
     width, height = np.ptp(validation.path.command_mm, axis=0)
-    tall = height > _TALL * width
-    columns = len(panels) if tall else 2
-    rows = -(-len(panels) // columns)
-    figure = Figure(figsize=(WIDTH_IN, 5.4 if tall else 0.3 + 4.0 * rows * _shape(validation, factor)))
-    grid = figure.subplots(rows, columns, sharex=True, sharey=True, squeeze=False)
-    for axes in grid.ravel()[len(panels) :]:
-        axes.set_visible(False)
-    for letter, axes, (name, error_mm) in zip("abcdef", grid.ravel(), panels, strict=False):
-        _trajectory(axes, validation.path, error_mm, factor)
-        axes.set_title(f"{letter}) {name}", fontsize=8.5)
-    for axes in grid[-1]:
-        axes.set_xlabel("X / mm")
-    for axes in grid[:, 0]:
-        axes.set_ylabel("Y / mm")
-    low, high = _limits(validation, factor)
-    room = 0.06 * float(np.max(high - low))
-    scale_um = _rounded_up(150.0 * float(np.max(high - low)) / factor)
-    grid[0, 0].set_xlim(low[0] - room, max(high[0], low[0] + 1e-3 * factor * scale_um) + room)
-    grid[0, 0].set_ylim(low[1] - 2.6 * room, high[1] + room)
-    for axes in grid.ravel()[: len(panels)]:
-        _scale(axes, factor, scale_um)
-    handles, labels = grid[0, 0].get_legend_handles_labels()
-    figure.legend(handles, labels, loc="outside upper center", ncols=3)
-    return figure
-
-
-def _panels(validation: PathValidation) -> list[tuple[str, Floats]]:
-    last = validation.models[-1]
-    panels = [("measured", last.comparison.measured_error_mm)]
-    panels += [(model_title(model), model.prediction.error_mm) for model in reversed(validation.models)]
-    return [*panels, ("= a − b", last.comparison.difference_mm)]
-
-
-def _shape(validation: PathValidation, factor: float) -> float:
-    """Return height over width of what is drawn, within what a page bears."""
-    low, high = _limits(validation, factor)
-    width, height = high - low
-    return float(
-        np.clip((height + 0.2 * max(width, height)) / (width + 0.12 * max(width, height)), 0.45, 1.1)
+    tall = bool(height > _TALL * width)
+    across = len(errors) if tall else 2
+    count = -(-len(errors) // across)
+    frame = _frame(validation, factor)
+    panels: list[Panel | None] = [
+        _panel(place, len(errors), across, validation.path, error, factor, frame, name)
+        for place, (name, error) in enumerate(errors)
+    ]
+    panels += [None] * (count * across - len(panels))
+    return Figure(
+        "trajectories",
+        "Trajectories with magnified errors",
+        f"Grey line and black dots: command positions; from there the error, magnified {factor:g} times (the bar "
+        "shows its scale), to where the arm was measured or is predicted. The last panel, measured minus the best "
+        "model, is what a compensation with that model would leave.",
+        tuple(tuple(panels[row * across : (row + 1) * across]) for row in range(count)),
+        aspect=0.675 if tall else 0.0375 + 0.5 * count * frame.shape,
+        legend_columns=3,
     )
 
 
-def _limits(validation: PathValidation, factor: float) -> tuple[Floats, Floats]:
+def _errors(validation: PathValidation) -> list[tuple[str, Floats]]:
+    """Return what each panel shows: name and error, mm, shape (n, 2)."""
+    last = validation.models[-1]
+    errors = [("measured", last.comparison.measured_error_mm)]
+    errors += [(model_title(model), model.prediction.error_mm) for model in reversed(validation.models)]
+    return [*errors, ("= a − b", last.comparison.difference_mm)]
+
+
+@dataclass(frozen=True)
+class _Frame:
+    """Ends of both axes of every panel, mm, and the scale bar.
+
+    Attributes:
+        x: from left to right.
+        y: from bottom to top.
+        shape: height over width of a panel, within what a page bears.
+        scale_um: error that is drawn as long as the bar.
+    """
+
+    x: Point
+    y: Point
+    shape: float
+    scale_um: float
+
+
+def _frame(validation: PathValidation, factor: float) -> _Frame:
     command = validation.path.command_mm
-    ends = np.concatenate([command, *(command + factor * error for _, error in _panels(validation))])
-    return np.nanmin(ends, axis=0), np.nanmax(ends, axis=0)
+    ends = np.concatenate([command, *(command + factor * error for _, error in _errors(validation))])
+    low, high = np.nanmin(ends, axis=0), np.nanmax(ends, axis=0)
+    width, height = (float(side) for side in high - low)
+    longest = max(width, height)
+    room, scale_um = 0.06 * longest, _rounded_up(150.0 * longest / factor)
+    right = max(float(high[0]), float(low[0]) + 1e-3 * factor * scale_um) + room
+    return _Frame(
+        (float(low[0]) - room, right),
+        (float(low[1]) - 2.6 * room, float(high[1]) + room),
+        float(np.clip((height + 0.2 * longest) / (width + 0.12 * longest), 0.45, 1.1)),
+        scale_um,
+    )
 
 
-def _trajectory(axes: Axes, path: PathMeasurement, error_mm: Floats, factor: float) -> None:
-    axes.set_aspect("equal", adjustable="box")
+def _panel(
+    place: int,
+    count: int,
+    across: int,
+    path: PathMeasurement,
+    error_mm: Floats,
+    factor: float,
+    frame: _Frame,
+    name: str,
+) -> Panel:
+    lowest, first = place + across >= count, place % across == 0
+    return Panel(
+        f"{'abcdef'[place]}) {name}",
+        Axis("X / mm" if lowest else "", low=frame.x[0], high=frame.x[1], shared=not lowest),
+        Axis("Y / mm" if first else "", low=frame.y[0], high=frame.y[1], shared=not first),
+        (*_trajectory(path, error_mm, factor), *_scale(frame, factor)),
+        equal=True,
+    )
+
+
+def _trajectory(path: PathMeasurement, error_mm: Floats, factor: float) -> list[Mark]:
     ends = path.command_mm + factor * error_mm
     every = max(1, len(ends) // _DENSE)
-    axes.plot(*path.command_mm.T, "-", color="#9aa0a8", linewidth=0.6)
-    axes.plot(*path.command_mm[::every].T, ".", color="black", markersize=2.5, label="command position")
+    marks: list[Mark] = [
+        Line(*columns(path.command_mm), Role.PATH, width=0.6),
+        Points(*columns(path.command_mm[::every]), Role.TRUTH, "command position", size=2.5),
+    ]
     way = there(path)
-    for rows, colour, marker, name in ((way, POSITIVE, "o", "there"), (~way, NEGATIVE, "s", "back")):
+    for rows, ink, marker, name in (
+        (way, Role.POSITIVE, "o", "there"),
+        (~way, Role.NEGATIVE, "s", "back"),
+    ):
         if not rows.any():
             continue
         # A row of the other way or one without a number interrupts the line.
-        axes.plot(*np.where(rows[:, None], ends, np.nan).T, color=colour, linewidth=0.9)
+        marks.append(Line(*columns(np.where(rows[:, None], ends, np.nan)), ink, width=0.9))
         own = np.flatnonzero(rows)[::every]
         gap = np.full((own.size, 2), np.nan)
         vectors = np.stack([path.command_mm[own], ends[own], gap], axis=1).reshape(-1, 2)
-        axes.plot(*vectors.T, color=colour, linewidth=0.4, alpha=0.55)
-        axes.plot(
-            *ends[own].T,
-            marker,
-            color=colour,
-            markersize=2.8,
-            markerfacecolor="none",
-            markeredgewidth=0.7,
-            label=f"way {name}, error × {factor:g}",
-        )
+        label = f"way {name}, error × {factor:g}"
+        marks += [
+            Line(*columns(vectors), ink, width=0.4, faint=True),
+            Points(*columns(ends[own]), ink, label, marker=marker, size=2.8, hollow=True),
+        ]
+    return marks
 
 
-def _scale(axes: Axes, factor: float, scale_um: float) -> None:
-    """Draw a bar as long as an error of so many micrometres."""
-    left, right = axes.get_xlim()
-    bottom, top = axes.get_ylim()
-    length = factor * 1e-3 * scale_um
+def _scale(frame: _Frame, factor: float) -> tuple[Mark, ...]:
+    """Return a bar as long as an error of so many micrometres, with its length."""
+    (left, right), (bottom, top) = frame.x, frame.y
+    length = factor * 1e-3 * frame.scale_um
     start, height = left + 0.05 * (right - left), bottom + 0.03 * (top - bottom)
-    axes.plot([start, start + length], [height, height], color="black", linewidth=2.0, solid_capstyle="butt")
-    axes.text(
-        start + 0.5 * length,
-        height + 0.012 * (top - bottom),
-        f"error {scale_um:g} µm",
-        ha="center",
-        va="bottom",
-        fontsize=7.5,
-    )
+    bar = Line(np.array([start, start + length]), np.array([height, height]), Role.TRUTH, width=2.0)
+    place = (start + 0.5 * length, height + 0.012 * (top - bottom))
+    return bar, Text(f"error {frame.scale_um:g} µm", place, centred=True)
 
 
 def _rounded_down(value: float) -> float:

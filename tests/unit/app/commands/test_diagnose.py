@@ -57,8 +57,8 @@ def test_nothing_speaks_against_a_sound_measurement(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     text, progress = told(tmp_path, points(), capsys)
-    assert findings(text, "LOOK ") == []
-    good = findings(text, "ok   ")
+    assert findings(text, "✗ ") == []
+    good = findings(text, "✓ ")
     assert good[0].startswith("The error map leaves ")
     assert "agrees with the stated uncertainties (χ²/dof = " in good[0]
     assert "no J1–J2 crosstalk (" in good[1]
@@ -74,7 +74,7 @@ def test_nothing_speaks_against_a_sound_measurement(
 
 def test_faults_are_found_where_they_are(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     text, _ = told(tmp_path, faulty(), capsys)
-    look = findings(text, "LOOK ")
+    look = findings(text, "✗ ")
     assert "that exceeds the stated uncertainties" in look[0]
     outliers = next(line for line in look if "stand out" in line)
     assert f"row {WRONG_ROW + 1} (reflector P3, segment 0," in outliers
@@ -128,7 +128,7 @@ def test_without_stated_uncertainties_nothing_is_compared_with_them(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     text, _ = told(tmp_path, replace(points(), sigma_mm=None), capsys)
-    first = findings(text, "note ")[0]
+    first = findings(text, "The error map leaves ")[0]
     assert first.endswith("no uncertainty is stated that this could be compared with.")
 
 

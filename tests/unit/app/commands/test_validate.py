@@ -357,8 +357,8 @@ def test_the_page_holds_figures_tables_and_what_was_left_out(
         as_json=False,
     )
     out = capsys.readouterr()
-    assert "rms 2-D" in out.out
-    assert "ISO 230-2, from the map" in out.out
+    assert "rms 2D µm" in out.out
+    assert "J1: quantities of ISO 230-2 from the map" in out.out
     found = read_page(page.read_text(encoding="utf-8"))
     assert {"figure-path", "figure-trajectories"} <= set(found.all_of("id"))
     assert "Circular test, quantities of ISO 230-4" in found.text

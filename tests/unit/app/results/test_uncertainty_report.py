@@ -9,6 +9,7 @@ import numpy as np
 from catseye.app.cell.model import Cell
 from catseye.app.cell.template import TEMPLATE
 from catseye.app.files.result_json import Result, result_of
+from catseye.app.render.html import section_html
 from catseye.app.results.scara.uncertainty import by_jacobian
 from catseye.app.results.uncertainty_report import uncertainty_section
 from catseye.calibration.identification import identify
@@ -43,7 +44,13 @@ def cells_of(row: str) -> list[str]:
 
 
 def rows() -> list[list[str]]:
-    return [cells_of(row) for row in re.findall(r"<tr>(.*?)</tr>", uncertainty_section(result(), cell()))]
+    return [
+        cells_of(row)
+        for row in re.findall(
+            r"<tr>(.*?)</tr>",
+            section_html(uncertainty_section(result().uncertainty, cell().uncertainty.contributor)),
+        )
+    ]
 
 
 def test_every_contributor_of_the_budget_stands_with_its_value_and_what_shares_it() -> None:
@@ -61,4 +68,4 @@ def test_the_shares_of_a_result_are_all_of_its_variance() -> None:
 
 
 def test_without_result_and_cell_there_is_no_section() -> None:
-    assert uncertainty_section(None, None) == ""
+    assert not uncertainty_section(None, None).blocks

@@ -7,6 +7,8 @@ import pytest
 
 from catseye.app.cell.template import TEMPLATE
 from catseye.app.exitcode import ExitCode
+from catseye.app.render.page import write_page
+from catseye.app.results.scara.run_content import run_content
 from catseye.app.results.scara.run_report import run_report
 from catseye.app.store.reader import RunReader
 from catseye.app.store.verify import verify
@@ -138,7 +140,8 @@ async def test_a_waiver_is_kept_with_the_run(real: TourBench) -> None:
 
 async def test_a_report_tells_the_waiver(real: TourBench, tmp_path: Path) -> None:
     outcome = await real.run(waive_walk=REASON)
-    run_report(RunReader(outcome.path), real.root, tmp_path / "report.html")
+    content = run_content(RunReader(outcome.path), real.root)
+    write_page(run_report(content), tmp_path / "report.html")
     assert REASON in (tmp_path / "report.html").read_text(encoding="utf-8")
 
 

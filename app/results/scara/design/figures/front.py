@@ -1,50 +1,43 @@
 """Bench time against uncertainty."""
 
-from matplotlib import rc_context
-from matplotlib.figure import Figure
+import numpy as np
 
-from catseye.app.render.canvas import STYLE, WIDTH_IN, series
+from catseye.app.results.figures import Axis, Figure, Line, Mark, Panel, Points, Role
 from catseye.app.results.numbers import counted
 from catseye.app.results.scara.design.design import Design
 
 
-@rc_context(STYLE)
 def front_figure(found: Design) -> Figure:
-    """Draw every compromise; those that nothing beats are joined."""
-    figure = Figure(figsize=(WIDTH_IN, 4.0))
-    axes = figure.subplots()
+    """Return every compromise; those that nothing beats are joined."""
     rows = [row for row in found.compromises if row.time_s == row.time_s and row.u_total < float("inf")]
     front = [row for row in rows if row.front]
-    axes.step(
-        [row.time_s / 60.0 for row in front],
-        [row.u(systematic=found.problem.systematic) for row in front],
-        where="post",
-        color="#5f6670",
-        linewidth=1.0,
-        label="nothing beats these",
-    )
+    marks: list[Mark] = [
+        Line(
+            np.array([row.time_s / 60.0 for row in front]),
+            np.array([row.u(systematic=found.problem.systematic) for row in front]),
+            Role.AXIS,
+            "nothing beats these",
+            width=1.0,
+            step=True,
+        )
+    ]
     for count in sorted({row.reflectors for row in rows}):
-        colour, marker = series(count - 1)
         own = [row for row in rows if row.reflectors == count]
-        axes.plot(
-            [row.time_s / 60.0 for row in own],
-            [row.u_total for row in own],
-            marker,
-            color=colour,
-            markersize=5.0,
-            label=counted(count, "reflector"),
-        )
-        axes.plot(
-            [row.time_s / 60.0 for row in own],
-            [row.u_white for row in own],
-            marker,
-            color=colour,
-            markersize=4.0,
-            markerfacecolor="none",
-            alpha=0.6,
-        )
-    axes.set_xlabel("bench time / min (estimate of the plan)")
-    axes.set_ylabel(f"criterion {found.problem.criterion.name} / {found.problem.criterion.unit}")
-    axes.set_ylim(bottom=0.0)
-    axes.legend(loc="upper right", ncols=2)
-    return figure
+        minutes = np.array([row.time_s / 60.0 for row in own])
+        every, white = np.array([row.u_total for row in own]), np.array([row.u_white for row in own])
+        marks += [
+            Points(minutes, every, count - 1, counted(count, "reflector"), size=5.0),
+            Points(minutes, white, count - 1, size=4.0, hollow=True, faint=True),
+        ]
+    criterion = found.problem.criterion
+    upwards = Axis(f"criterion {criterion.name} / {criterion.unit}", low=0.0)
+    return Figure(
+        "front",
+        "Bench time against uncertainty",
+        "Filled: everything stated in the budget; open: only what averages out. More points lower the open marks, "
+        "what does not average out keeps the filled ones up.",
+        ((Panel("", Axis("bench time / min (estimate of the plan)"), upwards, tuple(marks)),),),
+        aspect=0.5,
+        legend="inside",
+        legend_columns=2,
+    )

@@ -1,12 +1,8 @@
 """The floor from above: what each place would bring, where none is allowed, where the reflectors stand."""
 
 import numpy as np
-from matplotlib import rc_context
-from matplotlib.axes import Axes
-from matplotlib.figure import Figure
-from matplotlib.patches import Circle, Wedge
 
-from catseye.app.render.canvas import MUTED, STYLE, WIDTH_IN
+from catseye.app.results.figures import Axis, Figure, Line, Mark, Panel, Points, Role, Shape, Text, columns
 from catseye.app.results.numbers import counted
 from catseye.app.results.scara.design.design import Design, exchanged_values
 from catseye.calibration.types import Floats
@@ -19,100 +15,94 @@ _MARKERS = {
     "beam breaks too often": "_",
 }
 
-_CHOSEN = "#c62828"
 _FIELD_MM = 150.0
+_ORIGIN = (0.0, 0.0)
 
 
-@rc_context(STYLE)
 def places_figure(found: Design) -> Figure:
-    """Draw candidates coloured by the criterion, excluded places by reason, and the layouts."""
-    figure = Figure(figsize=(WIDTH_IN, 5.9))
-    axes = figure.subplots()
-    axes.set_aspect("equal")
-    _arm(axes, found)
-    _excluded(axes, found)
-    _allowed(figure, axes, found)
-    for layout, marker in zip(found.known, "sD", strict=False):
-        axes.plot(
-            *layout.places_mm.T,
-            marker,
-            markersize=8.0,
-            markerfacecolor="none",
-            markeredgecolor="black",
-            label=layout.name,
-        )
-    _chosen(axes, found)
-    axes.set_xlabel("X / mm")
-    axes.set_ylabel("Y / mm")
-    figure.legend(*axes.get_legend_handles_labels(), loc="outside lower center", ncols=3)
-    return figure
-
-
-def _arm(axes: Axes, found: Design) -> None:
-    rules, study = found.problem.rules, found.problem.study
-    axes.add_patch(Circle((0.0, 0.0), rules.column_radius_mm, facecolor="#d7dbe0", edgecolor=MUTED))
-    axes.add_patch(
-        Circle((0.0, 0.0), study.reach_mm, fill=False, linestyle=(0, (5, 4)), color=MUTED, label="reach")
+    """Return candidates coloured by the criterion, excluded places by reason, and the layouts."""
+    known: list[Mark] = [
+        Points(*columns(layout.places_mm), Role.TRUTH, layout.name, marker=marker, size=8.0, hollow=True)
+        for layout, marker in zip(found.known, "sD", strict=False)
+    ]
+    marks = (*_arm(found), *_excluded(found), *_allowed(found), *known, *_chosen(found))
+    return Figure(
+        "places",
+        "Places for reflectors seen from above",
+        "Candidates coloured by the criterion if the reflector that is missed least stood there instead; darker is "
+        "better. Grey marks: no reflector may stand there, by reason. Wedges: fields of the chosen reflectors.",
+        ((Panel("", Axis("X / mm"), Axis("Y / mm"), marks, equal=True),),),
+        aspect=0.74,
+        legend="below",
+        legend_columns=3,
     )
+
+
+def _arm(found: Design) -> list[Mark]:
+    rules, study = found.problem.rules, found.problem.study
     way = found.problem.way
-    axes.plot(*way.xy_mm[way.command].T, ".", color="#3c4148", markersize=1.5, label="commands")
+    return [
+        Shape(_ORIGIN, (rules.column_radius_mm, rules.column_radius_mm), Role.COLUMN, filled=True),
+        Shape(_ORIGIN, (study.reach_mm, study.reach_mm), Role.MUTED, "reach", dashed=True),
+        Points(*columns(way.xy_mm[way.command]), Role.COMMAND, "commands", size=1.5),
+    ]
 
 
-def _excluded(axes: Axes, found: Design) -> None:
+def _excluded(found: Design) -> list[Mark]:
+    marks: list[Mark] = []
     for reason, count in found.places.reasons.items():
         places = np.array([sight.xy_mm for sight in found.places.excluded if sight.reason == reason])
-        axes.plot(
-            *places.T,
-            _MARKERS[reason],
-            color=MUTED,
-            markersize=4.0,
-            linestyle="none",
-            label=f"{reason}: {counted(count, 'place')}",
-        )
+        label = f"{reason}: {counted(count, 'place')}"
+        marks.append(Points(*columns(places), Role.MUTED, label, marker=_MARKERS[reason], size=4.0))
+    return marks
 
 
-def _allowed(figure: Figure, axes: Axes, found: Design) -> None:
+def _allowed(found: Design) -> list[Mark]:
     least, values = exchanged_values(found)
     known = np.isfinite(values)
     xy = np.array([sight.xy_mm for sight in found.places.allowed])[known]
     if not len(xy):
-        return
+        return []
     # A few bad places would take all the colours.
     low, high = float(values[known].min()), float(np.quantile(values[known], 0.9))
-    shown = axes.scatter(
-        xy[:, 0], xy[:, 1], c=values[known], s=26, cmap="viridis", vmin=low, vmax=max(high, low * 1.001)
-    )
     criterion = found.problem.criterion
-    bar = figure.colorbar(shown, ax=axes, shrink=0.8, extend="max")
-    bar.set_label(f"criterion {criterion.name} with P{least + 1} there / {criterion.unit}")
+    return [
+        Points(
+            *columns(xy),
+            Role.MUTED,
+            value=values[known],
+            value_label=f"criterion {criterion.name} with P{least + 1} there / {criterion.unit}",
+            value_ends=(low, max(high, low * 1.001)),
+            size=5.1,
+        )
+    ]
 
 
-def _chosen(axes: Axes, found: Design) -> None:
+def _chosen(found: Design) -> list[Mark]:
     half = float(np.rad2deg(found.problem.rules.field_half_angle_rad))
-    for number, sight in enumerate(found.layout.sights, 1):
+    marks: list[Mark] = []
+    for place, sight in enumerate(found.layout.sights, 1):
         facing = float(np.rad2deg(sight.facing_rad))
         where = (float(sight.xy_mm[0]), float(sight.xy_mm[1]))
-        axes.add_patch(Wedge(where, _FIELD_MM, facing - half, facing + half, facecolor=_CHOSEN, alpha=0.15))
-        axes.plot(
-            *_line(sight.xy_mm, facing).T, color=_CHOSEN, linewidth=1.0, label="facing" if number == 1 else ""
-        )
-        axes.plot(
-            *where,
-            "o",
-            color=_CHOSEN,
-            markersize=8.0,
-            label="designed, with its field" if number == 1 else "",
-        )
-        axes.annotate(
-            f"P{number}",
+        labels = ("facing", "designed, with its field") if place == 1 else ("", "")
+        field = Shape(
             where,
-            xytext=(7, 5),
-            textcoords="offset points",
-            color=_CHOSEN,
-            fontweight="bold",
+            (_FIELD_MM, _FIELD_MM),
+            Role.CHOSEN,
+            filled=True,
+            outlined=False,
+            from_deg=facing - half,
+            to_deg=facing + half,
         )
+        marks += [
+            field,
+            Line(*columns(_towards(sight.xy_mm, facing)), Role.CHOSEN, labels[0], width=1.0),
+            Points(np.array(where[:1]), np.array(where[1:]), Role.CHOSEN, labels[1], size=8.0),
+            Text(f"P{place}", where, Role.CHOSEN),
+        ]
+    return marks
 
 
-def _line(xy_mm: Floats, facing_deg: float) -> Floats:
+def _towards(xy_mm: Floats, facing_deg: float) -> Floats:
     turned = np.deg2rad(facing_deg)
     return np.array([xy_mm, xy_mm + _FIELD_MM * np.array([np.cos(turned), np.sin(turned)])])

@@ -1,12 +1,8 @@
 """Where the map is weak: uncertainty of its nodes, and of positions over the workspace."""
 
 import numpy as np
-from matplotlib import rc_context
-from matplotlib.axes import Axes
-from matplotlib.figure import Figure
-from matplotlib.patches import Ellipse
 
-from catseye.app.render.canvas import NEGATIVE, POSITIVE, STYLE, WIDTH_IN
+from catseye.app.results.figures import Axis, Figure, Heat, Line, Mark, Panel, Points, Role, Shape
 from catseye.app.results.scara.design.design import Design, node_uncertainties, position_covariances
 from catseye.app.results.scara.design.layouts import Layout
 from catseye.app.results.scara.design.problem import workspace
@@ -21,63 +17,58 @@ _ELLIPSE_MM = 70.0
 """Half axis of the largest ellipse drawn."""
 
 
-@rc_context(STYLE)
 def node_figure(found: Design) -> Figure:
-    """Draw the standard uncertainties of both maps at their nodes, designed and first known layout."""
-    figure = Figure(figsize=(WIDTH_IN, 3.4))
-    row = figure.subplots(1, 2, sharey=True)
-    for joint, axes in enumerate(row, 1):
-        for layout, width, size in ((found.layout, 1.4, 4.5), (found.known[0], 0.7, 0.0)):
-            for direction, colour, marker in ((1, POSITIVE, "^"), (-1, NEGATIVE, "v")):
-                own = [
-                    one
-                    for one in node_uncertainties(layout)
-                    if one.joint == joint and one.direction == direction
-                ]
-                axes.plot(
-                    [one.node_deg for one in own],
-                    [one.u_mdeg for one in own],
-                    color=colour,
-                    linewidth=width,
-                    linestyle="-" if size else "--",
-                    marker=marker,
-                    markersize=size,
-                    label=f"{layout.name}, {'+' if direction > 0 else '−'}",
-                )
-        axes.set_title(f"{'ab'[joint - 1]}) J{joint}")
-        axes.set_xlabel(f"command θ{joint} / °")
-    row[0].set_ylim(bottom=0.0)
-    row[0].set_ylabel("u(Δθ) / mdeg")
-    figure.legend(*row[0].get_legend_handles_labels(), loc="outside upper center", ncols=2)
-    return figure
+    """Return the standard uncertainties of both maps at their nodes, of the designed and the first known layout."""
+    return Figure(
+        "nodes",
+        "Uncertainty of the nodes of both maps",
+        "Standard uncertainty of each value of the maps (k = 1), in the gauge that the J1 map has zero mean.",
+        (tuple(_nodes(found, joint) for joint in (1, 2)),),
+        aspect=0.43,
+        legend_columns=2,
+    )
 
 
-@rc_context(STYLE)
+def _nodes(found: Design, joint: int) -> Panel:
+    marks: list[Mark] = []
+    for layout, designed in ((found.layout, True), (found.known[0], False)):
+        for direction, ink in ((1, Role.POSITIVE), (-1, Role.NEGATIVE)):
+            own = [
+                one for one in node_uncertainties(layout) if one.joint == joint and one.direction == direction
+            ]
+            node, u = np.array([one.node_deg for one in own]), np.array([one.u_mdeg for one in own])
+            label = f"{layout.name}, {'+' if direction > 0 else '−'}"
+            line = Line(node, u, ink, label, "dashed", 0.7)
+            marks.append(Points(node, u, ink, label, joined=True) if designed else line)
+    upwards = Axis("u(Δθ) / mdeg", low=0.0) if joint == 1 else Axis(shared=True)
+    return Panel(f"{'ab'[joint - 1]}) J{joint}", Axis(f"command θ{joint} / °"), upwards, tuple(marks))
+
+
 def position_figure(found: Design) -> Figure:
-    """Draw the standard uncertainty of predicted positions in its worst direction, with ellipses at the nodes."""
+    """Return the standard uncertainty of predicted positions in its worst direction, with ellipses at the nodes."""
     layouts = (found.layout, found.known[0])
     maps = [_largest_um(layout) for layout in layouts]
-    figure = Figure(figsize=(WIDTH_IN, 4.6))
-    row = figure.subplots(1, 2, sharey=True)
     top = max(float(worst.max()) for _, worst in maps)
-    for letter, axes, layout, (xy, worst) in zip("ab", row, layouts, maps, strict=True):
-        axes.set_aspect("equal")
-        shown = axes.pcolormesh(
-            xy[..., 0],
-            xy[..., 1],
-            worst,
-            shading="gouraud",
-            cmap="magma_r",
-            vmin=0.0,
-            vmax=1.4 * top,
-            rasterized=True,
-        )
-        _ellipses(axes, layout, top)
-        axes.set_title(f"{letter}) {layout.name}")
-        axes.set_xlabel("X / mm")
-    row[0].set_ylabel("Y / mm")
-    figure.colorbar(shown, ax=row, shrink=0.75, label="u in the worst direction / µm")
-    return figure
+    return Figure(
+        "positions",
+        "Uncertainty of predicted positions over the workspace",
+        "Standard uncertainty of predicted positions in the worst direction, for the worst directions of approach. "
+        "Ellipses: k = 1 at the nodes approached upwards, magnified alike in both pictures.",
+        (
+            tuple(
+                _positions(letter, layout, xy, worst, top)
+                for letter, layout, (xy, worst) in zip("ab", layouts, maps, strict=True)
+            ),
+        ),
+        aspect=0.575,
+    )
+
+
+def _positions(letter: str, layout: Layout, xy: Floats, worst: Floats, top: float) -> Panel:
+    heat = Heat(xy[..., 0], xy[..., 1], worst, "u in the worst direction / µm", 1.4 * top)
+    upwards = Axis("Y / mm") if letter == "a" else Axis(shared=True)
+    marks = (heat, *_ellipses(layout, top))
+    return Panel(f"{letter}) {layout.name}", Axis("X / mm"), upwards, marks, equal=True)
 
 
 def _largest_um(layout: Layout) -> tuple[Floats, Floats]:
@@ -95,8 +86,8 @@ def _largest_um(layout: Layout) -> tuple[Floats, Floats]:
     return xy.reshape(*shape, 4, 2)[:, :, 0], u.reshape(*shape, 4).max(axis=2)
 
 
-def _ellipses(axes: Axes, layout: Layout, top_um: float) -> None:
-    """Draw ellipses of k = 1, all magnified alike, approached upwards by both joints."""
+def _ellipses(layout: Layout, top_um: float) -> list[Mark]:
+    """Return ellipses of k = 1, all magnified alike, approached upwards by both joints."""
     study, bench = layout.problem.study, layout.problem.bench
     one, two = (
         grid.ravel()
@@ -107,17 +98,13 @@ def _ellipses(axes: Axes, layout: Layout, top_um: float) -> None:
     covariance = position_covariances(layout, commands, systematic=layout.problem.systematic)
     values, vectors = np.linalg.eigh(covariance)
     half = 1e3 * np.sqrt(np.maximum(values, 0.0)) * _ELLIPSE_MM / top_um
-    for xy, axis, side in zip(
-        forward(one, two, study.link1_mm, study.link2_mm), half, vectors[:, :, 1], strict=True
-    ):
-        axes.add_patch(
-            Ellipse(
-                (float(xy[0]), float(xy[1])),
-                2.0 * float(axis[1]),
-                2.0 * float(axis[0]),
-                angle=float(np.rad2deg(np.arctan2(side[1], side[0]))),
-                fill=False,
-                edgecolor="#0a3d91",
-                linewidth=0.8,
-            )
+    places = forward(one, two, study.link1_mm, study.link2_mm)
+    return [
+        Shape(
+            (float(xy[0]), float(xy[1])),
+            (float(axis[1]), float(axis[0])),
+            Role.REGION,
+            turn_deg=float(np.rad2deg(np.arctan2(side[1], side[0]))),
         )
+        for xy, axis, side in zip(places, half, vectors[:, :, 1], strict=True)
+    ]

@@ -3,10 +3,11 @@
 import re
 from dataclasses import replace
 
-from catseye.app.render.page import render_html
+from catseye.app.render.html import section_html
+from catseye.app.results.runs.records import RunRecord
 from catseye.app.results.runs.sections import cell_lines
 from catseye.app.results.runs.trace import trace_section
-from catseye.app.results.scara.content import RunRecord
+from catseye.app.results.scara.content import ReportContent
 from tests.unit.app.render.page_reader import read_page
 from tests.unit.app.results.scara import sample
 
@@ -25,8 +26,15 @@ CONTENT = replace(
 )
 
 
+def trace(content: ReportContent) -> str:
+    software = (result.provenance.software for result in content.results)
+    return section_html(
+        trace_section(content.software, content.versions, content.runs, software, content.digests)
+    )
+
+
 def test_programs_operator_and_digests_of_runs_with_the_command_that_checks_them() -> None:
-    page = read_page(trace_section(CONTENT))
+    page = read_page(trace(CONTENT))
     assert page.row("this page") == ["catseye 0.1.0", "python 3.12.1, scipy 1.16.0", ""]
     runs = [row for row in page.rows if row[0] == RUN.name]
     assert runs == [
@@ -39,14 +47,14 @@ def test_programs_operator_and_digests_of_runs_with_the_command_that_checks_them
 
 def test_a_result_file_is_named_with_its_digest_and_the_program_that_made_it() -> None:
     content = replace(sample.bare(sample.hand_made()), digests={"result.json": 64 * "c"})
-    page = read_page(trace_section(content))
+    page = read_page(trace(content))
     assert page.row("result") == ["result.json", 64 * "c"]
     assert page.row("identified results")[0] == "catseye 0.1.0"
     assert "catseye verify" not in page.text
 
 
 def test_a_run_that_is_not_sealed_is_not_said_to_be_checkable() -> None:
-    assert "catseye verify" not in trace_section(replace(CONTENT, runs=[replace(RUN, files={})]))
+    assert "catseye verify" not in trace(replace(CONTENT, runs=[replace(RUN, files={})]))
 
 
 def test_values_that_do_not_stand_in_the_file_are_marked() -> None:
@@ -55,7 +63,7 @@ def test_values_that_do_not_stand_in_the_file_are_marked() -> None:
     assert lines["robot.link1_mm = 325.0"] == "file"
     assert lines["robot.link2_mm = 225.0  # default"] == "default"
     assert lines["reflector[2].x_mm = 680.0  # default"] == "default"
-    text = read_page(render_html(replace(sample.whole(), origins=origins, results=[], validation=None))).text
+    text = read_page(sample.page(replace(sample.whole(), origins=origins, results=[], validation=None))).text
     assert "robot.link2_mm = 225.0  # default" in text
 
 
@@ -72,9 +80,9 @@ def css_texts(html: str) -> list[str]:
 def test_title_and_simulation_stand_on_every_printed_page() -> None:
     hostile = 'a</style><script>"}\\ 反 µ'
     content = replace(CONTENT, results=[])
-    html = render_html(replace(content, title=hostile, simulated=True))
+    html = sample.page(replace(content, title=hostile, simulated=True))
     made = "2026-01-02T03:04:05Z · catseye 0.1.0"
     assert css_texts(html)[:3] == ["SIMULATION: emulated devices", hostile, made]
     assert html.split("</head>")[0].count("</style>") == 1
     assert "<script" not in html
-    assert css_texts(render_html(content))[0] == ""
+    assert css_texts(sample.page(content))[0] == ""

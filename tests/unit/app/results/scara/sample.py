@@ -22,16 +22,11 @@ from catseye.app.files.result_json import (
     Result,
     result_of,
 )
-from catseye.app.render.page import render_html
-from catseye.app.results.scara.content import (
-    DeviceRecord,
-    EnvironmentSummary,
-    ReportContent,
-    RunRecord,
-    Spread,
-    TruthMap,
-    TruthTables,
-)
+from catseye.app.render.page import page_html
+from catseye.app.results.runs.records import DeviceRecord, EnvironmentSummary, RunRecord, Spread
+from catseye.app.results.scara.content import ReportContent
+from catseye.app.results.scara.run_report import run_report
+from catseye.app.results.scara.truth_tables import TruthMap, TruthTables
 from catseye.app.results.scara.validation import PathMeasurement, PathValidation, validate_on_path
 from catseye.calibration.identification import Identification, identify
 from catseye.calibration.kinematics import forward, inverse
@@ -280,13 +275,18 @@ def bare(result: Result) -> ReportContent:
     return ReportContent("Result", "2026-01-02T03:04:05Z", "catseye 0.1.0", False, results=[result])
 
 
+def page(content: ReportContent) -> str:
+    """Return the page of a report."""
+    return page_html(run_report(content))
+
+
 @cache
 def whole_page() -> str:
     """Return the page of a report with every part."""
-    return render_html(whole())
+    return page(whole())
 
 
 @cache
 def bare_page() -> str:
     """Return the page of a report of the result made by hand alone."""
-    return render_html(bare(hand_made()))
+    return page(bare(hand_made()))

@@ -5,11 +5,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from catseye.app.render.page import render_html
+from catseye.app.render.mpl import drawn
 from catseye.app.results.scara.content import ReportContent
 from catseye.app.results.scara.distance_validation import DistancePath, DistanceValidation, ModelOnDistances
 from catseye.app.results.scara.figures.distances import distance_figure
-from catseye.app.results.scara.verdict import verdict
+from catseye.app.results.scara.run_report import verdict
 from catseye.calibration.points import Commands, Points
 from tests.unit.app.render.page_reader import read_page
 from tests.unit.app.results.scara import sample
@@ -46,7 +46,7 @@ def distances(last_um: float = 10.0) -> DistanceValidation:
 
 @pytest.fixture(scope="module")
 def text() -> str:
-    return render_html(ReportContent("Path", "2026-01-02T03:04:05Z", "catseye", True, distances=distances()))
+    return sample.page(ReportContent("Path", "2026-01-02T03:04:05Z", "catseye", True, distances=distances()))
 
 
 def test_the_page_has_figures_and_words_of_the_distances(text: str) -> None:
@@ -67,17 +67,17 @@ def test_the_page_has_figures_and_words_of_the_distances(text: str) -> None:
 def test_the_verdict_says_what_the_models_leave(last_um: float, kind: str, ratio: str) -> None:
     content = replace(sample.whole(), validation=None, distances=distances(last_um))
     (found,) = [one for one in verdict(content) if one.text.startswith("On distances along a path")]
-    assert found.kind == kind
+    assert found.sign == kind
     assert f"leaves {last_um:.1f} µm rms, the conventional model 40.0 µm: ratio {ratio} (5 of 6" in found.text
     assert not any("has not been checked" in one.text for one in verdict(content))
 
 
 def test_rows_that_are_not_compared_are_not_drawn() -> None:
-    figure = distance_figure(distances())
+    figure = drawn(distance_figure(distances()))
     lines = [line for axes in figure.axes for line in axes.get_lines()]
-    drawn = [tuple(np.asarray(line.get_xdata()).tolist()) for line in lines]
-    assert drawn.count((-20.0, 0.0, 20.0)) == 2
-    assert drawn.count((0.0, -20.0)) == 2
+    shown = [tuple(np.asarray(line.get_xdata()).tolist()) for line in lines]
+    assert shown.count((-20.0, 0.0, 20.0)) == 2
+    assert shown.count((0.0, -20.0)) == 2
 
 
 @pytest.fixture(scope="module")
@@ -85,7 +85,7 @@ def without_u() -> str:
     positions = sample.validation()
     silent = replace(positions.path, u_mm=np.full(positions.path.u_mm.size, np.nan))
     content = ReportContent("Path", "2026-01-02T03:04:05Z", "catseye", True)
-    return render_html(replace(content, validation=replace(positions, path=silent)))
+    return sample.page(replace(content, validation=replace(positions, path=silent)))
 
 
 def test_an_instrument_that_states_no_uncertainty_is_told_so(without_u: str) -> None:

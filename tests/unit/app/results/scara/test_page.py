@@ -6,7 +6,6 @@ from xml.etree import ElementTree
 
 import pytest
 
-from catseye.app.render.page import render_html
 from catseye.app.results.scara.content import ReportContent
 from tests.unit.app.render.page_reader import Page, read_page
 from tests.unit.app.results.scara import sample
@@ -92,7 +91,7 @@ def test_a_measurement_of_a_thousand_distances_stays_below_half_a_megabyte(whole
 
 
 def test_the_same_content_gives_the_same_page(whole: str) -> None:
-    assert render_html(sample.whole()) == whole
+    assert sample.page(sample.whole()) == whole
 
 
 def test_simulation_is_said_in_a_banner_and_only_then(whole: str) -> None:
@@ -116,7 +115,7 @@ def test_report_of_a_single_result_shows_that_result_and_what_was_not_checked() 
 
 
 def test_report_of_the_conventional_model_alone_has_no_maps() -> None:
-    page = read_page(render_html(sample.bare(sample.results()[0])))
+    page = read_page(sample.page(sample.bare(sample.results()[0])))
     assert figures(page) == ["figure-residuals", "figure-layout"]
     assert page.row("θ20 / mdeg")[0] == "–"
     assert "Error maps" not in page.headings
@@ -124,21 +123,21 @@ def test_report_of_the_conventional_model_alone_has_no_maps() -> None:
 
 def test_result_without_residuals_and_covariance_still_has_its_maps() -> None:
     result = sample.results()[1].model_copy(update={"residuals": None, "covariance": None})
-    page = read_page(render_html(sample.bare(result)))
+    page = read_page(sample.page(sample.bare(result)))
     assert figures(page) == ["figure-maps"]
     assert len(page.row("node / °")) == 5
 
 
 def test_report_without_results_says_that_nothing_was_identified() -> None:
     empty = ReportContent("Nothing", "2026-01-02T03:04:05Z", "catseye 0.1.0", False)
-    page = read_page(render_html(empty))
+    page = read_page(sample.page(empty))
     assert "Nothing was identified" in page.text
     assert page.headings == ["Verdict", "Conventions", "Traceability"]
     assert figures(page) == []
 
 
 def test_run_without_validation_and_without_a_cell_file() -> None:
-    page = read_page(render_html(replace(sample.whole(), validation=None, cell=None, truth=None, search=())))
+    page = read_page(sample.page(replace(sample.whole(), validation=None, cell=None, truth=None, search=())))
     assert figures(page) == ["figure-maps", "figure-residuals", "figure-layout"]
     assert "Configuration" not in page.headings
 
@@ -159,7 +158,7 @@ def test_hostile_names_stay_text_everywhere(name: str) -> None:
         software=name,
         created_utc=name,
     )
-    html = render_html(content)
+    html = sample.page(content)
     page = read_page(html)
     assert not {"script", "img"} & set(page.tags)
     assert page.text.count(name) >= 8

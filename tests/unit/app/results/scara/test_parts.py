@@ -7,11 +7,18 @@ import numpy as np
 import pytest
 
 from catseye.app.render.markup import Html, element, join, section, table, unbroken
+from catseye.app.render.mpl import drawn
+from catseye.app.results.scara.content import ReportContent
 from catseye.app.results.scara.figures.layout import layout_figure
 from catseye.app.results.scara.figures.residuals import residual_figure
-from catseye.app.results.scara.layout import scene_of
+from catseye.app.results.scara.layout import Scene, scene_of
 from catseye.app.results.scara.residuals import pose_means, reference
 from tests.unit.app.results.scara import sample
+
+
+def scene_shown(content: ReportContent) -> Scene | None:
+    path_mm = None if content.validation is None else content.validation.path.command_mm
+    return scene_of(content.bench, content.best, path_mm)
 
 
 def test_text_is_escaped_once_and_markup_stands() -> None:
@@ -26,7 +33,7 @@ def test_section_without_content_vanishes() -> None:
 
 
 def test_table_marks_head_names_and_numbers() -> None:
-    text = table("what", ["name", "value"], [["a<b", "1"]])
+    text = table("what", ["name", "value"], [["a<b", "1"]], [False, True])
     assert '<th scope="row" class="text">a&lt;b</th><td class="number">1</td>' in text
     assert text.startswith('<div class="scroll"><table><caption>what</caption>')
 
@@ -56,7 +63,7 @@ def test_reference_is_what_was_stated_or_else_the_fit_itself() -> None:
 def test_reflectors_differ_by_marker_not_only_by_colour() -> None:
     residuals = sample.results()[1].residuals
     assert residuals is not None
-    figure = residual_figure(residuals, reference(sample.fit()))
+    figure = drawn(residual_figure(residuals, reference(sample.fit()), "error map"))
     lines = [line for line in figure.axes[0].lines if str(line.get_label()).startswith("reflector")]
     assert len({line.get_marker() for line in lines}) == 3
 
@@ -65,18 +72,18 @@ def test_one_distance_makes_a_figure() -> None:
     residuals = sample.hand_made().residuals
     assert residuals is not None
     one = residuals.model_copy(update={name: values[:1] for name, values in residuals.model_dump().items()})
-    assert residual_figure(one, reference(sample.fit())).axes
+    assert drawn(residual_figure(one, reference(sample.fit()), "error map")).axes
 
 
 def test_scene_of_a_bench_knows_what_is_blind() -> None:
-    scene = scene_of(sample.whole())
+    scene = scene_shown(sample.whole())
     assert scene is not None
     assert scene.commands_mm.shape == (88, 2)
     assert [target.name for target in scene.targets] == ["P1", "P2", "P3"]
     assert scene.path_mm is not None
     blind = [len(target.blind_mm) for target in scene.targets]
     assert 0 < sum(blind) < 10
-    labels = layout_figure(scene).axes[0].get_legend_handles_labels()[1]
+    labels = drawn(layout_figure(scene)).axes[0].get_legend_handles_labels()[1]
     assert {"base column", "validation path", "reach of the arm", "arm at one pose", "laser beam"} <= set(
         labels
     )
@@ -84,12 +91,12 @@ def test_scene_of_a_bench_knows_what_is_blind() -> None:
 
 
 def test_scene_of_a_result_alone_has_neither_fields_nor_column() -> None:
-    scene = scene_of(sample.bare(sample.hand_made()))
+    scene = scene_shown(sample.bare(sample.hand_made()))
     assert scene is not None
     assert scene.column_radius_mm is None
     assert scene.targets[0].facing_deg is None
     np.testing.assert_allclose(scene.targets[0].xy_mm, [651.23456, -401.5])
-    assert scene_of(replace(sample.bare(sample.hand_made()), results=[])) is None
+    assert scene_shown(replace(sample.bare(sample.hand_made()), results=[])) is None
 
 
 def test_truth_between_its_nodes_is_interpolated_and_never_extrapolated() -> None:

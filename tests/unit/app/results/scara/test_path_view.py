@@ -1,4 +1,4 @@
-"""How a path is looked at, and the panels drawn from it."""
+"""How a path is looked at, and the panels dense_figure from it."""
 
 from dataclasses import replace
 
@@ -7,7 +7,7 @@ import pytest
 from matplotlib.lines import Line2D
 
 from catseye.app.render.canvas import svg
-from catseye.app.render.page import render_html
+from catseye.app.render.mpl import drawn
 from catseye.app.results.scara.figures.path import path_figure
 from catseye.app.results.scara.figures.trajectories import magnification, trajectory_figure
 from catseye.app.results.scara.path_view import gaps, path_axis
@@ -54,7 +54,7 @@ def test_a_path_inside_the_nodes_has_no_gap() -> None:
 
 def test_panels_show_measured_minus_command_in_micrometres_for_each_direction() -> None:
     validation = sample.validation()
-    axes = path_figure(validation).axes
+    axes = drawn(path_figure(validation)).axes
     there = validation.path.travel > 0
     y = validation.path.command_mm[there, 1]
     comparison = validation.models[1].comparison
@@ -71,7 +71,7 @@ def test_panels_show_measured_minus_command_in_micrometres_for_each_direction() 
 
 def test_many_rows_become_a_line_with_a_band() -> None:
     path = sample.path()
-    sparse = path_figure(sample.validation())
+    sparse = drawn(path_figure(sample.validation()))
     rows = np.repeat(np.arange(82), 3)
     commands = path.commands.select(rows)
     dense = replace(
@@ -84,14 +84,14 @@ def test_many_rows_become_a_line_with_a_band() -> None:
         established=path.established[rows],
     )
     arms = [one.arm for one in sample.measurement()[1]]
-    drawn = path_figure(validate_on_path(dense, arms, (325.0, 225.0)))
-    assert [len(figure.axes[1].containers) for figure in (sparse, drawn)] == [2, 0]
-    assert "error map, way there" in {one.get_label() for one in drawn.axes[1].lines}
+    dense_figure = drawn(path_figure(validate_on_path(dense, arms, (325.0, 225.0))))
+    assert [len(figure.axes[1].containers) for figure in (sparse, dense_figure)] == [2, 0]
+    assert "error map, way there" in {one.get_label() for one in dense_figure.axes[1].lines}
 
 
 def test_trajectories_are_magnified_and_end_with_the_difference() -> None:
     validation = sample.validation()
-    figure = trajectory_figure(validation)
+    figure = drawn(trajectory_figure(validation))
     assert [axes.get_title("left") for axes in figure.axes] == [
         "a) measured",
         "b) error map",
@@ -107,7 +107,7 @@ def test_trajectories_are_magnified_and_end_with_the_difference() -> None:
 
 @pytest.mark.parametrize(("share", "expected"), [(1.0, 1000.0), (100.0, 10.0), (0.01, 50_000.0)])
 def test_errors_are_magnified_so_that_they_can_be_seen(share: float, expected: float) -> None:
-    # The path is 1 m long; its largest measured error is about 0.15 mm: drawn between 4 % and 35 % of the path.
+    # The path is 1 m long, its largest error about 0.15 mm: it is drawn between 4 % and 35 % of the path.
     validation = sample.validation()
 
     def grown(model: ModelOnPath) -> ModelOnPath:
@@ -132,7 +132,7 @@ def test_errors_are_magnified_so_that_they_can_be_seen(share: float, expected: f
 
 def test_the_scale_bar_is_as_long_as_the_error_it_names() -> None:
     validation = sample.validation()
-    axes = trajectory_figure(validation).axes[0]
+    axes = drawn(trajectory_figure(validation)).axes[0]
     bar = next(line for line in axes.lines if line.get_linewidth() == 2.0)
     (text,) = (one.get_text() for one in axes.texts)
     length = float(np.ptp(drawn_points(bar)[:, 0]))
@@ -140,8 +140,10 @@ def test_the_scale_bar_is_as_long_as_the_error_it_names() -> None:
 
 
 def test_the_measurement_looks_different_to_each_direction_without_colour() -> None:
-    drawn = path_figure(sample.validation())
-    markers = {line.get_marker() for line in drawn.axes[1].lines if line.get_marker() not in {"None", ""}}
+    dense_figure = drawn(path_figure(sample.validation()))
+    markers = {
+        line.get_marker() for line in dense_figure.axes[1].lines if line.get_marker() not in {"None", ""}
+    }
     assert {"x", "+", "o", "s"} <= markers
 
 
@@ -149,13 +151,13 @@ def test_the_measurement_looks_different_to_each_direction_without_colour() -> N
 def test_other_paths_and_a_single_model_make_a_page(along: str) -> None:
     alone = validate_on_path(sample.path(along), [sample.measurement()[1][1].arm], (325.0, 225.0))
     results = [one.model_copy(update={"residuals": None}) for one in sample.results()]
-    page = read_page(render_html(replace(sample.whole(), results=results, validation=alone)))
+    page = read_page(sample.page(replace(sample.whole(), results=results, validation=alone)))
     assert page.all_of("id").count("figure-path") == 1
     assert "b) = a − b" not in page.text
     assert "c) = a − b" in page.text
 
 
 def test_labels_of_the_figures_stay_text() -> None:
-    text = svg(trajectory_figure(sample.validation()), "name", 'a "label"')
+    text = svg(drawn(trajectory_figure(sample.validation())), "name", 'a "label"')
     assert "way there, error × 1000" in text
     assert 'aria-label="a &quot;label&quot;"' in text

@@ -5,16 +5,16 @@ from dataclasses import replace
 import pytest
 
 from catseye.app.files.result_json import Fit, RobustPart
-from catseye.app.results.scara.agreement import normalised_errors
-from catseye.app.results.scara.content import TruthMap
+from catseye.app.results.scara.fit_text import fit_statement
+from catseye.app.results.scara.run_report import verdict
+from catseye.app.results.scara.truth_tables import TruthMap, normalised_errors, truth_statement
 from catseye.app.results.scara.validation import validate_on_path
-from catseye.app.results.scara.verdict import fit_verdict, truth_verdict, verdict
 from tests.unit.app.results.scara import sample
 
 
 def sentence(fit: Fit) -> tuple[str, str]:
-    statement = fit_verdict(sample.hand_made(the_fit=fit))
-    return statement.kind, statement.text
+    statement = fit_statement(fit, "error map")
+    return statement.sign, statement.text
 
 
 def test_a_fit_that_agrees() -> None:
@@ -27,8 +27,8 @@ def test_a_fit_that_agrees() -> None:
 def test_lack_of_fit_that_nothing_stated_explains() -> None:
     assert sentence(sample.fit(sample.LACK)) == (
         "bad",
-        "LACK OF FIT: repeats of a pose scatter by 9.9 µm, but the error map misses them by 21.3 µm in a "
-        "systematic way (F = 17.8, p < 0.001); the uncertainties were widened by a factor 2.50.",
+        "LACK OF FIT: repeats of a pose scatter by 9.9 µm, but the error map misses them by 21.3 µm "
+        "systematically (F = 17.8, p < 0.001); the uncertainties were widened by a factor of 2.50.",
     )
 
 
@@ -54,19 +54,19 @@ def test_a_fit_that_scatters_more_than_stated() -> None:
     kind, text = sentence(sample.fit(chi2=(4.0, 1e-5)).model_copy(update={"variance_factor": 4.0}))
     assert kind == "bad"
     assert "scatters by 15.8 µm, more than the stated 7.9 µm (χ²/dof = 4.00, p < 0.001)" in text
-    assert "widened by a factor 2.00" in text
+    assert "widened by a factor of 2.00" in text
 
 
 def test_a_fit_that_scatters_less_than_stated() -> None:
     kind, text = sentence(sample.fit(chi2=(0.25, 1.0)))
-    assert kind == "note"
+    assert kind == "neutral"
     assert "less than the stated 31.5 µm" in text
 
 
 def test_a_robust_fit_says_what_stands_for_the_stated_uncertainties() -> None:
     robust = RobustPart(loss="huber", sigma_um=10.3, half=2.69, counted_little=4)
     kind, text = sentence(sample.fit(chi2=None).model_copy(update={"robust": robust}))
-    assert kind == "note"
+    assert kind == "neutral"
     assert text == (
         "The error map was identified with huber loss: 4 of 1056 distances count less than half (beyond 2.7 robust "
         "standard deviations of 10.3 µm); the scatter that the distances show stands for the stated white "
@@ -76,7 +76,7 @@ def test_a_robust_fit_says_what_stands_for_the_stated_uncertainties() -> None:
 
 def test_a_fit_without_stated_uncertainties() -> None:
     kind, text = sentence(sample.fit(chi2=None))
-    assert kind == "note"
+    assert kind == "neutral"
     assert text == (
         "No uncertainty was stated for the distances; those of the error map follow from the scatter of its fit, "
         "15.8 µm a distance."
@@ -94,7 +94,7 @@ def test_null_directions_are_named() -> None:
 def test_path_verdict_gives_the_ratio_and_the_rows() -> None:
     validation = sample.validation()
     statement = verdict(sample.whole())[2]
-    assert statement.kind == "good"
+    assert statement.sign == "good"
     assert statement.text.startswith("On the path X = 200 mm, Y = −500 … 500 mm the error map leaves ")
     assert f"ratio {validation.ratio:.2f} ({validation.compared.sum()} of 82 rows compared)" in statement.text
 
@@ -102,19 +102,19 @@ def test_path_verdict_gives_the_ratio_and_the_rows() -> None:
 def test_path_verdict_of_one_model_has_no_ratio() -> None:
     alone = validate_on_path(sample.path(), [sample.measurement()[1][1].arm], (325.0, 225.0))
     statement = verdict(replace(sample.whole(), validation=alone))[2]
-    assert statement.kind == "note"
+    assert statement.sign == "neutral"
     assert "ratio" not in statement.text
 
 
 def test_truth_within_the_uncertainties_is_good_and_a_wrong_truth_is_not() -> None:
     result, truth = sample.results()[1], sample.truth_tables()
-    assert truth_verdict(result, truth).kind == "good"
+    assert truth_statement(result, truth).sign == "good"
     wrong = replace(truth, link1_mm=325.2)
-    statement = truth_verdict(result, wrong)
+    statement = truth_statement(result, wrong)
     assert statement.text.endswith("at L1.")
     shifted = [value + 10.0 for value in truth.theta1_map.positive_mdeg]
     far = replace(truth, theta1_map=replace(truth.theta1_map, positive_mdeg=shifted))
-    assert truth_verdict(result, far).kind == "bad"
+    assert truth_statement(result, far).sign == "bad"
 
 
 def test_normalised_errors_leave_out_nodes_beyond_the_truth() -> None:

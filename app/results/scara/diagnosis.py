@@ -1,0 +1,59 @@
+"""Diagnosis of the error map of distances."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+from scipy import special
+
+from catseye.app.files.result_json import term_unit
+from catseye.app.results.scara.distances import DistanceSource
+from catseye.app.results.scara.identify import problem_of_rows
+from catseye.calibration.diagnostics.diagnosis import Diagnosis, diagnose
+from catseye.calibration.diagnostics.nested_models import ComparedModel
+from catseye.calibration.fit_statistics import SIGNIFICANCE
+
+
+@dataclass(frozen=True)
+class Coefficient:
+    """A coefficient of a model with its standard uncertainty."""
+
+    name: str
+    value: float
+    u: float
+    unit: Literal["mdeg", "µm"]
+
+
+def diagnose_distances(source: DistanceSource, progress: Callable[[str], None] = lambda _: None) -> Diagnosis:
+    """Diagnose the error map of distances.
+
+    Args:
+        source: the distances.
+        progress: called with what comes next.
+
+    Raises:
+        CalibrationError: the distances cannot determine the error map.
+    """
+    return diagnose(problem_of_rows(source.rows, source.bench, "error-map", source.budget), progress)
+
+
+def coefficients(model: ComparedModel) -> list[Coefficient]:
+    """Return the coefficients of a model's own terms."""
+    return [
+        Coefficient(term.name, term_unit(term) * value, term_unit(term) * u, "mdeg" if term.angular else "µm")
+        for term, value, u in zip(model.terms, model.coefficients.tolist(), model.u.tolist(), strict=True)
+    ]
+
+
+def outlier_limit(diagnosis: Diagnosis) -> float:
+    """Return the studentised residual that one distance of all exceeds by chance with 1 % (Bonferroni)."""
+    fit = diagnosis.identified.fit
+    return -float(special.stdtrit(max(fit.dof - 1, 1), SIGNIFICANCE / 2.0 / fit.n_points))
+
+
+def outlying(diagnosis: Diagnosis) -> list[int]:
+    """Return the distances beyond the limit, the farthest first."""
+    size = np.abs(np.nan_to_num(diagnosis.residuals.external))
+    order = np.argsort(-size)
+    return [int(i) for i in order if size[i] > outlier_limit(diagnosis)]

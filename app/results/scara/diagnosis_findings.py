@@ -1,0 +1,254 @@
+"""A diagnosis in plain sentences."""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from catseye.app.results.model import Sign, Statement
+from catseye.app.results.numbers import MDEG_PER_RAD, listed
+from catseye.app.results.scara.diagnosis import coefficients, outlier_limit, outlying
+from catseye.app.results.scara.names import ANGLES, VARYING
+from catseye.calibration.diagnostics.cross_validation import CrossValidation
+from catseye.calibration.diagnostics.diagnosis import Diagnosis
+from catseye.calibration.diagnostics.drift import Change
+from catseye.calibration.diagnostics.harmonics import Harmonic, HarmonicSeries
+from catseye.calibration.diagnostics.nested_models import CONVENTIONAL, ERROR_MAP, TOGETHER, ComparedModel
+from catseye.calibration.diagnostics.node_spacing import Grid, NodeSpacing
+from catseye.calibration.fit_statistics import SIGNIFICANCE
+from catseye.calibration.types import Floats
+
+_EXPLAINED = "as much as the stated uncertainties account for"
+
+
+def findings(diagnosis: Diagnosis) -> list[Statement]:
+    """Return what the diagnosis says, the fit first."""
+    return [
+        _fit(diagnosis),
+        _models(diagnosis.models),
+        *_single_distances(diagnosis),
+        *_changes(diagnosis.changes),
+        *_patterns(diagnosis),
+        *[_harmonics(one) for one in diagnosis.harmonics],
+        *[_prediction(one) for one in (diagnosis.reflectors, diagnosis.sweeps, diagnosis.segments) if one],
+        *_nodes(diagnosis.nodes),
+    ]
+
+
+def _fit(diagnosis: Diagnosis) -> Statement:
+    fit = diagnosis.identified.fit
+    text = f"The error map leaves {fit.rms_um:.1f} µm rms in {fit.n_points} distances"
+    if fit.chi2_reduced is None or fit.chi2_probability is None:
+        return Statement(Sign.NEUTRAL, f"{text}; no uncertainty is stated that this could be compared with.")
+    agrees = fit.chi2_probability >= SIGNIFICANCE
+    words = "agrees with" if agrees else "exceeds"
+    expected = f"χ²/dof = {fit.chi2_reduced:.2f}, expected {fit.chi2_expected:.2f}"
+    return Statement(
+        Sign.GOOD if agrees else Sign.BAD, f"{text}; that {words} the stated uncertainties ({expected})."
+    )
+
+
+def _models(models: Sequence[ComparedModel]) -> Statement:
+    error_map = next(one for one in models if one.name == ERROR_MAP)
+    parts = [_error_map(error_map)]
+    extensions = [one for one in models if one.name not in {CONVENTIONAL, ERROR_MAP, TOGETHER}]
+    parts += [_extension(one) for one in extensions]
+    beyond = any(one.significant and not one.explained for one in extensions)
+    return Statement(Sign.BAD if beyond else Sign.GOOD, "; ".join(parts) + ".")
+
+
+def _error_map(one: ComparedModel) -> str:
+    if one.significant:
+        return f"The error map explains {one.explained_um:.1f} µm that the conventional model leaves"
+    return "The error map explains nothing beyond the conventional model"
+
+
+def _extension(one: ComparedModel) -> str:
+    if one.refused:
+        return f"{one.name} cannot be told from these distances"
+    if not one.significant:
+        return f"no {one.name} ({_clearest(one)})"
+    text = f"{one.name} adds {one.explained_um:.1f} µm, significant"
+    return f"{text}, {_EXPLAINED}" if one.explained else text
+
+
+def _clearest(one: ComparedModel) -> str:
+    """Return the clearest coefficient with its uncertainty."""
+    place = int(np.argmax(np.abs(one.coefficients) / one.u))
+    return _coefficient_text(one, place)
+
+
+def _coefficient_text(one: ComparedModel, place: int) -> str:
+    """Return a coefficient of a model with its name, unit and standard uncertainty."""
+    found = coefficients(one)[place]
+    return f"{found.name}: {found.value:.2f} ± {found.u:.2f} {found.unit}"
+
+
+def distance_text(diagnosis: Diagnosis, row: int) -> str:
+    """Return which distance a row is."""
+    points = diagnosis.identified.points
+    commands = points.commands
+    name, segment = points.dead_paths[int(points.dead_path[row])]
+    signs = "".join("+" if one > 0 else "−" for one in (commands.direction1[row], commands.direction2[row]))
+    return (
+        f"row {row + 1} (reflector {name}, segment {segment}, θ1 {np.rad2deg(commands.theta1_rad[row]):.6g}°, "
+        f"θ2 {np.rad2deg(commands.theta2_rad[row]):.6g}°, approach {signs})"
+    )
+
+
+def _single_distances(diagnosis: Diagnosis) -> list[Statement]:
+    external: Floats = np.nan_to_num(diagnosis.residuals.external)
+    far, limit = outlying(diagnosis), outlier_limit(diagnosis)
+    if not far:
+        largest = float(np.abs(external).max())
+        return [
+            Statement(
+                Sign.GOOD,
+                f"No distance stands out: the largest studentised residual is {largest:.1f}, limit {limit:.1f}.",
+            )
+        ]
+    listed = "; ".join(f"{distance_text(diagnosis, row)}: {abs(external[row]):.1f}" for row in far[:5])
+    more = f" and {len(far) - 5} more" if len(far) > 5 else ""
+    return [
+        Statement(
+            Sign.BAD,
+            f"{len(far)} of {external.size} distances stand out (studentised residual beyond {limit:.1f}): {listed}"
+            f"{more}. catseye identify --reject {limit:.1f} leaves such distances out and says which.",
+        )
+    ]
+
+
+def _changes(changes: Sequence[Change]) -> list[Statement]:
+    found = [one for one in changes if one.significant]
+    if found:
+        return [Statement(Sign.BAD, change_text(one)) for one in found]
+    if not changes:
+        return [Statement(Sign.NEUTRAL, "No segment is long enough to tell a drift.")]
+    largest = max(changes, key=lambda one: abs(one.size_um) / one.u_um)
+    return [
+        Statement(
+            Sign.GOOD,
+            f"No drift and no jump: the clearest is {largest.size_um:+.1f} ± {largest.u_um:.1f} µm over segment "
+            f"{largest.segment} of reflector {largest.reflector}.",
+        )
+    ]
+
+
+def change_text(one: Change) -> str:
+    """Return a change in words."""
+    where = f"segment {one.segment} of reflector {one.reflector}"
+    size = f"{one.size_um:+.1f} ± {one.u_um:.1f} µm"
+    if one.kind == "drift":
+        return f"Drift: over {where} ({one.rows} distances) the measured distance grows by {size}."
+    return (
+        f"Jump: in {where} the measured distance steps by {size} at its distance {one.within} (row {one.row}): the "
+        "counter slipped, or reflector or arm moved. Give what follows a segment of its own, or measure it anew."
+    )
+
+
+def _patterns(diagnosis: Diagnosis) -> list[Statement]:
+    found = [one for one in diagnosis.patterns if one.significant]
+    if not found:
+        return [Statement(Sign.GOOD, "No pattern of the residuals along θ1, θ2 or θ4.")]
+    parts = [
+        f"{one.explained_um:.1f} µm along θ{one.joint}" + (" (stated)" if one.explained else "")
+        for one in found
+    ]
+    stated = all(one.explained for one in found)
+    text = "Residuals follow the joints' angles: " + ", ".join(parts)
+    if stated:
+        text += f", {_EXPLAINED}"
+    return [Statement(Sign.NEUTRAL if stated else Sign.BAD, text + ".")]
+
+
+def _harmonics(series: HarmonicSeries) -> Statement:
+    what = f"{VARYING[series.target]} against {ANGLES[series.source]}"
+    if not series.harmonics:
+        return Statement(
+            Sign.NEUTRAL,
+            f"Harmonics, {what}: nothing can be said, the map takes up every order at these commands; measure "
+            "between the nodes.",
+        )
+    found = [one for one in series.harmonics if one.significant]
+    if not found:
+        highest = max(one.order for one in series.harmonics)
+        return Statement(
+            Sign.GOOD, f"Harmonics, {what}: none left among orders up to {highest}{_aliases(series)}."
+        )
+    ranked = sorted(found, key=lambda one: -one.explained_um)
+    listed = ", ".join(harmonic_text(one) for one in ranked[:4])
+    more = f" and {len(found) - 4} more" if len(found) > 4 else ""
+    stated = all(one.explained for one in found)
+    tail = f", {_EXPLAINED}" if stated else ""
+    return Statement(Sign.NEUTRAL if stated else Sign.BAD, f"Harmonics, {what}: {listed}{more}{tail}.")
+
+
+def harmonic_text(one: Harmonic) -> str:
+    """Return an order with its amplitude."""
+    factor, unit = (1e3, "µm") if one.target == "length" else (MDEG_PER_RAD, "mdeg")
+    alias = f" (or {', '.join(str(order) for order in one.aliases[:3])}, …)" if one.aliases else ""
+    return f"order {one.order}{alias}: {factor * one.amplitude:.2f} ± {factor * one.u:.2f} {unit}"
+
+
+def _aliases(series: HarmonicSeries) -> str:
+    aliased = [one for one in series.harmonics if one.aliases]
+    if not aliased:
+        return ""
+    one = aliased[0]
+    listed = ", ".join(str(order) for order in one.aliases[:3])
+    return f" (higher ones look alike at these commands: {one.order} is also {listed}, …)"
+
+
+def _prediction(one: CrossValidation) -> Statement:
+    lost = [fold.name for fold in one.folds if not fold.identified or fold.weak]
+    open_text = f" Hardly or not determined without it: {listed(lost)}." if lost else ""
+    if not np.isfinite(one.predicted_um):
+        return Statement(Sign.NEUTRAL, f"Leave one {one.way} out: the others do not determine the model.")
+    text = (
+        f"Leave one {one.way} out: the others predict it to {one.predicted_um:.1f} µm rms, in the fit the same "
+        f"distances have {one.in_sample_um:.1f} µm; expected {one.expected_um:.1f} µm"
+    )
+    failing = [
+        f"{fold.name} ({fold.predicted_um:.1f} µm, expected {fold.expected_um:.1f})"
+        for fold in one.folds
+        if fold.fails
+    ]
+    if failing:
+        return Statement(Sign.BAD, f"{text}. Worse than expected: {listed(failing)}.{open_text}")
+    return Statement(Sign.GOOD, f"{text}.{open_text}")
+
+
+def _nodes(nodes: NodeSpacing) -> list[Statement]:
+    present = nodes.grids[0]
+    chosen: list[tuple[str, Grid | None]] = [
+        ("AICc", nodes.by_aicc),
+        ("BIC", nodes.by_bic),
+        ("prediction of left-out sweeps", nodes.by_prediction),
+    ]
+    others = {name: grid for name, grid in chosen if grid is not None and grid is not present}
+    if not others:
+        text = "Keep the nodes: every other grid that was tried is worse by AICc, BIC and prediction."
+        found = [Statement(Sign.GOOD, text)]
+    elif len({grid.name for _, grid in chosen if grid is not None}) == 1:
+        found = [
+            Statement(
+                Sign.BAD, f"Take other nodes: {nodes.by_aicc.name} is better by AICc, BIC and prediction."
+            )
+        ]
+    else:
+        listed = "; ".join(f"{name}: {grid.name}" for name, grid in chosen if grid is not None)
+        found = [
+            Statement(
+                Sign.NEUTRAL,
+                f"The criteria disagree about the nodes, which says that little depends on it: {listed}.",
+            )
+        ]
+    unseen = [f"J{joint}" for joint, seen in ((1, nodes.between1), (2, nodes.between2)) if not seen]
+    if unseen:
+        found.append(
+            Statement(
+                Sign.NEUTRAL,
+                f"Whether nodes of {' and '.join(unseen)} should stand closer cannot be told: commands stand on the "
+                "nodes only. Measure between them.",
+            )
+        )
+    return found

@@ -1,0 +1,128 @@
+"""What a result is and what its fit is worth, in sentences: the only place that judges a fit in words."""
+
+import math
+
+import numpy as np
+
+from catseye.app.files.result_json import Fit, LackOfFitPart, MapTable, Result
+from catseye.app.results.model import Sign, Statement
+from catseye.app.results.numbers import (
+    OF_UNIT,
+    THREE_DIGITS,
+    counted,
+    decimals_for,
+    fixed,
+    number,
+    probability_text,
+)
+from catseye.app.results.scara.names import MODEL_TITLES
+from catseye.app.results.scara.residuals import reference
+from catseye.app.results.scara.reversal import reversal_mdeg
+from catseye.app.results.scara.robust import robust_text
+from catseye.calibration.fit_statistics import SIGNIFICANCE
+
+_SIGNED = fixed(1, signed=True)
+
+
+def identified_text(result: Result) -> str:
+    """Return what was identified, in a sentence."""
+    l1, l2 = result.link1_mm, result.link2_mm
+    names = ", ".join(place.name for place in result.reflectors)
+    form = fixed(decimals_for((l1.u, l2.u)))
+    text = (
+        f"The {MODEL_TITLES[result.model]} was identified from {result.fit.n_points} distances to "
+        f"{counted(len(result.reflectors), 'reflector')} ({names}): L1 = {number(l1.value, form)} mm "
+        f"(u = {1e3 * l1.u:.1f} µm), L2 = {number(l2.value, form)} mm (u = {1e3 * l2.u:.1f} µm)"
+    )
+    if result.theta20_mdeg is not None:
+        offset = result.theta20_mdeg
+        return f"{text}, θ20 = {number(offset.value, OF_UNIT['mdeg'])} mdeg (u = {offset.u:.2f} mdeg)."
+    maps = [
+        _range(joint, table) for joint, table in ((1, result.theta1_map), (2, result.theta2_map)) if table
+    ]
+    return "; ".join([text, *maps]) + "."
+
+
+def _range(joint: int, table: MapTable) -> str:
+    values = [*table.positive_mdeg, *table.negative_mdeg]
+    low, high, reversal = (
+        number(value, _SIGNED) for value in (min(values), max(values), float(np.mean(reversal_mdeg(table))))
+    )
+    return (
+        f"J{joint} deviates by {low} to {high} mdeg with a mean reversal error (− minus +) of {reversal} mdeg"
+    )
+
+
+def fit_statements(result: Result) -> list[Statement]:
+    """Return whether the model explains the distances, and what is not observable."""
+    statements = [fit_statement(result.fit, MODEL_TITLES[result.model])]
+    if result.fit.null_directions:
+        named = "; ".join(", ".join(names) for names in result.fit.null_directions)
+        statements.append(Statement(Sign.BAD, f"Not observable, and therefore without numbers: {named}."))
+    return statements
+
+
+def left_out_statements(result: Result) -> list[Statement]:
+    """Return which distances were left out, and why."""
+    return [Statement(Sign.NEUTRAL, f"Left out: {text}.") for text in result.fit.rejected]
+
+
+def fit_statement(fit: Fit, name: str) -> Statement:
+    """Return whether a model explains its distances.
+
+    Args:
+        fit: statistics of the fit.
+        name: what a reader calls the model.
+    """
+    lack = fit.lack_of_fit
+    if lack is not None and lack.significant and not lack.explained:
+        return Statement(Sign.BAD, f"LACK OF FIT: repeats {_misses(name, lack)}; {_widened(fit)}.")
+    judged = _against_stated(fit, name)
+    if lack is None or not lack.significant:
+        return judged
+    ratio = number(lack.expected_ratio, THREE_DIGITS)
+    expected = f"F = {ratio} expected, {probability_text(lack.probability_stated)}"
+    return Statement(
+        judged.sign,
+        f"{judged.text} Repeats {_misses(name, lack)}; the stated systematic contributors account for it "
+        f"({expected}).",
+    )
+
+
+def _against_stated(fit: Fit, name: str) -> Statement:
+    if fit.robust is not None:
+        text = robust_text(fit.robust, fit.n_points)
+        return Statement(Sign.NEUTRAL, f"The {name} was identified with {text}.")
+    if fit.chi2_reduced is None or fit.chi2_probability is None:
+        return Statement(
+            Sign.NEUTRAL,
+            f"No uncertainty was stated for the distances; those of the {name} follow from the scatter of its fit, "
+            f"{fit.sigma0_um:.1f} µm a distance.",
+        )
+    stated = f"the stated {reference(fit).sigma_um:.1f} µm"
+    figures = f"χ²/dof = {fit.chi2_reduced:.2f}"
+    figures += "" if abs(fit.chi2_expected - 1.0) < 0.005 else f", {fit.chi2_expected:.2f} expected"
+    figures += f", {probability_text(fit.chi2_probability)}"
+    if fit.chi2_probability < SIGNIFICANCE:
+        text = f"scatters by {fit.sigma0_um:.1f} µm, more than {stated} ({figures}); {_widened(fit)}"
+        return Statement(Sign.BAD, f"The fit of the {name} {text}.")
+    if fit.chi2_probability > 1.0 - SIGNIFICANCE:
+        text = f"scatters by only {fit.sigma0_um:.1f} µm, less than {stated} ({figures})"
+        safe = "the stated uncertainty is on the safe side"
+        return Statement(Sign.NEUTRAL, f"The fit of the {name} {text}: {safe}.")
+    return Statement(Sign.GOOD, f"The fit of the {name} agrees with {stated} ({figures}).")
+
+
+def _misses(name: str, lack: LackOfFitPart) -> str:
+    return (
+        f"of a pose scatter by {lack.pure_um:.1f} µm, but the {name} misses them by {lack.systematic_um:.1f} µm "
+        f"systematically (F = {number(lack.ratio, THREE_DIGITS)}, {probability_text(lack.probability)})"
+    )
+
+
+def _widened(fit: Fit) -> str:
+    if fit.chi2_reduced is None:
+        return "the uncertainties follow from the fit and include it"
+    if fit.variance_factor <= 1.0:
+        return "the stated uncertainties are large enough to cover it and were not widened"
+    return f"the uncertainties were widened by a factor of {math.sqrt(fit.variance_factor):.2f}"

@@ -1,0 +1,78 @@
+"""What models leave on a path, in sentences."""
+
+import numpy as np
+
+from catseye.app.results.model import Sign, Statement
+from catseye.app.results.numbers import probability_text
+from catseye.app.results.scara.path_view import model_title, path_axis
+from catseye.app.results.scara.validation import ModelOnPath, PathValidation
+from catseye.calibration.types import Bools
+
+_BETTER = 0.8
+"""An error map that leaves more than this share of the conventional model's error has not earned its keep."""
+
+
+def compared_text(compared: Bools) -> str:
+    """Return how many rows were compared."""
+    return f"{int(np.sum(compared))} of {compared.size} rows compared"
+
+
+def ratio_statement(left: str, first: str, ratio: float | None, rows: str) -> Statement:
+    """Return whether the last model leaves clearly less than the first.
+
+    Args:
+        left: what the last model leaves.
+        first: what the first one leaves.
+        ratio: of both; None where there is one model.
+        rows: how many rows were compared.
+    """
+    if ratio is None:
+        return Statement(Sign.NEUTRAL, f"{left} ({rows}).")
+    return Statement(
+        Sign.GOOD if ratio < _BETTER else Sign.BAD, f"{left}, {first}: ratio {ratio:.2f} ({rows})."
+    )
+
+
+def path_statement(validation: PathValidation | None) -> Statement:
+    """Return what the last model leaves on the path, and how much less than the first."""
+    if validation is None:
+        return Statement(
+            Sign.NEUTRAL, "The prediction has not been checked against an independent instrument."
+        )
+    last, first = validation.models[-1], validation.models[0]
+    return ratio_statement(
+        f"On the path {path_axis(validation.path).title} the {model_title(last)} leaves "
+        f"{last.comparison.rms_2d_um:.1f} µm rms (2D)",
+        f"the {model_title(first)} {first.comparison.rms_2d_um:.1f} µm",
+        validation.ratio,
+        compared_text(validation.compared),
+    )
+
+
+def agreement_text(model: ModelOnPath) -> str:
+    """Return whether what a model leaves on a path agrees with its uncertainties."""
+    judged, left_um = model.agreement, model.comparison.rms_2d_um
+    whose = (
+        "prediction and instrument" if judged.instrument else "the prediction (the instrument states none)"
+    )
+    figures = f"{left_um:.1f} µm (2D rms) are left, {judged.expected_um:.1f} µm are expected"
+    if judged.expected_um <= 0.0:
+        return f"{model_title(model)}: {left_um:.1f} µm (2D rms) are left; no uncertainty is stated to judge them by."
+    if judged.agrees:
+        return (
+            f"{model_title(model)}: what is left agrees with the uncertainties of {whose}: {figures} "
+            f"({probability_text(judged.probability)})."
+        )
+    return (
+        f"{model_title(model)}: the uncertainties of {whose} explain {100.0 * judged.share:.0f} % of the variance "
+        f"that is left: {figures} ({probability_text(judged.probability)}). The rest: what the model does not know, "
+        f"repeatability and drift of the arm{'' if judged.instrument else ', scatter of the instrument'}."
+    )
+
+
+def agreement_statement(model: ModelOnPath) -> Statement:
+    """Return the same with its sign."""
+    judged = model.agreement
+    if judged.expected_um <= 0.0:
+        return Statement(Sign.NEUTRAL, agreement_text(model))
+    return Statement(Sign.GOOD if judged.agrees else Sign.BAD, agreement_text(model))
