@@ -2,14 +2,11 @@
 
 from datetime import UTC, datetime
 from pathlib import Path
-from typing import Any
-
-import numpy as np
 
 from catseye.app.cell.bench import bench_of
 from catseye.app.cell.load import load_cell
 from catseye.app.cell.model import Cell
-from catseye.app.commands.output import emit, emit_json, say, table
+from catseye.app.commands.output import emit, emit_json, say
 from catseye.app.errors import LimitError, MeasurementRejectedError, UsageError
 from catseye.app.files.atomic import require_other_file, write_atomically
 from catseye.app.files.compensated_path import Origin, write_compensated_csv, write_compensated_json
@@ -18,21 +15,24 @@ from catseye.app.files.melfa_program import MelfaSettings, melfa_program
 from catseye.app.files.path_csv import read_path_csv, start_states
 from catseye.app.files.result_json import Result, read_result
 from catseye.app.files.ssfk_table import maps_of, ssfk_table
-from catseye.app.results.numbers import counted
+from catseye.app.render.text import statement_line, statement_lines, tables_text
+from catseye.app.results.model import Sign, Statement
 from catseye.app.results.scara.compensation import (
     CompensatedPath,
     compensate_path,
     require_clear,
     require_limits,
 )
-from catseye.app.results.scara.path_range import lines_text
+from catseye.app.results.scara.compensation_report import (
+    advice,
+    compensation_figures,
+    compensation_report,
+    unsolved_text,
+)
 from catseye.app.results.scara.validation import TAKE_UP_DEG
 from catseye.app.version import SOFTWARE
 from catseye.calibration.identification import IdentifiedArm
 from catseye.calibration.kinematics import Hand
-
-_LARGE_DEG = 0.2
-"""No joint of a sound arm needs such a correction; a stretched arm pays for its reach with it."""
 
 _UNCHECKED = (
     "without --cell FILE neither the limits of the joints nor the bodies of the arm and around it were checked: "
@@ -63,7 +63,7 @@ def compensate_command(
     arm = arm_of(identified)
     origin = _origin(result, identified)
     for text in arm_remarks(identified):
-        say(f"warning: {text}")
+        say(statement_line(Statement(Sign.ATTENTION, f"{text}.")))
     if form == "kw-ssfk":
         _write_tables(arm, origin, output, path, as_json)
         return
@@ -81,13 +81,14 @@ def compensate_command(
         write_compensated_json(compensated, origin, take_up_deg, output)
     else:
         write_compensated_csv(compensated, origin, output)
-    for text in warnings:
-        say(f"warning: {text}")
-    facts = _facts(compensated)
+    report = compensation_report(compensated, warnings)
+    for line in statement_lines(report):
+        say(line)
     if as_json:
-        emit_json({"output": [str(output)], "form": form, **facts, "warnings": warnings})
+        figures = compensation_figures(compensated)
+        emit_json({"output": [str(output)], "form": form, **figures, "warnings": warnings})
     else:
-        emit(_summary(facts))
+        emit(tables_text(report))
     say(f"{output} written")
 
 
@@ -149,7 +150,7 @@ def _settings(cell: Cell | None, j4_deg: float) -> MelfaSettings:
 def _checked(path: CompensatedPath, file: Path, form: str, cell: Cell | None, j4_deg: float) -> list[str]:
     """Refuse what cannot be driven; return what has to be known about the rest."""
     lines = [row.line for row in path.path.rows]
-    unsolved = _unsolved_text(path, lines)
+    unsolved = unsolved_text(path, lines)
     solved = path.solution.solved
     if unsolved and (form == "melfa" or not solved.any()):
         why = "nothing is left to correct" if not solved.any() else "a program leaves no row out"
@@ -157,7 +158,7 @@ def _checked(path: CompensatedPath, file: Path, form: str, cell: Cell | None, j4
     if cell is not None:
         _require_drivable(path, lines, cell, j4_deg)
     unchecked = _UNCHECKED if cell is None else ""
-    return [text for text in (unsolved, unchecked, *_advice(path, lines)) if text]
+    return [text for text in (unsolved, unchecked, *advice(path, lines)) if text]
 
 
 def _require_drivable(path: CompensatedPath, lines: list[int], cell: Cell, j4_deg: float) -> None:
@@ -171,74 +172,3 @@ def _require_drivable(path: CompensatedPath, lines: list[int], cell: Cell, j4_de
 
 def _range(limits: list[float]) -> tuple[float, float]:
     return limits[0], limits[1]
-
-
-def _unsolved_text(path: CompensatedPath, lines: list[int]) -> str:
-    solution = path.solution
-    far, beyond = ~solution.reachable, solution.reachable & ~solution.inside
-    parts = []
-    if far.any():
-        parts.append(f"the identified arm does not reach the positions of {lines_text(lines, far)}")
-    if beyond.any():
-        parts.append(
-            f"the corrected commands of {lines_text(lines, beyond)} lie outside the nodes of the maps, which are "
-            "never extrapolated: identify with nodes that enclose them"
-        )
-    return "; ".join(parts)
-
-
-def _advice(path: CompensatedPath, lines: list[int]) -> list[str]:
-    texts = []
-    loose = path.loose_mm > 0.0
-    if loose.any():
-        texts.append(
-            f"{counted(int(loose.sum()), 'row')} ({lines_text(lines, loose)}) begin or reverse the motion of a joint "
-            "and need a take-up (columns take_up1, take_up2): without it the arm may stand up to "
-            f"{1e3 * np.nanmax(path.loose_mm):.0f} µm off"
-        )
-    against = np.logical_or(path.contradicted[:, 0], path.contradicted[:, 1])
-    if against.any():
-        texts.append(
-            f"in {lines_text(lines, against)} the step to the row goes against the side from which it has to be "
-            "approached: only a take-up gets there from that side"
-        )
-    large = np.any(np.abs(np.rad2deg(path.correction_rad)) > _LARGE_DEG, axis=1)
-    if large.any():
-        texts.append(
-            f"in {lines_text(lines, large)} a joint is corrected by more than {_LARGE_DEG:g}°: the arm is nearly "
-            "stretched or folded there, where little reach takes much of its angles; keep away from it"
-        )
-    return texts
-
-
-def _facts(path: CompensatedPath) -> dict[str, Any]:
-    solved = path.solution.solved
-    correction_mdeg = 1e3 * np.rad2deg(np.abs(path.correction_rad[solved]))
-    shift_um = 1e3 * np.hypot(*path.shift_mm[solved].T)
-    u_um = 1e3 * np.hypot(*path.solution.u_mm[solved].T)
-    rounding_um = 1e3 * path.rounding_mm[solved]
-    return {
-        "rows": int(solved.size),
-        "corrected": int(solved.sum()),
-        "largest_correction1_mdeg": float(correction_mdeg[:, 0].max()),
-        "largest_correction2_mdeg": float(correction_mdeg[:, 1].max()),
-        "rms_shift_um": float(np.sqrt(np.mean(shift_um**2))),
-        "largest_shift_um": float(shift_um.max()),
-        "median_u_um": float(np.median(u_um)),
-        "largest_rounding_um": float(np.nanmax(rounding_um)),
-        "take_ups": int(path.take_up.any(axis=1).sum()),
-    }
-
-
-def _summary(facts: dict[str, Any]) -> str:
-    rows = [
-        ["rows corrected", "", f"{facts['corrected']} of {facts['rows']}"],
-        ["largest correction of J1", "mdeg", f"{facts['largest_correction1_mdeg']:.1f}"],
-        ["largest correction of J2", "mdeg", f"{facts['largest_correction2_mdeg']:.1f}"],
-        ["correction in the plane, rms", "µm", f"{facts['rms_shift_um']:.1f}"],
-        ["correction in the plane, largest", "µm", f"{facts['largest_shift_um']:.1f}"],
-        ["standard uncertainty left, 2-D median", "µm", f"{facts['median_u_um']:.1f}"],
-        ["left by steps of 1 mdeg, largest", "µm", f"{facts['largest_rounding_um']:.1f}"],
-        ["rows that need a take-up", "", f"{facts['take_ups']}"],
-    ]
-    return table(["corrected commands", "unit", "value"], rows)

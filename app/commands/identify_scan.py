@@ -5,7 +5,6 @@ from typing import TYPE_CHECKING
 
 from catseye.app.cell.bench import bench_of
 from catseye.app.cell.load import load_cell
-from catseye.app.commands.output import say
 from catseye.app.commands.progress import ProgressBar
 from catseye.app.errors import UsageError
 from catseye.app.files.result_json import Result
@@ -62,25 +61,6 @@ class _Bar:
         self._bar.update(done, total, text)
         if done >= total:
             self._bar.close()
-
-
-def without_maps(result: Result) -> Result:
-    """Return a result whose summary is short: maps with nodes every degree are for files and pictures."""
-    return result.model_copy(update={"theta1_map": None, "theta2_map": None})
-
-
-def say_scan(result: Result) -> None:
-    """Say what is kept of the residuals, and which segments stand out."""
-    scan = result.scan
-    if scan is None:
-        return
-    say(f"streamed: {scan.n_sample} of {scan.n_points} residuals kept one by one, all of them by segment")
-    segments = scan.segments
-    worst = max(range(len(segments.rms_um)), key=lambda i: segments.rms_um[i])
-    say(
-        f"largest rms of a segment: {segments.rms_um[worst]:.2f} µm, {segments.reflector[worst]}/"
-        f"{segments.segment[worst]}; largest residual {max(segments.largest_um):.2f} µm"
-    )
 
 
 def _require_streamable(points: Path, options: "IdentifyOptions") -> None:

@@ -53,14 +53,16 @@ def drawn(figure: Figure) -> Drawn:
     """Return a figure drawn."""
     whole = Drawn(figsize=(WIDTH_IN, WIDTH_IN * figure.aspect))
     grid = _grid(whole, figure)
-    for axes_row, panels in zip(grid, figure.rows, strict=True):
-        scales = [
-            scale
-            for axes, panel in zip(axes_row, panels, strict=True)
-            if axes is not None and panel is not None
-            for scale in _draw_panel(axes, panel, len(panels))
-        ]
-        _colour_bar(whole, [axes for axes in axes_row if axes is not None], scales)
+    rows = [
+        [(axes, panel) for axes, panel in zip(*row, strict=True) if axes is not None and panel is not None]
+        for row in zip(grid, figure.rows, strict=True)
+    ]
+    scales = [[scale for pair in row for scale in _draw_marks(*pair)] for row in rows]
+    # Ends that are given stop a scale from growing: not before everything that shares it is drawn.
+    for row, coloured in zip(rows, scales, strict=True):
+        for axes, panel in row:
+            _write_axes(axes, panel, len(row))
+        _colour_bar(whole, [axes for axes, _ in row], coloured)
     whole.align_ylabels([row[0] for row in grid if row[0] is not None])
     _legend(whole, grid, figure)
     if figure.note:
@@ -102,10 +104,14 @@ def _share(grid: _Grid, figure: Figure) -> None:
                 axes.tick_params(labelleft=False)
 
 
-def _draw_panel(axes: Axes, panel: Panel, beside: int) -> list[_Scale]:
+def _draw_marks(axes: Axes, panel: Panel) -> list[_Scale]:
     if panel.equal:
         axes.set_aspect("equal", adjustable="box")
     scales = [draw(mark, axes) for mark in panel.marks]
+    return [scale for scale in scales if scale is not None]
+
+
+def _write_axes(axes: Axes, panel: Panel, beside: int) -> None:
     axes.set_title(panel.title, fontsize=8.5 if beside > _NARROW else None)
     for label, limits, axis in (
         (axes.set_xlabel, axes.set_xlim, panel.x),
@@ -114,7 +120,6 @@ def _draw_panel(axes: Axes, panel: Panel, beside: int) -> list[_Scale]:
         label(_axis_text(axis), parse_math=bool(axis.symbol))
         if axis.low is not None or axis.high is not None:
             limits(axis.low, axis.high)
-    return [scale for scale in scales if scale is not None]
 
 
 def _axis_text(axis: Axis) -> str:

@@ -1,7 +1,6 @@
 """A result in rows and sentences, as the screen shows it; no widget in here."""
 
-import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any, Final
 
@@ -9,13 +8,17 @@ import numpy as np
 
 from catseye.app.files.result_files import ResultFile
 from catseye.app.files.result_json import MapTable, Result
+from catseye.app.render.cells import cell_text
+from catseye.app.render.text import table_text
 from catseye.app.results.model import Sign, Statement
+from catseye.app.results.origin import origin_now
 from catseye.app.results.scara.comparison import MapDifference, ResultComparison
+from catseye.app.results.scara.comparison_report import comparison_report
 from catseye.app.results.scara.diagnosis_document import finding_statements
-from catseye.app.results.scara.export import result_rows
 from catseye.app.results.scara.fit_text import fit_statements, identified_text, left_out_statements
 from catseye.app.results.scara.names import MODEL_TITLES
 from catseye.app.results.scara.uncertainty import uncertainty_statements
+from catseye.app.results.scara.values import parameter_table
 from catseye.app.tui.widgets.result_charts import COVERAGE, MapColumns
 from catseye.app.tui.work import command_line
 
@@ -54,16 +57,12 @@ def heading(file: ResultFile) -> str:
 
 def value_rows(result: Result) -> list[list[str]]:
     """Return every parameter: quantity, value, u, U (k = 2), unit."""
-    found = []
-    rows: Sequence[Mapping[str, Any]] = result_rows(result)
-    for row in rows:
-        decimals = _DECIMALS[row["unit"]]
-        name = str(row["quantity"])
-        if row["node_deg"] is not None:
-            name += f"({row['node_deg']:g}°, {'+' if row['direction'] > 0 else '−'})"
-        figures = [f"{figure:.{decimals}f}" for figure in (row["value"], row["u"], COVERAGE * row["u"])]
-        found.append([name, *figures, str(row["unit"])])
-    return found
+    table = parameter_table(result)
+    rows = []
+    for row in table.rows:
+        name, unit, _, *figures = map(cell_text, row, table.columns)
+        rows.append([name, *figures, unit])
+    return rows
 
 
 def map_columns(joint: int, table: MapTable) -> MapColumns:
@@ -177,36 +176,11 @@ def path_text(facts: dict[str, Any]) -> str:
     return "\n".join([*lines, *facts["verdict"], *(f"left out: {text}" for text in facts["left_out"])])
 
 
-def comparison_text(found: ResultComparison, verdict: str) -> str:
+def comparison_text(found: ResultComparison) -> str:
     """Return links and reflectors of two results, the verdict and the remarks."""
-    lines = [f"{verdict}.", "", "quantity       first      second   difference        u   in u"]
-    for one in (*found.values, *found.reflectors):
-        decimals = _DECIMALS[one.unit]
-        in_u = "–" if one.normalised is None else f"{one.normalised:+.2f}"
-        lines.append(
-            f"{one.name:<7}{one.first:>13.{decimals}f}{one.second:>12.{decimals}f}"
-            f"{one.difference:>+13.{decimals}f}{one.u:>9.{decimals}f}{in_u:>7} {one.unit}"
-        )
-    for one_map in found.maps:
-        lines += ["", *_map_lines(one_map)]
-    if not math.isclose(found.turn_mdeg, 0.0, abs_tol=5e-3):
-        lines += [
-            "",
-            f"the second result was turned by {found.turn_mdeg:+.2f} mdeg into the frame of the first",
-        ]
-    return "\n".join([*lines, "", *found.remarks])
-
-
-def _map_lines(one: MapDifference) -> list[str]:
-    lines = [f"Δθ{one.joint}     + mdeg    u   in u       − mdeg    u   in u"]
-    columns = (one.node_deg, one.difference_mdeg.T, one.u_mdeg.T, one.normalised.T)
-    for node, differences, us, sizes in zip(*(column.tolist() for column in columns), strict=True):
-        cells = [
-            f"{difference:>+8.2f} {u:>5.2f} {size:>+6.2f}"
-            for difference, u, size in zip(differences, us, sizes, strict=True)
-        ]
-        lines.append(f"{node:>6g}° {cells[0]}     {cells[1]}")
-    return lines
+    report = comparison_report(found, ("", ""), origin_now())
+    verdict, *others = (statement.text for statement in report.statements())
+    return "\n".join([verdict, "", table_text(report.table("differences")), "", *others])
 
 
 def lines_to_type(file: Path, cell: Path | None) -> str:

@@ -9,16 +9,13 @@ import numpy as np
 from catseye.app.errors import UsageError
 from catseye.app.files.identified_arm import arm_of, unverified_texts
 from catseye.app.files.result_json import Estimate, MapTable, Result
+from catseye.app.results.numbers import EXPANDED, MDEG_PER_RAD
 from catseye.calibration.error_map import interpolate
 from catseye.calibration.identification import IdentifiedArm
 from catseye.calibration.types import Floats
 
-_MDEG = 1e3 * math.degrees(1.0)
 _RANGE_DEG = 1e-6
 """Nodes that rounding puts beyond the end of a map belong to it."""
-
-COVERAGE = 2.0
-"""A difference within so many combined standard uncertainties is expected of 95 in 100."""
 
 
 @dataclass(frozen=True)
@@ -109,7 +106,7 @@ class ResultComparison:
     @property
     def within(self) -> tuple[int, int]:
         """How many differences lie within two combined standard uncertainties, of how many."""
-        return int(np.sum(np.abs(self.normalised) <= COVERAGE)), self.normalised.size
+        return int(np.sum(np.abs(self.normalised) <= EXPANDED)), self.normalised.size
 
 
 def compare_results(first: Result, second: Result) -> ResultComparison:
@@ -130,7 +127,7 @@ def compare_results(first: Result, second: Result) -> ResultComparison:
     return ResultComparison(
         values=_values(first, second, maps=bool(maps)),
         maps=tuple(maps),
-        reflectors=_reflectors(first, second, turn_mdeg / _MDEG),
+        reflectors=_reflectors(first, second, turn_mdeg / MDEG_PER_RAD),
         turn_mdeg=turn_mdeg,
         remarks=tuple(_remarks(first, second)),
     )
@@ -193,7 +190,7 @@ def _at_nodes(arm: IdentifiedArm, joint: int, nodes_deg: Floats) -> tuple[Floats
         # Uncertainties in the gauge in which both are compared: the mean over these nodes is zero.
         weights = weights - weights.mean(axis=(0, 1))
     variance = np.einsum("dmp,pq,dmq->dm", weights, arm.covariance, weights)
-    return _MDEG * values, _MDEG * np.sqrt(np.maximum(variance, 0.0))
+    return MDEG_PER_RAD * values, MDEG_PER_RAD * np.sqrt(np.maximum(variance, 0.0))
 
 
 def _weights(arm: IdentifiedArm, joint: int, direction: int, nodes_deg: Floats) -> Floats:

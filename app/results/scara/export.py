@@ -7,12 +7,12 @@ from typing import Any
 
 from catseye.app.errors import UsageError
 from catseye.app.files.points_csv import PointRow, points_csv
-from catseye.app.files.result_json import Estimate, MapTable, Result, read_result
+from catseye.app.files.result_json import Result, read_result
 from catseye.app.files.tabular import Row, table_csv
 from catseye.app.results.scara.identify import cell_of_run, run_rows
 from catseye.app.results.scara.path_rows import holds_distances
+from catseye.app.results.scara.values import result_values
 from catseye.app.store.reader import RunReader
-from catseye.calibration.extension import Term
 
 _MEASURED = ("theta1_deg", "theta2_deg", "direction1", "direction2", "x_meas_mm", "y_meas_mm", "u_mm")
 
@@ -112,44 +112,14 @@ def result_export(path: Path) -> Export:
 
 def result_rows(result: Result) -> list[Row]:
     """Return every parameter as a row: quantity, node_deg, direction, value, unit, u (k = 1)."""
-    rows = [_row("L1", result.link1_mm, "mm"), _row("L2", result.link2_mm, "mm")]
-    for name, estimate, unit in (
-        ("L1 at 20 °C", result.link1_20c_mm, "mm"),
-        ("L2 at 20 °C", result.link2_20c_mm, "mm"),
-        ("θ20", result.theta20_mdeg, "mdeg"),
-    ):
-        rows += [] if estimate is None else [_row(name, estimate, unit)]
-    for name, table in (("Δθ1", result.theta1_map), ("Δθ2", result.theta2_map)):
-        rows += [] if table is None else _map_rows(name, table)
-    for one in result.extension or []:
-        term = Term(one.target, one.source, one.part, one.order)
-        rows.append(_row(term.name, Estimate(value=one.value, u=one.u), "µm" if one.unit == "um" else "mdeg"))
-    for place in result.reflectors:
-        rows += [_row(f"{place.name}.x", place.x_mm, "mm"), _row(f"{place.name}.y", place.y_mm, "mm")]
-    return rows + [
-        _row(f"dead path {dead.reflector}/{dead.segment}", dead.length_mm, "mm") for dead in result.dead_paths
-    ]
-
-
-def _map_rows(name: str, table: MapTable) -> list[Row]:
     return [
-        _row(name, Estimate(value=value, u=u), "mdeg", node, direction)
-        for direction, values, us in (
-            (1, table.positive_mdeg, table.u_positive_mdeg),
-            (-1, table.negative_mdeg, table.u_negative_mdeg),
-        )
-        for node, value, u in zip(table.node_deg, values, us, strict=True)
+        {
+            "quantity": one.quantity,
+            "node_deg": one.node_deg,
+            "direction": one.direction,
+            "value": one.value,
+            "unit": one.unit,
+            "u": one.u,
+        }
+        for one in result_values(result)
     ]
-
-
-def _row(
-    quantity: str, estimate: Estimate, unit: str, node_deg: float | None = None, direction: int | None = None
-) -> Row:
-    return {
-        "quantity": quantity,
-        "node_deg": node_deg,
-        "direction": direction,
-        "value": estimate.value,
-        "unit": unit,
-        "u": estimate.u,
-    }

@@ -129,7 +129,7 @@ class ResultsScreen(WorkScreen):
         self._in_u = False
         self._diagnoses: dict[_Version, dict[str, Any]] = {}
         self._validations: dict[_Version, dict[str, Any]] = {}
-        self._comparison: tuple[ResultComparison, str] | None = None
+        self._comparison: ResultComparison | None = None
         self._scratch: Path | None = None
 
     def body(self) -> ComposeResult:
@@ -465,7 +465,7 @@ class ResultsScreen(WorkScreen):
             part.show_nothing()
             return
         names = f"{self._other.path.name} (second) minus {self._file.path.name} (first)"
-        part.show(names, *self._comparison, in_u=self._in_u)
+        part.show(names, self._comparison, in_u=self._in_u)
 
 
 def _version(file: "ResultFile") -> _Version:
@@ -482,16 +482,14 @@ def _shelf(root: Path) -> "ResultFiles":
     return ResultFiles([root.absolute().parent, Path.cwd(), DEMO_FOLDER.absolute()])
 
 
-def _compared(file: "ResultFile", other: "ResultFile") -> "tuple[ResultComparison, str] | str":
-    """Return both results compared with the verdict, or why they cannot be."""
-    from catseye.app.commands.compare import verdict
+def _compared(file: "ResultFile", other: "ResultFile") -> "ResultComparison | str":
+    """Return both results compared, or why they cannot be."""
     from catseye.app.errors import UsageError
     from catseye.app.results.scara.comparison import compare_results
 
     if file.result is None or other.result is None:
         return f"{other.path.name} cannot be read: {other.fault}"
     try:
-        found = compare_results(file.result, other.result)
+        return compare_results(file.result, other.result)
     except UsageError as error:
         return str(error)
-    return found, verdict(found)

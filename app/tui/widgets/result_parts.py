@@ -156,13 +156,12 @@ class ComparePart(Vertical):
         _tell(self, "#difference-legend", "put the cursor on another result (1), then c")
         _tell(self, "#comparison", "")
 
-    def show(self, names: str, found: "ResultComparison", verdict: str, *, in_u: bool) -> None:
+    def show(self, names: str, found: "ResultComparison", *, in_u: bool) -> None:
         """Show a comparison.
 
         Args:
             names: of both results.
             found: the comparison.
-            verdict: on all differences.
             in_u: differences of the maps in combined standard uncertainties, not in mdeg.
         """
         from catseye.app.tui.result_texts import comparison_text, difference_columns
@@ -174,7 +173,7 @@ class ComparePart(Vertical):
         self.query_one("#differences").display = bool(found.maps)
         what = "lines at ±2 u" if in_u else "bars ±2 combined u"
         _tell(self, "#difference-legend", f"+ upwards   − downwards   {what}   (u switches)")
-        _tell(self, "#comparison", f"{names}\n{comparison_text(found, verdict)}")
+        _tell(self, "#comparison", f"{names}\n{comparison_text(found)}")
 
 
 def _tell(part: Widget, widget: str, text: str) -> None:

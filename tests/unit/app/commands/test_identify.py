@@ -9,9 +9,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from catseye.app.commands.identify import IdentifyOptions, identify_command, verdicts
+from catseye.app.commands.identify import IdentifyOptions, identify_command
 from catseye.app.errors import UsageError
 from catseye.app.files.result_json import Fit, Result, read_result
+from catseye.app.results.scara.identification_report import identification_report
 from catseye.calibration.points import Points
 from tests.unit.app.commands.distances import write_points
 from tests.unit.app.results.scara import sample
@@ -62,7 +63,7 @@ def test_reject_leaves_out_the_wrong_distances_and_names_them(
     assert missed == pytest.approx([300.0, -200.0], abs=35.0)
     assert result.fit.robust is None
     said = capsys.readouterr().err
-    assert said.count("rejected: row ") == 2
+    assert said.count("Left out: row ") == 2
     assert max(map(abs, errors_in_u(result))) < 4.0
 
 
@@ -164,22 +165,20 @@ def test_what_cannot_be_done_soundly_is_refused_and_nothing_is_written(
     assert not (tmp_path / "r.json").exists()
 
 
-def lack_verdict(fit: Fit) -> str:
-    texts = verdicts(sample.hand_made(the_fit=fit))
-    return next(text for text in texts if "lack of fit" in text.lower())
+def said_of(fit: Fit) -> str:
+    report = identification_report(sample.hand_made(the_fit=fit))
+    return next(one.text for one in report.statements() if "repeats of a pose" in one.text.lower())
 
 
 def test_lack_of_fit_is_in_capitals_only_where_nothing_stated_explains_it() -> None:
-    assert lack_verdict(sample.fit(sample.LACK)).startswith(
-        "LACK OF FIT: repeats of a pose scatter by 9.9 µm"
-    )
-    assert lack_verdict(sample.fit(sample.LACK)).endswith("the uncertainties were widened 2.50 times")
+    assert said_of(sample.fit(sample.LACK)).startswith("LACK OF FIT: repeats of a pose scatter by 9.9 µm")
+    assert said_of(sample.fit(sample.LACK)).endswith("the uncertainties were widened by a factor of 2.50.")
     covered = sample.fit(sample.LACK).model_copy(update={"variance_factor": 1.0})
-    assert lack_verdict(covered).endswith("large enough to cover it and were not widened")
+    assert said_of(covered).endswith("large enough to cover it and were not widened.")
     stated = sample.LACK.model_copy(update={"explained": True, "expected_ratio": 16.2})
-    text = lack_verdict(sample.fit(stated))
-    assert text.startswith("no lack of fit beyond what is stated")
-    assert text.endswith("let expect F = 16.20")
+    text = said_of(sample.fit(stated))
+    assert "LACK OF FIT" not in text
+    assert "the stated systematic contributors account for it (F = 16.2 expected" in text
 
 
 def test_a_factor_in_square_millimetres_is_not_told_as_a_widening(

@@ -74,7 +74,7 @@ def test_streamed_or_not_the_result_file_is_the_same(
         assert getattr(streamed.fit, name) == pytest.approx(getattr(whole.fit, name), rel=1e-7)
     assert streamed.scan is not None
     assert streamed.scan.n_points == sum(streamed.scan.segments.n_points) == ROWS
-    assert re.search(r"streamed: 3\d\d\d of 9000 residuals", said.err)
+    assert re.search(r"Streamed: 3\d\d\d of 9000 residuals", said.err)
     assert "solving 100%" in said.err
     assert "L1" in said.out
     assert "Δθ1" not in said.out

@@ -1,0 +1,50 @@
+"""What an identification says at its end."""
+
+from catseye.app.files.result_json import Result
+from catseye.app.results.model import Report, Sign, Statement, section
+from catseye.app.results.origin import origin_now
+from catseye.app.results.scara.fit_text import fit_statements, left_out_statements
+from catseye.app.results.scara.uncertainty import uncertainty_statements
+from catseye.app.results.scara.values import parameter_table
+
+
+def identification_report(result: Result) -> Report:
+    """Return the parameters, how they fit, and where their uncertainties come from."""
+    fit = result.fit
+    size = (
+        f"{fit.n_points} distances, {fit.n_parameters} free parameters, residuals {fit.rms_um:.2f} µm rms, "
+        f"gauge: {result.gauge}."
+    )
+    statements = [Statement(Sign.NEUTRAL, size), *fit_statements(result), *left_out_statements(result)]
+    if result.uncertainty is not None:
+        statements += uncertainty_statements(result.uncertainty)
+    return Report(
+        "Identification",
+        origin_now(
+            simulated=bool(result.provenance.simulated), unverified=result.provenance.unverified or ()
+        ),
+        (
+            section("verdict", "Verdict", [*statements, *_scan_statements(result)], brief=True),
+            section(
+                "parameters",
+                "Identified arm",
+                [parameter_table(result, short=result.scan is not None)],
+                brief=True,
+            ),
+        ),
+    )
+
+
+def _scan_statements(result: Result) -> list[Statement]:
+    """Return what is kept of the residuals of streamed distances, and which segments stand out."""
+    scan = result.scan
+    if scan is None:
+        return []
+    segments = scan.segments
+    worst = max(range(len(segments.rms_um)), key=lambda i: segments.rms_um[i])
+    texts = (
+        f"Streamed: {scan.n_sample} of {scan.n_points} residuals kept one by one, all of them by segment.",
+        f"Largest rms of a segment: {segments.rms_um[worst]:.2f} µm, {segments.reflector[worst]}/"
+        f"{segments.segment[worst]}; largest residual {max(segments.largest_um):.2f} µm.",
+    )
+    return [Statement(Sign.NEUTRAL, text) for text in texts]
