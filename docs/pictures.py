@@ -4,12 +4,14 @@ import sys
 from pathlib import Path
 
 from catseye.app.demo import evaluate
+from catseye.app.files.documents import read_truth
 from catseye.app.render.canvas import svg
-from catseye.app.results.scara.figures.maps import error_map_figure
+from catseye.app.render.mpl import drawn
+from catseye.app.results.scara.figures.maps import map_figure
 from catseye.app.results.scara.figures.path import path_figure
 from catseye.app.results.scara.figures.trajectories import trajectory_figure
 from catseye.app.results.scara.path_view import gaps
-from catseye.app.results.scara.run_report import demo_truth
+from catseye.app.results.scara.run_content import truth_tables
 from catseye.app.store.catalog import list_runs
 
 
@@ -17,14 +19,16 @@ def main(folder: Path) -> None:
     """Write the pictures into docs/images."""
     result = evaluate(folder, {run.procedure: run.path for run in list_runs(folder / "runs")})
     error_map = result.results["error-map"]
+    truth = truth_tables(result.identified["error-map"], read_truth(folder / "truth.json"))
     pictures = {
-        "error-maps": error_map_figure(error_map, demo_truth(result)),
+        "error-maps": map_figure(error_map, truth),
         "validation-path": path_figure(result.validation, gaps(result.validation, error_map)),
         "trajectories": trajectory_figure(result.validation),
     }
     images = Path(__file__).parent / "images"
     for name, figure in pictures.items():
-        (images / f"{name}.svg").write_text(svg(figure, name, name), encoding="utf-8")
+        if figure is not None:
+            (images / f"{name}.svg").write_text(svg(drawn(figure), name, name), encoding="utf-8")
 
 
 if __name__ == "__main__":

@@ -5,12 +5,13 @@ import sys
 from pathlib import Path
 
 from catseye.app.commands.narrator import Narrator
-from catseye.app.commands.output import emit, emit_json, say, table
+from catseye.app.commands.output import emit, emit_json, say
 from catseye.app.demo import DemoInterruptedError, DemoResult, evaluate, measure, prepare_folder
 from catseye.app.engine.announcer import Publish
 from catseye.app.files.documents import read_truth
+from catseye.app.render.text import statement_lines, tables_text
 from catseye.app.results.scara.identify import MODELS
-from catseye.app.results.scara.validation import ModelOnPath
+from catseye.app.results.scara.job_summary import job_summary
 from catseye.app.store.reader import RunReader
 
 
@@ -34,7 +35,11 @@ def demo_command(out: Path, speed: float, seed: int, truth: Path | None, as_json
     if as_json:
         emit_json(_summary(result, report))
     else:
-        emit(_text(result))
+        summary = job_summary(result.truth, result.results["error-map"].fit, result.validation)
+        emit(tables_text(summary))
+        emit("")
+        for line in statement_lines(summary):
+            emit(line)
         emit(f"report           {report}")
         emit(f"run              {result.runs['open-loop']}")
 
@@ -55,49 +60,6 @@ def _write_report(result: DemoResult) -> Path:
     )
     write_page(run_report(content), path)
     return path
-
-
-def _text(result: DemoResult) -> str:
-    truth = result.truth
-    header = ["parameter", "unit", "truth", "identified", "u (k=1)", "error/u"]
-    rows = [
-        [name, unit, *(_number(value, unit) for value in (true, found, u)), f"{error:+.2f}"]
-        for name, unit, true, found, u, error in zip(
-            truth.names, truth.units, truth.truth, truth.identified, truth.u, truth.normalised, strict=True
-        )
-    ]
-    fit = result.results["error-map"].fit
-    paths = ["", "validation path", *(f"  {line}" for line in _path_lines(result)), ""]
-    quality = (
-        f"{fit.n_points} distances, residuals {fit.rms_um:.1f} µm rms; errors over their u: "
-        f"{truth.rms_normalised:.2f} rms (1 is honest)"
-    )
-    return "\n".join([table(header, rows), "", quality, *paths])
-
-
-def _path_lines(result: DemoResult) -> list[str]:
-    validation = result.validation
-    left_out = int((~validation.compared).sum())
-    header = ["model", "E_YY rms µm", "E_XY rms µm", "2-D rms µm", "max µm"]
-    rows = [_model_row(model) for model in validation.models]
-    lines = table(header, rows).splitlines()
-    compared = int(validation.compared.sum())
-    lines.append(
-        f"{compared} points compared, {left_out} left out (θ2 beyond the nodes, or a joint just reversed)"
-    )
-    if validation.ratio is not None:
-        lines.append(f"the error map leaves {validation.ratio:.2f} of the conventional model's error")
-    return lines
-
-
-def _model_row(model: ModelOnPath) -> list[str]:
-    comparison = model.comparison
-    x_um, y_um = comparison.rms_um
-    return [model.model, *(f"{value:.1f}" for value in (y_um, x_um, comparison.rms_2d_um, comparison.max_um))]
-
-
-def _number(value: float, unit: str) -> str:
-    return f"{value:.4f}" if unit == "mm" else f"{value:.2f}"
 
 
 def _summary(result: DemoResult, report: Path) -> dict[str, object]:

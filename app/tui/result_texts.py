@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Any, Final
+from typing import Any
 
 import numpy as np
 
@@ -11,6 +11,7 @@ from catseye.app.files.result_json import MapTable, Result
 from catseye.app.render.cells import cell_text
 from catseye.app.render.text import table_text
 from catseye.app.results.model import Sign, Statement
+from catseye.app.results.numbers import EXPANDED
 from catseye.app.results.origin import origin_now
 from catseye.app.results.scara.comparison import MapDifference, ResultComparison
 from catseye.app.results.scara.comparison_report import comparison_report
@@ -19,10 +20,8 @@ from catseye.app.results.scara.fit_text import fit_statements, identified_text, 
 from catseye.app.results.scara.names import MODEL_TITLES
 from catseye.app.results.scara.uncertainty import uncertainty_statements
 from catseye.app.results.scara.values import parameter_table
-from catseye.app.tui.widgets.result_charts import COVERAGE, MapColumns
+from catseye.app.tui.widgets.result_charts import MapColumns
 from catseye.app.tui.work import command_line
-
-_DECIMALS: Final = {"mm": 4, "mdeg": 2, "µm": 2}
 
 
 def file_row(file: ResultFile) -> list[str]:
@@ -85,19 +84,19 @@ def difference_columns(one: MapDifference, *, in_u: bool) -> MapColumns:
     else:
         title, (up, down) = f"Δθ{one.joint} difference mdeg", one.difference_mdeg
         u_up, u_down = one.u_mdeg
-    return MapColumns(title, one.node_deg, up, down, u_up, u_down, limit=COVERAGE if in_u else 0.0)
+    return MapColumns(title, one.node_deg, up, down, u_up, u_down, limit=EXPANDED if in_u else 0.0)
 
 
 def layout_text(result: Result) -> str:
     """Return places of reflectors and dead paths with their uncertainties."""
     lines = ["reflector      x mm   U(k=2)       y mm   U(k=2)"]
     for place in result.reflectors:
-        cells = [f"{one.value:>10.3f} {COVERAGE * one.u:>8.3f}" for one in (place.x_mm, place.y_mm)]
+        cells = [f"{one.value:>10.3f} {EXPANDED * one.u:>8.3f}" for one in (place.x_mm, place.y_mm)]
         lines.append(f"{place.name:<9}{cells[0]} {cells[1]}")
     lines += ["", "dead path       length mm   U(k=2)"]
     for dead in result.dead_paths:
         name = f"{dead.reflector}, segment {dead.segment}"
-        lines.append(f"{name:<15}{dead.length_mm.value:>10.3f} {COVERAGE * dead.length_mm.u:>8.3f}")
+        lines.append(f"{name:<15}{dead.length_mm.value:>10.3f} {EXPANDED * dead.length_mm.u:>8.3f}")
     lines += ["", f"L1 {result.link1_mm.value:.3f} mm, L2 {result.link2_mm.value:.3f} mm", result.gauge]
     return "\n".join(lines)
 

@@ -1,10 +1,9 @@
 """Reversal error of a joint: the map of the negative direction minus that of the positive one."""
 
-import math
-
 import numpy as np
 
 from catseye.app.files.result_json import MapTable, Result
+from catseye.app.results.numbers import MDEG_PER_RAD
 
 
 def reversal_mdeg(table: MapTable) -> list[float]:
@@ -33,5 +32,4 @@ def u_reversal_mdeg(result: Result, joint: int) -> list[float] | None:
     positive = np.arange(start, start + size)
     negative = positive + size
     variance = matrix[positive, positive] + matrix[negative, negative] - 2.0 * matrix[positive, negative]
-    scale = 1e3 * math.degrees(1.0)
-    return [float(u) for u in scale * np.sqrt(np.maximum(variance, 0.0))]
+    return [float(u) for u in MDEG_PER_RAD * np.sqrt(np.maximum(variance, 0.0))]

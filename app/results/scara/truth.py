@@ -5,6 +5,7 @@ from typing import Any
 
 import numpy as np
 
+from catseye.app.results.numbers import MDEG_PER_RAD
 from catseye.calibration.identification import Identification
 from catseye.calibration.types import Floats
 
@@ -56,7 +57,7 @@ def compare_with_truth(identified: Identification, truth: dict[str, Any]) -> Tru
     links = [truth["link1_mm"]["value"], truth["link2_mm"]["value"]]
     n = layout.reflectors.stop
     scale = np.ones(n)
-    scale[layout.map1.start : layout.map2.stop] = 1e3 * np.rad2deg(1.0)
+    scale[layout.map1.start : layout.map2.stop] = MDEG_PER_RAD
     true = np.concatenate([links, map1 - turn, map2, np.ravel(places)])
     return TruthComparison(
         names=layout.names()[:n],

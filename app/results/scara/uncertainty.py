@@ -19,6 +19,7 @@ from catseye.app.files.uncertainty_part import (
     ValidationRow,
 )
 from catseye.app.results.model import Sign, Statement
+from catseye.app.results.numbers import MDEG_PER_RAD
 from catseye.calibration.identification import Identification
 from catseye.calibration.layout import Layout
 from catseye.calibration.types import Floats
@@ -33,7 +34,6 @@ COVERAGE = 0.95
 _PAIRS = 10
 """Strongest correlations that are named."""
 
-_MDEG = 1e3 * math.degrees(1.0)
 _UM = 1e3
 
 
@@ -191,7 +191,7 @@ def _scales(layout: Layout) -> list[tuple[str, float]]:
     angles = layout.extension.start - 2
     terms = [("mdeg" if term.angular else "um", term_unit(term)) for term in layout.terms]
     rest = layout.size - layout.arm_size
-    return [("mm", 1.0)] * 2 + [("mdeg", _MDEG)] * angles + terms + [("mm", 1.0)] * rest
+    return [("mm", 1.0)] * 2 + [("mdeg", MDEG_PER_RAD)] * angles + terms + [("mm", 1.0)] * rest
 
 
 def _calculated(identified: Identification, found: Contributions) -> list[Interval]:
@@ -241,12 +241,12 @@ def _results(layout: Layout, variances: Floats) -> list[tuple[str, Floats, str, 
     names, totals = layout.names(), variances.sum(axis=0)
     found = [("L1", variances[:, 0], "um", _UM), ("L2", variances[:, 1], "um", _UM)]
     if layout.model == "conventional":
-        found.append(("θ20", variances[:, 2], "mdeg", _MDEG))
+        found.append(("θ20", variances[:, 2], "mdeg", MDEG_PER_RAD))
     else:
         for title, part in (("map of J1", layout.map1), ("map of J2", layout.map2)):
             worst = part.start + int(np.argmax(totals[part]))
-            found.append((f"{title}, worst: {names[worst]}", variances[:, worst], "mdeg", _MDEG))
-            found.append((f"{title}, rms of nodes", variances[:, part].mean(axis=1), "mdeg", _MDEG))
+            found.append((f"{title}, worst: {names[worst]}", variances[:, worst], "mdeg", MDEG_PER_RAD))
+            found.append((f"{title}, rms of nodes", variances[:, part].mean(axis=1), "mdeg", MDEG_PER_RAD))
     places = variances[:, layout.reflectors].reshape(len(variances), -1, 2).sum(axis=2)
     if places.size:
         worst = int(np.argmax(places.sum(axis=0)))

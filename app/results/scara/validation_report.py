@@ -37,7 +37,7 @@ def path_section(
         "Validation path",
         [
             Paragraph(_measured(validation, axis)),
-            _comparison(validation, lines),
+            comparison_table(validation, lines),
             Paragraph(
                 "Ratio: 2D rms over that of the first model. u of prediction: median of the 2D standard uncertainty."
             ),
@@ -85,7 +85,13 @@ def _stated(validation: PathValidation) -> str:
     return f"with a standard uncertainty of {u} µm a coordinate"
 
 
-def _comparison(validation: PathValidation, lines: Sequence[int]) -> Table:
+def comparison_table(validation: PathValidation, lines: Sequence[int] = ()) -> Table:
+    """Return what each model leaves on the path.
+
+    Args:
+        validation: what was compared.
+        lines: of the path's file, one a row; empty for a run.
+    """
     first_um = validation.models[0].comparison.rms_2d_um
     return Table(
         "models",

@@ -7,6 +7,7 @@ from typing import Any, Final
 
 import numpy as np
 
+from catseye.app.results.numbers import EXPANDED
 from catseye.app.tui.widgets.braille import Canvas, Floats
 from catseye.app.tui.widgets.chart import AXIS, Chart, ends_of
 from catseye.app.tui.widgets.inks import Line
@@ -19,9 +20,6 @@ OUTLIER: Final = "outlier"
 FIRST_MODEL: Final = "first-model"
 LAST_MODEL: Final = "last-model"
 LIMIT: Final = "limit"
-
-COVERAGE: Final = 2.0
-"""Bars reach so many standard uncertainties to either side."""
 
 _NUMBERED: Final = 9
 _LETTERS: Final = 7
@@ -53,7 +51,7 @@ class MapColumns:
 
 def draw_map(columns: MapColumns, width: int, height: int) -> list[Line]:
     """Return a map with its bars: + approached upwards, − downwards, ± both in one place."""
-    bars = COVERAGE * columns.u_positive, COVERAGE * columns.u_negative
+    bars = EXPANDED * columns.u_positive, EXPANDED * columns.u_negative
     y = ends_of(
         columns.positive + bars[0],
         columns.positive - bars[0],
