@@ -27,7 +27,7 @@ def comparison_report(found: ResultComparison, names: tuple[str, str], origin: O
         names: of their files.
         origin: of the report.
     """
-    remarks = (Statement(Sign.NEUTRAL, f"{text}.") for text in found.remarks)
+    remarks = (Statement(Sign.NEUTRAL, f"{text[:1].upper()}{text[1:]}.") for text in found.remarks)
     figures = [map_differences(found, in_u=in_u) for in_u in (False, True)] if found.maps else []
     return Report(
         f"{names[1]} minus {names[0]}",

@@ -5,13 +5,14 @@ from typing import Literal
 
 import numpy as np
 
-from catseye.app.results.numbers import MDEG_PER_RAD
 from catseye.calibration.extension import Source, term_values
 from catseye.calibration.identification import IdentifiedArm
 from catseye.calibration.standards.iso230_2 import Uncertain, systematic_of_map
 from catseye.calibration.types import Floats
 
 ARCSEC_PER_MDEG = 3.6
+
+_MDEG = np.deg2rad(1e-3)
 
 
 @dataclass(frozen=True)
@@ -61,7 +62,7 @@ def _joint_map(arm: IdentifiedArm, joint: Literal[1, 2]) -> JointMap:
     return JointMap(
         joint,
         nodes,
-        MDEG_PER_RAD * (design @ arm.parameters),
-        MDEG_PER_RAD**2 * (design @ arm.covariance @ design.T),
+        design @ arm.parameters / _MDEG,
+        design @ arm.covariance @ design.T / _MDEG**2,
         tuple(left_out),
     )
