@@ -241,10 +241,6 @@ class Figure:
     legend_columns: int = 4
     note: str = ""
 
-    def panels(self) -> list[Panel]:
-        """Return all panels in reading order."""
-        return [panel for row in self.rows for panel in row if panel is not None]
-
 
 def columns(xy: "Floats") -> "tuple[Floats, Floats]":
     """Return x and y of places, shape (n, 2)."""

@@ -67,16 +67,6 @@ class Table:
     columns: tuple[Column, ...]
     rows: tuple[tuple[Cell, ...], ...]
 
-    def records(self) -> list[dict[str, str | int | float | None]]:
-        """Return the rows by the keys of the columns, unrounded: the table's JSON."""
-        return [
-            {
-                column.key: cell.value if isinstance(cell, Quantity) else cell
-                for column, cell in zip(self.columns, row, strict=True)
-            }
-            for row in self.rows
-        ]
-
 
 @dataclass(frozen=True)
 class Paragraph:

@@ -18,7 +18,7 @@ SHARE_EXPECTED: Final = 0.9
 
 MDEG_PER_RAD: Final = 1e3 * math.degrees(1.0)
 
-Style = Literal["text", "fixed", "significant", "plain", "percent", "probability", "duration", "minutes"]
+Style = Literal["text", "fixed", "significant", "plain", "percent", "probability", "duration"]
 
 
 @dataclass(frozen=True)
@@ -42,7 +42,6 @@ PLAIN: Final = Format("plain")
 PERCENT: Final = Format("percent", 0)
 PROBABILITY: Final = Format("probability")
 DURATION: Final = Format("duration")
-MINUTES: Final = Format("minutes")
 THREE_DIGITS: Final = Format("significant", 3)
 
 
@@ -151,5 +150,4 @@ _STYLES: Final[Mapping[Style, Callable[[float, int], str]]] = {
     "percent": lambda value, digits: f"{100.0 * value:.{digits}f} %",
     "probability": _probability,
     "duration": lambda value, _: duration_text(value),
-    "minutes": lambda value, _: f"{value / 60.0:.1f}",
 }

@@ -25,7 +25,7 @@ from catseye.app.results.numbers import (
     number,
 )
 from catseye.app.results.origin import origin_now
-from catseye.app.results.scara.design.bench_time import BenchCost as Cost
+from catseye.app.results.scara.design.bench_time import BenchCost
 from catseye.app.results.scara.design.commands import CommandChoice
 from catseye.app.results.scara.design.design import Design, NodeUncertainty, weakest
 from catseye.app.results.scara.design.figures.front import front_figure
@@ -190,7 +190,7 @@ def _costs(found: Design) -> Table:
     )
 
 
-def _plan_statement(cost: Cost) -> Statement:
+def _plan_statement(cost: BenchCost) -> Statement:
     """Return what the plan of the measurement says of a layout; bench times are estimates of that plan."""
     if cost.refused:
         return Statement(Sign.ATTENTION, f"The plan of open-loop refuses this layout: {cost.refused}.")

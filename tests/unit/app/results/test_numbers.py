@@ -6,7 +6,6 @@ import pytest
 
 from catseye.app.results.numbers import (
     COUNT,
-    MINUTES,
     NOTHING,
     PERCENT,
     PLAIN,
@@ -48,7 +47,6 @@ SIGNED = fixed(1, signed=True)
         (0.954, PERCENT, "95 %"),
         (1e-9, PROBABILITY, "< 0.001"),
         (0.0123, PROBABILITY, "0.012"),
-        (90.0, MINUTES, "1.5"),
     ],
 )
 def test_number_follows_its_format(value: float | None, form: Format, text: str) -> None:
