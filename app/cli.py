@@ -72,7 +72,7 @@ cli.add_typer(config, name="config")
 def _tell_version(wanted: bool) -> None:
     if wanted:
         from catseye.app.commands.output import emit
-        from catseye.app.version import SOFTWARE
+        from catseye.app.store.software import SOFTWARE
 
         emit(SOFTWARE)
         raise typer.Exit

@@ -6,12 +6,12 @@ from pathlib import Path
 
 from catseye.app.commands.attached import PROGRAM, People, Programs
 from catseye.app.errors import UsageError
-from catseye.app.runs_folder import runs_folder
 from catseye.app.service.address import all_sockets, find_socket
 from catseye.app.service.client import connect
 from catseye.app.service.errors import RefusedError, ServiceError
 from catseye.app.store.catalog import resolve_run
 from catseye.app.store.reader import Accept, RunReader
+from catseye.app.store.runs_folder import runs_folder
 
 
 def attach_command(run: str | None, runs: Path | None, *, control: bool, force: bool, as_json: bool) -> None:

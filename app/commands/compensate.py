@@ -22,7 +22,7 @@ from catseye.app.files.path_csv import read_path_csv, start_states
 from catseye.app.files.result_json import Result, read_result
 from catseye.app.files.ssfk_table import maps_of, ssfk_table
 from catseye.app.report.numbers import counted
-from catseye.app.version import SOFTWARE
+from catseye.app.store.software import SOFTWARE
 from catseye.calibration.identification import IdentifiedArm
 from catseye.calibration.kinematics import Hand
 

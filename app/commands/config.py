@@ -8,10 +8,10 @@ from catseye.app.cell.model import Cell
 from catseye.app.cell.plausible import implausible
 from catseye.app.cell.template import TEMPLATE
 from catseye.app.commands.output import emit, emit_json, say
+from catseye.app.engine.instruments import device_builder
 from catseye.app.engine.interlock import NO_DOOR
 from catseye.app.errors import ConfigError, UsageError
 from catseye.app.files.atomic import write_atomically
-from catseye.app.instruments import device_builder
 from catseye.drivers.links.endpoint import TcpEndpoint, parse_endpoint
 from catseye.drivers.roles.clock import SystemClock
 

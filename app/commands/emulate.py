@@ -9,8 +9,8 @@ from pathlib import Path
 
 from catseye.app.cell.load import load_cell
 from catseye.app.commands.output import emit_json, say
-from catseye.app.emulation import emulation_config
 from catseye.app.errors import ConfigError
+from catseye.app.service.emulation import emulation_config
 from catseye.simulators.config import EmulationConfig
 from catseye.simulators.launch import EmulatedBench
 

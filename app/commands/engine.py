@@ -15,11 +15,11 @@ from catseye.app.commands.output import emit, emit_json, say
 from catseye.app.errors import OutputError, exit_code_of, text_of
 from catseye.app.exitcode import ExitCode
 from catseye.app.failure import SEE_WHERE, trace_of
-from catseye.app.runs_folder import runs_folder
 from catseye.app.service.address import socket_folder, socket_name
 from catseye.app.service.engine_process import EngineProcess
 from catseye.app.service.errors import RefusedError
 from catseye.app.service.messages import AnyRequest, Resume, Start, decode_request, encode
+from catseye.app.store.runs_folder import runs_folder
 from catseye.procedures.kit.context import Json
 
 

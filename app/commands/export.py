@@ -10,9 +10,9 @@ from catseye.app.errors import UsageError
 from catseye.app.files.atomic import write_atomically
 from catseye.app.files.csv_text import comment_lines
 from catseye.app.files.tabular import table_parquet
-from catseye.app.runs_folder import runs_folder
 from catseye.app.store.catalog import resolve_run
 from catseye.app.store.reader import RunReader, accept
+from catseye.app.store.runs_folder import runs_folder
 from catseye.app.store.unverified import taken_as_it_is
 
 Format = Literal["csv", "json", "parquet"]

@@ -6,11 +6,11 @@ from pathlib import Path
 from typing import Any
 
 from catseye.app.commands.output import emit, emit_json, say
-from catseye.app.guidance.survey import Survey, survey_cell
-from catseye.app.guidance.words import age_text
-from catseye.app.parameter_words import default_text, range_text
-from catseye.app.procedure_list import Runnable, load_procedure, procedure_names
-from catseye.app.runs_folder import runs_folder
+from catseye.app.protocol.parameters import default_text, range_text
+from catseye.app.protocol.procedures import Runnable, load_procedure, procedure_names
+from catseye.app.results.readiness.survey import Survey, survey_cell
+from catseye.app.results.readiness.words import age_text
+from catseye.app.store.runs_folder import runs_folder
 
 _SIGNS = {"met": "✓", "advised": "!", "missing": "✗"}
 

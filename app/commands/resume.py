@@ -7,12 +7,12 @@ from catseye.app.cell.load import load_cell
 from catseye.app.commands.drive import DriveOptions
 from catseye.app.commands.output import say
 from catseye.app.commands.run import conduct
-from catseye.app.engine.crash_points import arm as arm_crash_point
-from catseye.app.resuming import plan_resume
-from catseye.app.runs_folder import runs_folder
+from catseye.app.service.resumption import plan_resume
 from catseye.app.store.catalog import resolve_run
+from catseye.app.store.crash_points import arm as arm_crash_point
 from catseye.app.store.mend import seal_late
 from catseye.app.store.reader import RunReader
+from catseye.app.store.runs_folder import runs_folder
 from catseye.drivers.roles.clock import SystemClock
 
 

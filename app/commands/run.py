@@ -14,10 +14,10 @@ from catseye.app.commands.output import emit, say
 from catseye.app.commands.rehearsal import tell_rehearsal
 from catseye.app.engine.heap import settled_heap
 from catseye.app.errors import UsageError
-from catseye.app.procedure_list import load_procedure, parse_params
-from catseye.app.running import PlannedRun, plan_run, rehearse
-from catseye.app.runs_folder import runs_folder
-from catseye.app.walk.planning import as_walk
+from catseye.app.protocol.procedures import load_procedure, parse_params
+from catseye.app.service.planned_walk import as_walk
+from catseye.app.service.running import PlannedRun, plan_run, rehearse
+from catseye.app.store.runs_folder import runs_folder
 from catseye.procedures.kit.context import Json
 
 

@@ -6,10 +6,10 @@ from pathlib import Path
 
 from catseye.app.commands.output import emit, emit_json, say, table
 from catseye.app.errors import StorageError
-from catseye.app.runs_folder import runs_folder
 from catseye.app.store.catalog import RunSummary, list_runs, resolve_run
 from catseye.app.store.reader import Accept, RunReader, accept
 from catseye.app.store.resumable import why_not_resumable
+from catseye.app.store.runs_folder import runs_folder
 from catseye.app.store.unverified import taken_as_it_is
 from catseye.app.store.verify import Verification, verify
 from catseye.app.story.summary import summary

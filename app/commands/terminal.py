@@ -13,16 +13,16 @@ from functools import partial
 from pathlib import Path
 from typing import BinaryIO, Literal
 
-from catseye.app.bench.raw_door import RawDoor, raw_door
 from catseye.app.cell.bench import may_move_an_arm
 from catseye.app.cell.load import load_cell
 from catseye.app.cell.model import Cell
 from catseye.app.commands.output import emit, say
+from catseye.app.engine.instruments import device_builder, stop_request
 from catseye.app.engine.interlock import RemoteIo
 from catseye.app.errors import SafetyError, UsageError
 from catseye.app.guard.raw import plain_connection, raw_connection, raw_guard
-from catseye.app.instruments import device_builder, stop_request
-from catseye.app.runs_folder import runs_folder
+from catseye.app.service.manual.raw_door import RawDoor, raw_door
+from catseye.app.store.runs_folder import runs_folder
 from catseye.drivers.links.record import Direction
 from catseye.drivers.links.transport import Transport
 from catseye.drivers.roles.clock import SystemClock

@@ -9,7 +9,7 @@ from catseye.app.commands.output import say
 from catseye.app.errors import ConfigError, UsageError
 from catseye.app.exitcode import ExitCode
 from catseye.app.files.documents import read_toml
-from catseye.app.runs_folder import runs_folder
+from catseye.app.store.runs_folder import runs_folder
 
 
 def tui_command(cell: Path | None, runs: Path | None, speed: float) -> None:
