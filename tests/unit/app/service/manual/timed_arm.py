@@ -107,8 +107,9 @@ class TimedArm:
             self.driven, self.runs_away = (0.0, 0.0, 0.0, 0.0), False
 
     async def set_override(self, percent: float) -> float:
-        await asyncio.sleep(self.answer_s)
+        # Noted when it is sent: a stop may come before its answer.
         self.note(f"override {percent:g}")
+        await asyncio.sleep(self.answer_s)
         self.state = replace(self.state, override_percent=percent)
         return percent
 
