@@ -11,19 +11,24 @@ from catseye.app.cell.bench import bench_of
 from catseye.app.cell.load import load_cell
 from catseye.app.cell.model import Cell
 from catseye.app.cell.plausible import implausible
-from catseye.app.commands.controller_look import look_at_controller
 from catseye.app.commands.output import emit, emit_json, say
+from catseye.app.engine.before_motion import beyond
 from catseye.app.engine.compensation import Compensation
 from catseye.app.engine.gate import JointLimits
 from catseye.app.engine.instruments import device_builder, further_device
-from catseye.app.engine.interlock import NO_DOOR, RemoteIo
+from catseye.app.engine.interlock import NO_DOOR
 from catseye.app.engine.stopping_distance import stopping_text
 from catseye.app.errors import LinkFailedError, UsageError
 from catseye.app.service.running import joint_limits
-from catseye.drivers.melfa.controller import MelfaController
+from catseye.drivers.roles.air import AirSensor
 from catseye.drivers.roles.clock import SystemClock
-from catseye.drivers.roles.errors import DeviceError
-from catseye.drivers.roles.protocols import DeviceIdentity, Environment, Interferometer, Robot, Tracker
+from catseye.drivers.roles.device import ROLES, Device, Role
+from catseye.drivers.roles.errors import DeviceError, ProtocolError, RefusedError
+from catseye.drivers.roles.interferometer import Interferometer
+from catseye.drivers.roles.io import Io
+from catseye.drivers.roles.registry import load_driver
+from catseye.drivers.roles.robot import Robot
+from catseye.drivers.roles.tracker import Tracker
 
 Look = Callable[[], Awaitable[tuple[list[str], list[str]]]]
 """Returns facts and advice about a connected device."""
@@ -74,7 +79,7 @@ async def _examine_all(cell: Cell, only: str | None) -> list[Finding]:
     clock, rule, limits = SystemClock(), air_rule(cell), joint_limits(bench_of(cell))
     devices = device_builder(cell, clock)(_ignore)
     further = [(device, further_device(device, clock, _ignore)) for device in cell.device]
-    endpoints = {
+    endpoints: dict[Role, str] = {
         "robot": cell.robot.endpoint,
         "interferometer": cell.interferometer.endpoint,
         "environment": cell.environment.endpoint,
@@ -83,16 +88,20 @@ async def _examine_all(cell: Cell, only: str | None) -> list[Finding]:
         endpoints["io"] = cell.io.endpoint
     if cell.tracker is not None:
         endpoints["tracker"] = cell.tracker.endpoint
-    found = [(name, endpoints[name], driver) for name, driver in devices.named().items() if name in endpoints]
-    found += [(device.name, device.endpoint, driver) for device, driver in further]
-    names = [name for name, _, _ in found]
+    found: list[tuple[str, str, Role, Any]] = [
+        (role, endpoints[role], role, devices.named()[role]) for role in ROLES if role in endpoints
+    ]
+    found += [
+        (device.name, device.endpoint, load_driver(device.driver).role, driver) for device, driver in further
+    ]
+    names = [name for name, *_ in found]
     if only is not None and only not in names:
         raise UsageError(f"--device {only}: the cell has no such device; there are {', '.join(names)}")
     findings = list(
         await asyncio.gather(
             *(
-                _examine(name, endpoint, driver, _look_at(driver, rule, limits))
-                for name, endpoint, driver in found
+                _examine(name, endpoint, driver, _look_at(role, driver, rule, limits))
+                for name, endpoint, role, driver in found
                 if only in {None, name}
             )
         )
@@ -105,41 +114,34 @@ async def _examine_all(cell: Cell, only: str | None) -> list[Finding]:
     return findings
 
 
-def _look_at(driver: Any, rule: AirRule, limits: JointLimits) -> Look:
-    """Return the look that fits a driver's shape."""
-    if isinstance(driver, Robot):
-        return lambda: _robot(driver, limits)
-    if isinstance(driver, Interferometer):
-        return lambda: _beam(driver, rule)
-    if isinstance(driver, Environment):
-        return lambda: _air(driver)
-    if isinstance(driver, RemoteIo):
-        return lambda: _door(driver)
-    if isinstance(driver, Tracker):
-        return lambda: _tracker(driver)
-    return _nothing_more
-
-
-async def _nothing_more() -> tuple[list[str], list[str]]:
-    """Find nothing beyond the identity: this kind of device is not known."""
-    return [], []
+def _look_at(role: Role, driver: Any, rule: AirRule, limits: JointLimits) -> Look:
+    """Return the look at a driver of a role."""
+    looks: dict[Role, Look] = {
+        "robot": lambda: _robot(driver, limits),
+        "interferometer": lambda: _beam(driver, rule),
+        "environment": lambda: _air(driver),
+        "io": lambda: _door(driver),
+        "tracker": lambda: _tracker(driver),
+    }
+    return looks[role]
 
 
 async def _examine(
     device: str,
     endpoint: str,
-    driver: Any,
+    driver: Device,
     look: Look,
 ) -> Finding:
     finding = Finding(device, endpoint)
     try:
-        who: DeviceIdentity = await driver.connect()
+        who = await driver.connect()
         finding.identity = " ".join(part for part in (who.model, who.firmware, who.serial) if part)
         finding.simulated = who.simulated
         finding.status, finding.advice = await look()
+        more = await driver.examine()
+        finding.status += [*more.facts, *(f"note: {note}" for note in driver.notes)]
+        finding.advice += more.advice
         finding.ok = not finding.advice
-        notes = getattr(driver, "notes", ())
-        finding.status += [f"note: {note}" for note in notes]
     except DeviceError as error:
         finding.advice.append(str(error))
     finally:
@@ -160,11 +162,20 @@ async def _robot(robot: Robot, limits: JointLimits) -> tuple[list[str], list[str
         advice.append("the emergency stop is pressed: release it at the bench, then reset the alarm")
     if status.teach_mode:
         advice.append("the key switch is at TEACH: turn it to AUTO and disable the teach pendant")
-    controller = getattr(robot, "controller", None)
-    if isinstance(controller, MelfaController):
-        more_facts, more_advice = await look_at_controller(controller, limits)
-        facts, advice = facts + more_facts, advice + more_advice
-    return facts, advice
+    more_facts, more_advice = await look_at_limits(robot, limits)
+    return facts + more_facts, advice + more_advice
+
+
+async def look_at_limits(robot: Robot, limits: JointLimits) -> tuple[list[str], list[str]]:
+    """Return the controller's own limits, and what to do about ranges of the cell file beyond them."""
+    try:
+        own = await robot.joint_limits()
+    except (RefusedError, ProtocolError) as error:
+        return [f"not answered by this controller: {error}"], []
+    if own is None:
+        return [], []
+    listed = ", ".join(f"J{n} {low:g}…{high:g}" for n, (low, high) in enumerate(own, start=1))
+    return [f"controller's limits (MEJAR): {listed}"], beyond(limits, own)
 
 
 async def _beam(counter: Interferometer, air: AirRule) -> tuple[list[str], list[str]]:
@@ -179,7 +190,7 @@ async def _beam(counter: Interferometer, air: AirRule) -> tuple[list[str], list[
     return facts, [] if status.laser_ready else ["the laser is not stable: let it warm up"]
 
 
-async def _air(sensor: Environment) -> tuple[list[str], list[str]]:
+async def _air(sensor: AirSensor) -> tuple[list[str], list[str]]:
     air = await sensor.sample()
     parts = [
         ("temperature", air.temperature_c, "°C"),
@@ -195,7 +206,7 @@ async def _air(sensor: Environment) -> tuple[list[str], list[str]]:
     return facts, advice
 
 
-async def _door(io: RemoteIo) -> tuple[list[str], list[str]]:
+async def _door(io: Io) -> tuple[list[str], list[str]]:
     if await io.door_closed():
         return ["door closed"], []
     return ["door open"], ["the door is open: nothing will move; close it when nobody is inside"]

@@ -18,14 +18,14 @@ from catseye.app.cell.load import load_cell
 from catseye.app.cell.model import Cell
 from catseye.app.commands.output import emit, say
 from catseye.app.engine.instruments import device_builder, stop_request
-from catseye.app.engine.interlock import RemoteIo
 from catseye.app.errors import SafetyError, UsageError
 from catseye.app.guard.raw import plain_connection, raw_connection, raw_guard
 from catseye.app.service.manual.raw_door import RawDoor, raw_door
 from catseye.app.store.runs_folder import runs_folder
-from catseye.drivers.links.record import Direction
 from catseye.drivers.links.transport import Transport
 from catseye.drivers.roles.clock import SystemClock
+from catseye.drivers.roles.device import Direction
+from catseye.drivers.roles.io import Io
 
 LineEnd = Literal["cr", "lf", "crlf", "none"]
 
@@ -227,7 +227,7 @@ async def _converse(
     traffic: _Traffic,
     encode: Callable[[str], bytes],
     wait_s: float,
-    io: RemoteIo | None,
+    io: Io | None,
 ) -> None:
     async with opened() as link:
         try:

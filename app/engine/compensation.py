@@ -11,7 +11,7 @@ from catseye.calibration.refractive_index import (
     outside_nist_range,
     refractive_index,
 )
-from catseye.drivers.roles.protocols import Air
+from catseye.drivers.roles.air import AirSample
 from catseye.procedures.kit.context import Json
 
 CompensatedBy = Literal["none", "instrument"]
@@ -89,7 +89,7 @@ class Compensation:
         by = "program" if self.by_program else "instrument"
         return {"by": by, "sentence": self.sentence, **(known if self.by_program else {})}
 
-    def zeroed(self, air: Air, dead_path_mm: float) -> Zero | None:
+    def zeroed(self, air: AirSample, dead_path_mm: float) -> Zero | None:
         """Remember the air and the beam's length at a zero; None when the instrument corrects.
 
         Raises:
@@ -98,7 +98,7 @@ class Compensation:
         self._zero = Zero(self._index(air), dead_path_mm) if self.by_program else None
         return self._zero
 
-    def correct(self, raw_mm: float, air: Air) -> Correction:
+    def correct(self, raw_mm: float, air: AirSample) -> Correction:
         """Return a length corrected for the air, once.
 
         Args:
@@ -116,7 +116,7 @@ class Compensation:
         corrected_mm = compensated_mm(raw_mm, index, zero.index, zero.dead_path_mm)
         return Correction(corrected_mm, index, zero, self._rule.formula)
 
-    def doubt(self, air: Air) -> str | None:
+    def doubt(self, air: AirSample) -> str | None:
         """Return what an operator should know about a sample of the air, None when all is well."""
         missing = missing_quantities(air)
         if missing:
@@ -129,7 +129,7 @@ class Compensation:
         left = outside_nist_range(self._rule.vacuum_wavelength_nm, air.temperature_c, air.pressure_hpa)
         return left and f"{left}, for which the uncertainty of the refractive index is stated"
 
-    def _index(self, air: Air) -> float:
+    def _index(self, air: AirSample) -> float:
         missing = missing_quantities(air)
         if missing or air.temperature_c is None or air.pressure_hpa is None or air.humidity_percent is None:
             raise MeasurementRejectedError(
@@ -145,7 +145,7 @@ class Compensation:
             raise MeasurementRejectedError(f"the air cannot be corrected for: {error}") from error
 
 
-def missing_quantities(air: Air) -> list[str]:
+def missing_quantities(air: AirSample) -> list[str]:
     """Return the quantities that a sample of the air lacks."""
     values = {
         "temperature": air.temperature_c,

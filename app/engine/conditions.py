@@ -11,7 +11,7 @@ from catseye.app.engine.states import RUNNING, State
 from catseye.app.errors import InterruptionError, SafetyError
 from catseye.drivers.roles.clock import Clock
 from catseye.drivers.roles.errors import DeviceError
-from catseye.drivers.roles.protocols import ControllerStatus, Robot
+from catseye.drivers.roles.robot import Robot, RobotStatus
 
 _log = logging.getLogger(__name__)
 
@@ -81,7 +81,7 @@ class Watchman:
         control: RunControl,
         robot: Robot,
         conditions: Sequence[Condition],
-        ready: Callable[[ControllerStatus], None],
+        ready: Callable[[RobotStatus], None],
         clock: Clock,
         poll_s: float,
     ) -> None:

@@ -22,18 +22,12 @@ from catseye.app.files.measured_csv import read_typed_csv
 from catseye.app.store.crash_points import crash_point
 from catseye.app.store.rows import encode
 from catseye.app.store.run_store import RunStore
+from catseye.drivers.roles.air import AirSample
 from catseye.drivers.roles.clock import Clock
-from catseye.drivers.roles.protocols import Air, BeamStatus, Joints, Tracker, WayRobot
-from catseye.procedures.kit.context import (
-    Json,
-    Live,
-    Location,
-    MeasuredPoint,
-    Measurement,
-    Prompt,
-    Row,
-    Table,
-)
+from catseye.drivers.roles.interferometer import BeamStatus
+from catseye.drivers.roles.pose import Pose
+from catseye.drivers.roles.tracker import Position, Tracker
+from catseye.procedures.kit.context import Json, Live, MeasuredPoint, Measurement, Prompt, Row, Table
 from catseye.procedures.kit.errors import MeasuredFileError
 
 _DEFAULT_AIR = AirRule()
@@ -170,7 +164,7 @@ class RunContext:
         else:
             await self._control.checkpoint()
 
-    async def move(self, target: Joints) -> None:
+    async def move(self, target: Pose) -> None:
         """Move through the gate and wait for standstill.
 
         Raises:
@@ -180,7 +174,7 @@ class RunContext:
         """
         await self._mover.drive((target,))
 
-    async def follow(self, way: Sequence[Joints]) -> None:
+    async def follow(self, way: Sequence[Pose]) -> None:
         """Move through targets; a robot that cannot pass them stands still at each.
 
         Raises:
@@ -188,13 +182,13 @@ class RunContext:
             SafetyError: the controller may not move.
             ArmMovedError: the arm was moved while the run was held or suspended.
         """
-        if isinstance(self._devices.robot, WayRobot):
+        if self._devices.robot.abilities.following != "stops":
             await self._mover.drive(way)
             return
         for target in way:
             await self.move(target)
 
-    async def joints(self) -> Joints:
+    async def joints(self) -> Pose:
         """Return the reported joints."""
         await self.checkpoint()
         waits = self._control.waits
@@ -202,7 +196,7 @@ class RunContext:
         self._mover.stands(here, waits)
         return here
 
-    def stands(self, here: Joints) -> None:
+    def stands(self, here: Pose) -> None:
         """Take note of where the arm stands before its first motion."""
         self._mover.stands(here, self._control.waits)
 
@@ -234,7 +228,7 @@ class RunContext:
         crash_point("zeroed")
         await self.event("zero", number=number, dead_path_mm=dead_path_mm)
 
-    async def locate(self, settle_time_s: float) -> Location:
+    async def locate(self, settle_time_s: float) -> Position:
         """Return where the independent instrument sees the J4 axis after settling.
 
         Raises:
@@ -390,7 +384,7 @@ class RunContext:
     async def _waive(self, error: UnwalkedError) -> None:
         await self._gate.waive(error, self, self._store)
 
-    async def _first_motion(self, here: Joints | None, way: Sequence[Joints]) -> None:
+    async def _first_motion(self, here: Pose | None, way: Sequence[Pose]) -> None:
         """Show where the arm is led from where it stands, before it moves."""
         stands: Json = None if here is None else list(here)
         await self.event("first-motion", stands=stands, way=[list(target) for target in way])
@@ -428,7 +422,7 @@ class RunContext:
         self._compensation.zeroed(await self._air.get(), dead_path_mm)
         return number
 
-    async def _tell_doubt(self, air: Air) -> None:
+    async def _tell_doubt(self, air: AirSample) -> None:
         """Warn once of each thing that is wrong with the samples of the air."""
         kind = ", ".join(missing_quantities(air)) or "range"
         doubt = None if kind in self._doubts_told else self._compensation.doubt(air)
@@ -436,10 +430,10 @@ class RunContext:
             self._doubts_told.add(kind)
             await self.warn(doubt)
 
-    async def _locate(self, tracker: Tracker, settle_time_s: float) -> Location:
+    async def _locate(self, tracker: Tracker, settle_time_s: float) -> Position:
         await self._sleep(settle_time_s)
         found = await tracker.locate()
-        return Location(found.x_mm, found.y_mm, found.u_mm)
+        return Position(found.x_mm, found.y_mm, found.u_mm)
 
     async def _sleep(self, duration_s: float) -> None:
         start_s = self._clock.monotonic_s()

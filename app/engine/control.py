@@ -18,7 +18,7 @@ from catseye.app.errors import (
 from catseye.drivers.links.guarding import GuardError
 from catseye.drivers.roles.clock import Clock
 from catseye.drivers.roles.errors import AlarmError, NotArrivedError, NotReadyError, RefusedError
-from catseye.drivers.roles.protocols import Robot
+from catseye.drivers.roles.robot import Robot
 
 T = TypeVar("T")
 

@@ -266,7 +266,7 @@ class _Run:
     async def _tell_notes(self, devices: Devices, context: RunContext) -> None:
         """Tell what the drivers know about their connections, and that no door is watched."""
         for name, device in devices.named().items():
-            for note in getattr(device, "notes", ()):
+            for note in device.notes:
                 await context.warn(f"{name}: {note}", device=name)
         if devices.io is None and not self._handle.simulated:
             await context.warn(NO_DOOR)

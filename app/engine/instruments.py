@@ -3,20 +3,20 @@
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from functools import partial
-from typing import Any, Literal
+from typing import Any
 
 from pydantic import ValidationError
 
-from catseye.app.cell.bench import following_of
+from catseye.app.cell.bench import robot_driver
 from catseye.app.cell.model import Cell, FurtherDevice, Robot
 from catseye.app.engine.devices import DeviceBuilder, Devices, WireRecorder
 from catseye.app.errors import ConfigError
 from catseye.app.guard.client import ArmGuard
+from catseye.drivers.roles.air import AirSensor
 from catseye.drivers.roles.clock import Clock, SystemClock
+from catseye.drivers.roles.device import Direction, Role
 from catseye.drivers.roles.errors import DeviceError
-from catseye.drivers.roles.protocols import Environment
 from catseye.drivers.roles.registry import load_driver
-from catseye.procedures.kit.bench import Following
 
 
 def device_builder(cell: Cell, clock: Clock) -> DeviceBuilder:
@@ -52,7 +52,7 @@ def _build(cell: Cell, clock: Clock, record: WireRecorder) -> Devices:
     guard = ArmGuard(robot.endpoint)
     settings = robot_settings(robot, record) | guard_setting(robot.driver, guard)
     return Devices(
-        robot=_make(robot.driver, "robot", robot.endpoint, clock, record, settings),
+        robot=_make(robot.driver, "robot", robot.endpoint, clock, record, settings, "robot"),
         guard=guard,
         interferometer=_make(
             counter.driver,
@@ -61,6 +61,7 @@ def _build(cell: Cell, clock: Clock, record: WireRecorder) -> Devices:
             clock,
             record,
             _joined("interferometer", _given(profile=counter.profile), counter.settings),
+            "interferometer",
         ),
         environment=_make(
             air.driver,
@@ -69,60 +70,70 @@ def _build(cell: Cell, clock: Clock, record: WireRecorder) -> Devices:
             clock,
             record,
             _joined("environment", _given(map=air.map, pressure_address=air.pressure_register), air.settings),
+            "environment",
         ),
         io=None
         if cell.io is None
-        else _make(cell.io.driver, "io", cell.io.endpoint, clock, record, cell.io.settings),
+        else _make(cell.io.driver, "io", cell.io.endpoint, clock, record, cell.io.settings, "io"),
         material=_material(cell, clock, record),
         tracker=None
         if cell.tracker is None
-        else _make(cell.tracker.driver, "tracker", cell.tracker.endpoint, clock, record, {}),
+        else _make(cell.tracker.driver, "tracker", cell.tracker.endpoint, clock, record, {}, "tracker"),
     )
 
 
-def _material(cell: Cell, clock: Clock, record: WireRecorder) -> Environment | None:
+def _material(cell: Cell, clock: Clock, record: WireRecorder) -> AirSensor | None:
     """Return the sensor of the links' temperature."""
     if cell.material is None:
         return None
     device = next(device for device in cell.device if device.name == cell.material.sensor)
-    made: Environment = further_device(device, clock, record)
+    made: AirSensor = further_device(device, clock, record, "environment")
     return made
 
 
-def further_device(device: FurtherDevice, clock: Clock, record: WireRecorder) -> Any:
+def further_device(
+    device: FurtherDevice, clock: Clock, record: WireRecorder, role: Role | None = None
+) -> Any:
     """Return the driver of a [[device]], not connected.
 
+    Args:
+        device: section of the cell file.
+        clock: of the run.
+        record: takes the bytes that pass.
+        role: what it has to be a driver of; None for anything.
+
     Raises:
-        ConfigError: the driver is not installed or a setting is wrong.
+        ConfigError: the driver is not installed, has another role, or a setting is wrong.
     """
-    return _make(device.driver, device.name, device.endpoint, clock, record, device.settings)
+    return _make(device.driver, device.name, device.endpoint, clock, record, device.settings, role)
 
 
 def robot_settings(robot: Robot, record: WireRecorder) -> dict[str, Any]:
     """Return the settings of the robot's driver.
 
-    Further doors of the controller and the speed of set points are told to drivers that follow by them.
+    Drivers that follow by them are given the further endpoint of the controller and the speed of set points.
 
     Raises:
         ConfigError: no such driver is installed.
     """
-    needed: dict[Following, dict[str, Any]] = {
-        "stops": {},
-        "blended": _given(datalink_endpoint=robot.datalink_endpoint),
-        "streamed": {
+    abilities = robot_driver(robot.driver).abilities
+    further = {"datalink_endpoint": robot.datalink_endpoint, "mxt_endpoint": robot.mxt_endpoint}
+    settings: dict[str, Any] = {"expected_model": robot.expected_model}
+    if key := abilities.further_endpoint:
+        settings |= _given(**{key: further.get(key)})
+    if abilities.following == "streamed":
+        settings |= {
             "follow_speed_deg_s": robot.follow_speed_deg_s,
             "follow_acceleration_deg_s2": robot.follow_acceleration_deg_s2,
             # Datagrams of every cycle would drown what else goes to the robot.
             "stream_sink": partial(record, "robot-stream"),
-            **_given(mxt_endpoint=robot.mxt_endpoint),
-        },
-    }
-    return {"expected_model": robot.expected_model, **needed[following_of(robot.driver)], **robot.settings}
+        }
+    return {**settings, **robot.settings}
 
 
 def guard_setting(driver: str, guard: ArmGuard) -> dict[str, Any]:
     """Return the guard as a setting, for a robot's driver that hands its connections to one."""
-    return {"guard": guard} if getattr(load_driver(driver), "takes_guard", False) else {}
+    return {"guard": guard} if robot_driver(driver).abilities.takes_guard else {}
 
 
 def stop_request(driver: str, device: str, settings: Mapping[str, Any]) -> bytes | None:
@@ -137,13 +148,10 @@ def stop_request(driver: str, device: str, settings: Mapping[str, Any]) -> bytes
         ConfigError: the driver is not installed or a setting is wrong.
     """
     with _told_of(device):
-        made = load_driver(driver)
-        if not hasattr(made, "stop_request"):
-            return None
+        made = robot_driver(driver)
         # Settings of its connections are none of its own.
         own = {key: value for key, value in settings.items() if key in made.Settings.model_fields}
-        stop: bytes = made.stop_request(made.Settings(**own))
-        return stop
+        return made.stop_request(made.Settings(**own))
 
 
 def _given(**values: Any) -> dict[str, Any]:
@@ -165,15 +173,21 @@ def _joined(section: str, keys: dict[str, Any], settings: dict[str, Any]) -> dic
 
 
 def _make(
-    driver: str, device: str, endpoint: str, clock: Clock, record: WireRecorder, settings: dict[str, Any]
+    driver: str,
+    device: str,
+    endpoint: str,
+    clock: Clock,
+    record: WireRecorder,
+    settings: dict[str, Any],
+    role: Role | None,
 ) -> Any:
-    def sink(direction: Literal["tx", "rx"], data: bytes) -> None:
+    def sink(direction: Direction, data: bytes) -> None:
         record(device, direction, data)
 
     if wrong := sorted(settings.keys() & {"endpoint", "clock", "sink"}):
         raise ConfigError(f"[{device}]: {wrong[0]} is no setting of a driver: leave it out of the settings")
     with _told_of(device):
-        return load_driver(driver).at(endpoint, clock, sink, **settings)
+        return load_driver(driver, role).at(endpoint, clock, sink, **settings)
 
 
 @contextmanager

@@ -2,15 +2,13 @@
 
 import asyncio
 from collections.abc import Callable
-from typing import Final, Literal, Protocol, runtime_checkable
+from typing import Final
 
 from catseye.app.engine.states import State
 from catseye.app.engine.waiting import cancel
 from catseye.drivers.roles.errors import DeviceError
-from catseye.drivers.roles.protocols import DeviceIdentity
+from catseye.drivers.roles.io import Io, Light
 from catseye.procedures.kit.context import Json
-
-Light = Literal["green", "amber", "red", "off"]
 
 _LIGHTS: dict[str, Light] = {
     State.EXECUTE: "green",
@@ -35,27 +33,6 @@ NO_DOOR: Final = (
 )
 
 
-@runtime_checkable
-class RemoteIo(Protocol):
-    """A block of inputs and outputs."""
-
-    async def connect(self) -> DeviceIdentity:
-        """Open the link and check who answers."""
-        ...
-
-    async def close(self) -> None:
-        """Disconnect; may be called any number of times."""
-        ...
-
-    async def door_closed(self) -> bool:
-        """Return whether the door is closed now."""
-        ...
-
-    async def show(self, light: Light) -> None:
-        """Light one lamp and put the others out."""
-        ...
-
-
 class StackLight:
     """Shows a run's state; always behind it, never in its way.
 
@@ -64,7 +41,7 @@ class StackLight:
         on_trouble: is told once when the block stops taking orders.
     """
 
-    def __init__(self, io: RemoteIo, on_trouble: Callable[[str], None]) -> None:
+    def __init__(self, io: Io, on_trouble: Callable[[str], None]) -> None:
         self._io = io
         self._on_trouble = on_trouble
         self._state: Light = "off"

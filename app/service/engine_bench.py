@@ -9,7 +9,6 @@ from catseye.app.cell.bench import bench_of
 from catseye.app.cell.load import load_cell
 from catseye.app.cell.model import Cell
 from catseye.app.engine.devices import DeviceBuilder
-from catseye.app.engine.interlock import RemoteIo
 from catseye.app.errors import CatseyeError, StorageError, UsageError
 from catseye.app.service.errors import RefusedError
 from catseye.app.service.hub import Hub
@@ -21,7 +20,8 @@ from catseye.app.service.watching.device_pool import CellDevices, IdleBench
 from catseye.app.service.watching.telemetry import Telemetry
 from catseye.app.store.aim import find_aim
 from catseye.drivers.roles.clock import Clock
-from catseye.drivers.roles.protocols import DeviceIdentity
+from catseye.drivers.roles.device import Identity
+from catseye.drivers.roles.io import Io
 from catseye.procedures.kit.context import Json
 
 
@@ -120,12 +120,12 @@ class EngineBench:
             )
         return facts
 
-    def _door(self) -> RemoteIo | None:
+    def _door(self) -> Io | None:
         """Return the block with the door's interlock, while the devices are made."""
         devices = self.idle.devices()
         return None if devices is None else devices.io
 
-    def _identities(self) -> dict[str, DeviceIdentity]:
+    def _identities(self) -> dict[str, Identity]:
         """Return who answers now: of a link that is not held nothing is known."""
         if self.idle.devices() is None:
             return {}

@@ -37,7 +37,7 @@ from catseye.app.service.walk.walk import Walk
 from catseye.app.store.aim import find_aim
 from catseye.app.store.reader import RunReader
 from catseye.drivers.roles.clock import SystemClock
-from catseye.drivers.roles.protocols import Joints
+from catseye.drivers.roles.pose import Pose
 from catseye.procedures.kit.bench import Bench
 from catseye.procedures.kit.context import Json
 from catseye.procedures.kit.motion.clear_way import way_check
@@ -179,7 +179,7 @@ def _request_of(planned: PlannedRun, root: Path, speed: float) -> RunRequest:
     )
 
 
-async def rehearse(planned: PlannedRun, here: Joints | None = None) -> DryRunContext:
+async def rehearse(planned: PlannedRun, here: Pose | None = None) -> DryRunContext:
     """Run a planned procedure without any device and return what it would do; what is done already is left out.
 
     Args:
@@ -200,7 +200,7 @@ async def rehearse(planned: PlannedRun, here: Joints | None = None) -> DryRunCon
     return context
 
 
-async def motions_from(planned: PlannedRun, here: Joints) -> list[Leg]:
+async def motions_from(planned: PlannedRun, here: Pose) -> list[Leg]:
     """Return every straight motion that a planned run would drive from where the arm stands."""
     # A rehearsal takes seconds, in which the loop has to go on.
     context = await asyncio.to_thread(lambda: asyncio.run(rehearse(planned, here)))

@@ -4,7 +4,10 @@ from collections.abc import Awaitable, Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Literal, Protocol
 
-from catseye.drivers.roles.protocols import Air, BeamStatus, Joints
+from catseye.drivers.roles.air import AirSample
+from catseye.drivers.roles.interferometer import BeamStatus
+from catseye.drivers.roles.pose import Pose
+from catseye.drivers.roles.tracker import Position
 
 Json = None | bool | int | float | str | list["Json"] | dict[str, "Json"]
 """Anything that JSON can carry."""
@@ -58,8 +61,8 @@ class Measurement:
     readings: int
     signal: float
     beam_ok: bool
-    reported: Joints
-    air: Air
+    reported: Pose
+    air: AirSample
     time_utc: str
     duration_s: float
     material_c: float | None = None
@@ -67,21 +70,6 @@ class Measurement:
     overspeed: bool = False
     laser_ready: bool = True
     clock_s: float = 0.0
-
-
-@dataclass(frozen=True)
-class Location:
-    """A position measured by an independent instrument, in that instrument's own frame.
-
-    Attributes:
-        x_mm: position along x.
-        y_mm: position along y.
-        u_mm: standard uncertainty of each coordinate.
-    """
-
-    x_mm: float
-    y_mm: float
-    u_mm: float
 
 
 @dataclass(frozen=True)
@@ -170,7 +158,7 @@ class Prompt:
     motion: bool = False
     rests_after: tuple[str, ...] | None = None
     by_person: bool = False
-    target: Joints | None = None
+    target: Pose | None = None
 
     @property
     def resting_answers(self) -> tuple[str, ...]:
@@ -215,7 +203,7 @@ class Context(Protocol):
         """Let a hold or a stop take effect here."""
         ...
 
-    async def move(self, target: Joints) -> None:
+    async def move(self, target: Pose) -> None:
         """Interpolate the joints to a target through the limit gate and wait for standstill.
 
         Raises:
@@ -223,7 +211,7 @@ class Context(Protocol):
         """
         ...
 
-    async def follow(self, way: Sequence[Joints]) -> None:
+    async def follow(self, way: Sequence[Pose]) -> None:
         """Move through joint targets and wait for standstill at the last one.
 
         The robot stands still at each target, passes it or is led through it, as its driver can.
@@ -233,7 +221,7 @@ class Context(Protocol):
         """
         ...
 
-    async def joints(self) -> Joints:
+    async def joints(self) -> Pose:
         """Return the reported joints."""
         ...
 
@@ -260,7 +248,7 @@ class Context(Protocol):
         """
         ...
 
-    async def locate(self, settle_time_s: float) -> Location:
+    async def locate(self, settle_time_s: float) -> Position:
         """Return where an independent instrument (a laser tracker) sees the J4 axis after settling."""
         ...
 

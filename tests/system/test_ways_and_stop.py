@@ -11,14 +11,14 @@ from catseye.drivers.melfa.datalink.robot import MelfaDatalink
 from catseye.drivers.melfa.mxt.robot import MelfaMxt
 from catseye.drivers.roles.clock import SystemClock
 from catseye.drivers.roles.errors import AlarmError, DeviceError, NotReadyError
-from catseye.drivers.roles.readings import Joints
+from catseye.drivers.roles.pose import Pose
 from catseye.simulators.config import EmulatedDevice
 from catseye.simulators.launch import EmulatedBench
 from tests.patience import HANG_S
 from tests.unit.simulators.benches import QUIET
 
 SPEED = 5.0
-WAY: tuple[Joints, ...] = ((20.0, 10.0, 0.0, -20.0), (40.0, 20.0, 0.0, -45.0), (60.0, 30.0, 0.0, -70.0))
+WAY: tuple[Pose, ...] = ((20.0, 10.0, 0.0, -20.0), (40.0, 20.0, 0.0, -45.0), (60.0, 30.0, 0.0, -70.0))
 CONFIG = replace(
     QUIET,
     speed=SPEED,

@@ -15,7 +15,8 @@ from catseye.app.store.catalog import paths_of
 from catseye.app.store.reader import RunReader, StoredStep
 from catseye.app.store.seal import read_manifest
 from catseye.app.store.verify import verify
-from catseye.drivers.roles.protocols import DeviceIdentity, Joints
+from catseye.drivers.roles.device import Identity
+from catseye.drivers.roles.pose import Pose
 from catseye.procedures.kit.context import Json
 
 WALK: Final = "walk"
@@ -77,7 +78,7 @@ def walk_fact(procedure: str, cell: Cell) -> dict[str, Json]:
     return {"procedure": procedure, "geometry_sha256": geometry_digest(cell)}
 
 
-def walked_legs(root: Path, cell: Cell, arm: DeviceIdentity) -> list[Leg]:
+def walked_legs(root: Path, cell: Cell, arm: Identity) -> list[Leg]:
     """Return every motion of sealed, unchanged walks of this arm in this cell that was driven to its end.
 
     Args:
@@ -114,19 +115,19 @@ def _leg(step: StoredStep) -> Leg:
     return Leg(_joints(step.result["from"]), _joints(step.result["to"]))
 
 
-def _joints(stored: Any) -> Joints:
+def _joints(stored: Any) -> Pose:
     one, two, three, four = stored
     return float(one), float(two), float(three), float(four)
 
 
-def _holds(path: Path, digest: str, arm: DeviceIdentity, endpoint: str) -> bool:
+def _holds(path: Path, digest: str, arm: Identity, endpoint: str) -> bool:
     meta = RunReader(path).meta
     walk: Any = meta.get(WALK) or {}
     same = walk.get("geometry_sha256") == digest and _is_arm(meta, arm, endpoint)
     return same and read_manifest(path) is not None and verify(path).ok
 
 
-def _is_arm(meta: Mapping[str, Any], arm: DeviceIdentity, endpoint: str) -> bool:
+def _is_arm(meta: Mapping[str, Any], arm: Identity, endpoint: str) -> bool:
     stored = (meta.get("devices") or {}).get("robot") or {}
     told = ("model", "serial", "simulated")
     if any(stored.get(name) != getattr(arm, name) for name in told):

@@ -10,7 +10,8 @@ from catseye.app.engine.walked.tube import TUBE_DEG, TUBE_MM, Leg, Tubes, legs_t
 from catseye.app.errors import PromptUnansweredError, UnwalkedError
 from catseye.app.store.reader import RunReader
 from catseye.app.store.run_store import RunStore
-from catseye.drivers.roles.protocols import DeviceIdentity, Joints
+from catseye.drivers.roles.device import Identity
+from catseye.drivers.roles.pose import Pose
 from catseye.procedures.kit.context import Json, Prompt
 
 WAIVER: Final = "walk_waiver"
@@ -48,8 +49,8 @@ class WalkRule:
 
     def __init__(
         self,
-        motions_from: Callable[[Joints], Awaitable[Sequence[Leg]]],
-        walked: Callable[[DeviceIdentity], Sequence[Leg]],
+        motions_from: Callable[[Pose], Awaitable[Sequence[Leg]]],
+        walked: Callable[[Identity], Sequence[Leg]],
         blended: bool,
         reason: str | None = None,
     ) -> None:
@@ -64,7 +65,7 @@ class WalkRule:
         """Motions are refused that were not walked."""
         return self._tubes is not None
 
-    async def begin(self, arm: DeviceIdentity, here: Joints, desk: Desk, store: RunStore) -> None:
+    async def begin(self, arm: Identity, here: Pose, desk: Desk, store: RunStore) -> None:
         """Look at the whole plan before anything moves.
 
         Args:
@@ -91,7 +92,7 @@ class WalkRule:
             counted = f"{len(left)} of {len(motions)} motions of this run were not walked"
             await self.waive(f"{counted}, the first {_leg_text(left[0])}", desk, store)
 
-    def require(self, start: Joints, way: Sequence[Joints]) -> None:
+    def require(self, start: Pose, way: Sequence[Pose]) -> None:
         """Check a motion through targets.
 
         Raises:

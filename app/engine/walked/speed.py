@@ -5,6 +5,7 @@ from typing import Final
 
 from catseye.app.engine.walked.tube import Leg
 from catseye.app.errors import SafetyError
+from catseye.drivers.roles.pose import Pose
 from catseye.procedures.kit.bench import Bench
 from catseye.procedures.kit.motion.body_speed import fastest_mm_s
 
@@ -40,7 +41,7 @@ def walking_percent(bench: Bench, leg: Leg, cap_percent: float) -> float:
     return percent
 
 
-def place_text(joints: tuple[float, float, float, float]) -> str:
+def place_text(joints: Pose) -> str:
     """Return where an arm stands, for people."""
     one, two, three, four = joints
     return f"J1 {one:.2f}°, J2 {two:.2f}°, J3 {three:.1f} mm, J4 {four:.2f}°"

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from catseye.calibration.kinematics.sweep import cut_corners
-from catseye.drivers.roles.protocols import Joints
+from catseye.drivers.roles.pose import Pose
 
 Floats = NDArray[np.float64]
 
@@ -42,12 +42,12 @@ class Leg:
         cut: how far the arm may be beside it where it cuts the corners at its ends, deg or mm.
     """
 
-    start: Joints
-    end: Joints
-    cut: Joints = (0.0, 0.0, 0.0, 0.0)
+    start: Pose
+    end: Pose
+    cut: Pose = (0.0, 0.0, 0.0, 0.0)
 
 
-def legs_through(start: Joints, way: Sequence[Joints], *, blended: bool) -> list[Leg]:
+def legs_through(start: Pose, way: Sequence[Pose], *, blended: bool) -> list[Leg]:
     """Return the straight motions of a way, at whose end the arm stands still.
 
     Args:

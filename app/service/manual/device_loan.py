@@ -7,10 +7,11 @@ from pathlib import Path
 from typing import Protocol
 
 from catseye.app.engine.devices import Devices, WireRecorder
-from catseye.app.engine.interlock import RemoteIo
 from catseye.app.service.watching.bench_facts import BenchFacts
 from catseye.drivers.roles.clock import Clock
-from catseye.drivers.roles.protocols import DeviceIdentity, Robot
+from catseye.drivers.roles.device import Identity
+from catseye.drivers.roles.io import Io
+from catseye.drivers.roles.robot import Robot
 from catseye.procedures.kit.context import Json
 
 
@@ -67,9 +68,9 @@ class HandBench:
 
     lender: Lender
     facts: Callable[[], Awaitable[BenchFacts]]
-    identities: Callable[[], Mapping[str, DeviceIdentity]]
+    identities: Callable[[], Mapping[str, Identity]]
     record: WireRecorder
     tell: Tell
     clock: Clock
     folder: Path
-    door: Callable[[], RemoteIo | None]
+    door: Callable[[], Io | None]

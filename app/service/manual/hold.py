@@ -9,7 +9,8 @@ from catseye.app.engine.waiting import cancel
 from catseye.app.errors import LimitError
 from catseye.app.service.manual.approach import MARGIN_DEG, Approach
 from catseye.drivers.roles.clock import Clock
-from catseye.drivers.roles.protocols import JogFeed, JogRobot, Joints
+from catseye.drivers.roles.pose import Pose
+from catseye.drivers.roles.robot import JogFeed, Robot
 
 HoldJoint = Literal["j1", "j2", "j4"]
 
@@ -32,7 +33,7 @@ class Sight:
         require_permission: raises when door or controller forbid to go on.
     """
 
-    joints: Callable[[], Awaitable[Joints]]
+    joints: Callable[[], Awaitable[Pose]]
     require_permission: Callable[[], Awaitable[None]]
 
 
@@ -54,7 +55,7 @@ class Hold:
     """
 
     def __init__(
-        self, robot: JogRobot, joint: HoldJoint, approach: Approach, sight: Sight, clock: Clock
+        self, robot: Robot, joint: HoldJoint, approach: Approach, sight: Sight, clock: Clock
     ) -> None:
         self.joint = joint
         self.direction = approach.direction
@@ -81,13 +82,13 @@ class Hold:
         self.reason = self.reason or reason
         self._over.set()
 
-    def at_limit(self, here: Joints) -> Joints:
+    def at_limit(self, here: Pose) -> Pose:
         """Return the joints as they would be with this one at the limit that it is on its way to."""
         target = list(here)
         target[_PLACE[self.joint]] = self._limit_deg
         return target[0], target[1], target[2], target[3]
 
-    def end_at(self, end: Joints, obstacle: str | None) -> None:
+    def end_at(self, end: Pose, obstacle: str | None) -> None:
         """Take what stands in the way before the limit for the limit.
 
         Args:

@@ -8,7 +8,7 @@ from catseye.app.engine.door_watch import DoorWatch
 from catseye.app.engine.gate import JointLimits, MotionGate, require_ready
 from catseye.app.service.running import joint_limits
 from catseye.app.service.watching.bench_facts import BenchFacts
-from catseye.drivers.roles.protocols import Joints
+from catseye.drivers.roles.pose import Pose
 from catseye.procedures.kit.bench import Bench
 from catseye.procedures.kit.motion.clear_way import clear_part, way_check
 
@@ -60,11 +60,11 @@ class JogGate:
         require_ready(await self._robot.status())
         return percent
 
-    def clear_part(self, here: Joints, target: Joints) -> tuple[Joints, str | None]:
+    def clear_part(self, here: Pose, target: Pose) -> tuple[Pose, str | None]:
         """Return how far the arm may go straight towards a target, and what is in its way then."""
         return clear_part(here, target, self._bench)
 
-    async def require(self, *targets: Joints, here: Joints) -> None:
+    async def require(self, *targets: Pose, here: Pose) -> None:
         """Check that a motion may begin; an override that somebody raised is lowered again, and read back.
 
         Args:

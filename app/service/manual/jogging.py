@@ -20,7 +20,8 @@ from catseye.app.service.manual.jog_gate import JogGate
 from catseye.app.service.manual.manual_arm import HandArm
 from catseye.app.service.messages import JogHold, JogMode, JogStep, Message
 from catseye.app.service.watching.bench_facts import BenchFacts
-from catseye.drivers.roles.protocols import DeviceIdentity, Robot
+from catseye.drivers.roles.device import Identity
+from catseye.drivers.roles.robot import Robot
 
 _LOOK_S: Final = 0.25
 """Between two looks at an arm that stands."""
@@ -177,7 +178,7 @@ class Jogging:
         self._failure = self._failure or SafetyError(trouble)
         self.end(str(self._failure))
 
-    def _identities(self, devices: Devices) -> dict[str, DeviceIdentity]:
+    def _identities(self, devices: Devices) -> dict[str, Identity]:
         """Return who answers of those that a run has: what else stands in the cell file moves nothing.
 
         Raises:

@@ -15,7 +15,8 @@ from catseye.app.service.manual.manual_motion import HandMotion
 from catseye.app.service.manual.steps import step_target
 from catseye.app.service.messages import JogHold, JogStep, Message
 from catseye.drivers.roles.clock import Clock
-from catseye.drivers.roles.protocols import JogRobot, Joints, Robot
+from catseye.drivers.roles.pose import Pose
+from catseye.drivers.roles.robot import Robot
 from catseye.procedures.kit.bench import Bench
 
 SILENCE_S: Final = 0.5
@@ -127,14 +128,12 @@ class HandArm:
             motion.stop("the step was stopped")
 
     def _begin_hold(self, request: JogHold) -> "asyncio.Future[Message]":
-        # What observes a robot shows its driver, which alone knows what it can do beyond the usual.
-        driver = getattr(self._robot, "driver", self._robot)
-        if not isinstance(driver, JogRobot):
+        if not self._robot.abilities.jogs:
             raise RefusedError(
                 "this robot's driver knows no jog that ends by itself when nobody feeds it: move by steps"
             )
         sight = Sight(self._robot.joints, self._gate.require_permission)
-        hold = Hold(driver, request.joint, self._approach(request), sight, self._clock)
+        hold = Hold(self._robot, request.joint, self._approach(request), sight, self._clock)
         motion = HandMotion(request.joint, self._robot, self._clock, self._limits, hold)
         answer: asyncio.Future[Message] = asyncio.get_running_loop().create_future()
         task = self._begin(motion, self._hold(motion, hold, answer))
@@ -171,7 +170,7 @@ class HandArm:
                 self._teller.moves(None, motion.hold.reason if motion.hold and not reason else reason)
 
     async def _step(self, motion: HandMotion, request: JogStep, heard_s: Callable[[], float]) -> Message:
-        targets: list[Joints] = []
+        targets: list[Pose] = []
 
         async def gate() -> None:
             here = await self._robot.joints()

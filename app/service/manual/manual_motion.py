@@ -12,7 +12,7 @@ from catseye.app.engine.waiting import cancel
 from catseye.app.errors import SafetyError
 from catseye.app.service.manual.hold import Hold
 from catseye.drivers.roles.clock import Clock
-from catseye.drivers.roles.protocols import Robot
+from catseye.drivers.roles.robot import Robot
 
 Watch = Callable[[], Awaitable[None]]
 """Goes on until the motion ends; what it raises breaks the motion off."""

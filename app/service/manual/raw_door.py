@@ -4,12 +4,12 @@ from collections.abc import AsyncIterator, Callable
 from contextlib import asynccontextmanager
 
 from catseye.app.engine.door_watch import DoorWatch
-from catseye.app.engine.interlock import RemoteIo
 from catseye.app.errors import SafetyError
 from catseye.drivers.links.transport import Transport
 from catseye.drivers.melfa.codec import encode
 from catseye.drivers.roles.clock import Clock
 from catseye.drivers.roles.errors import DeviceError
+from catseye.drivers.roles.io import Io
 
 _STOP = b"\r" + encode("STOP")
 """After what may be half a request, in a request of its own."""
@@ -67,7 +67,7 @@ class RawDoor:
 
 @asynccontextmanager
 async def raw_door(
-    io: RemoteIo | None,
+    io: Io | None,
     transport: Transport,
     clock: Clock,
     on_open: Callable[[str], None],

@@ -10,7 +10,7 @@ from catseye.calibration.kinematics import forward, wrap_rad
 from catseye.calibration.pointing import aim as aimed_j4_rad
 from catseye.calibration.pointing import beam_direction, nearest_branch
 from catseye.calibration.types import Floats
-from catseye.drivers.roles.protocols import Joints
+from catseye.drivers.roles.pose import Pose
 from catseye.procedures.kit.bench import Bench, Reflector
 
 StepJoint = Literal["j1", "j2", "j4", "beam"]
@@ -21,7 +21,7 @@ _AHEAD_RAD = math.radians(30.0)
 _PLACES = {"j1": 0, "j2": 1, "j4": 3}
 
 
-def step_target(bench: Bench, here: Joints, joint: StepJoint, by: float, aim: str | None = None) -> Joints:
+def step_target(bench: Bench, here: Pose, joint: StepJoint, by: float, aim: str | None = None) -> Pose:
     """Return the joints at the end of a step.
 
     Angles count counter-clockwise seen from above, and so does the beam: a positive step moves it to the left as one
@@ -47,7 +47,7 @@ def step_target(bench: Bench, here: Joints, joint: StepJoint, by: float, aim: st
     return target[0], target[1], target[2], target[3]
 
 
-def _beside(bench: Bench, here: Joints, by_mm: float, aim: str | None) -> Joints:
+def _beside(bench: Bench, here: Pose, by_mm: float, aim: str | None) -> Pose:
     if aim is None:
         raise UsageError(
             f"a step of the beam is measured at a reflector: say at which; there are {_names(bench)}"
@@ -57,7 +57,7 @@ def _beside(bench: Bench, here: Joints, by_mm: float, aim: str | None) -> Joints
     return here[0], here[1], here[2], here[3] + math.degrees(moved_rad - off_rad)
 
 
-def _following_j4_deg(bench: Bench, here: Joints, arm_deg: tuple[float, float], aim: str) -> float:
+def _following_j4_deg(bench: Bench, here: Pose, arm_deg: tuple[float, float], aim: str) -> float:
     reflector = _reflector(bench, aim)
     length_mm, off_rad = _sight(bench, here, reflector)
     beside_mm = length_mm * math.tan(off_rad)
@@ -69,7 +69,7 @@ def _following_j4_deg(bench: Bench, here: Joints, arm_deg: tuple[float, float], 
     return math.degrees(nearest_branch(j4_rad, math.radians(here[3])))
 
 
-def _sight(bench: Bench, here: Joints, reflector: Reflector) -> tuple[float, float]:
+def _sight(bench: Bench, here: Pose, reflector: Reflector) -> tuple[float, float]:
     """Return the distance to a reflector, mm, and the angle from it to the beam, rad, to the left positive.
 
     Raises:

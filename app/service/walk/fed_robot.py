@@ -3,7 +3,6 @@
 import asyncio
 from collections.abc import Callable
 from dataclasses import replace
-from typing import Any
 
 from catseye.app.engine.devices import DeviceBuilder, Devices, WireRecorder
 from catseye.app.engine.halt import HaltLimits, halt
@@ -12,11 +11,13 @@ from catseye.app.errors import SafetyError
 from catseye.app.service.walk.feed import Feed, FeedLostError
 from catseye.app.service.walk.walk import Walk
 from catseye.drivers.roles.clock import Clock, SystemClock
-from catseye.drivers.roles.protocols import ControllerStatus, DeviceIdentity, Joints, Robot
+from catseye.drivers.roles.device import Examination, Identity
+from catseye.drivers.roles.pose import Pose, Range
+from catseye.drivers.roles.robot import Robot, RobotAbilities, RobotStatus
 
 
-class FedRobot:
-    """A robot controller; what its driver does beyond this is found at `driver`.
+class FedRobot(Robot):
+    """A robot controller that moves to one target after another, while somebody feeds.
 
     Args:
         robot: that moves.
@@ -24,20 +25,16 @@ class FedRobot:
         meet: called with who answers.
         clock: real time.
         limits: how long a halt may take.
-
-    Attributes:
-        driver: what stands behind this.
     """
 
     def __init__(
         self,
         robot: Robot,
         feed: Feed,
-        meet: Callable[[DeviceIdentity], None],
+        meet: Callable[[Identity], None],
         clock: Clock,
         limits: HaltLimits,
     ) -> None:
-        self.driver: Any = getattr(robot, "driver", robot)
         self._robot = robot
         self._feed = feed
         self._meet = meet
@@ -47,10 +44,19 @@ class FedRobot:
     @property
     def notes(self) -> tuple[str, ...]:
         """What the driver knows about its connection."""
-        notes: tuple[str, ...] = getattr(self._robot, "notes", ())
-        return notes
+        return self._robot.notes
 
-    async def connect(self) -> DeviceIdentity:
+    @property
+    def abilities(self) -> RobotAbilities:
+        """What the driver is able to do, but for motions over more than one target and for jogging."""
+        return replace(self._robot.abilities, following="stops", jogs=False)
+
+    @property
+    def own_program(self) -> str | None:
+        """Program of the driver that runs on the controller."""
+        return self._robot.own_program
+
+    async def connect(self) -> Identity:
         """Open the link and check who answers."""
         identity = await self._robot.connect()
         self._meet(identity)
@@ -60,7 +66,7 @@ class FedRobot:
         """Disconnect."""
         await self._robot.close()
 
-    async def status(self) -> ControllerStatus:
+    async def status(self) -> RobotStatus:
         """Return the controller's state."""
         return await self._robot.status()
 
@@ -72,15 +78,23 @@ class FedRobot:
         """Set the speed override; return what the controller reads back."""
         return await self._robot.set_override(percent)
 
-    async def joints(self) -> Joints:
+    async def joints(self) -> Pose:
         """Return the reported joint positions."""
         return await self._robot.joints()
+
+    async def joint_limits(self) -> tuple[Range, ...] | None:
+        """Return the controller's own limits of all axes."""
+        return await self._robot.joint_limits()
+
+    async def examine(self) -> Examination:
+        """Ask the controller what its maker provides beyond the role."""
+        return await self._robot.examine()
 
     async def stop(self) -> None:
         """Stop now."""
         await self._robot.stop()
 
-    async def move_joints(self, target: Joints) -> None:
+    async def move_joints(self, target: Pose) -> None:
         """Move while fed.
 
         Raises:

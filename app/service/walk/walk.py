@@ -19,7 +19,8 @@ from catseye.app.engine.walked.tube import TUBE_DEG, TUBE_MM, Leg, Tubes, to_wal
 from catseye.app.errors import MeasurementRejectedError, UsageError
 from catseye.app.protocol.procedures import Runnable
 from catseye.app.service.walk.feed import Feed, FeedLostError
-from catseye.drivers.roles.protocols import DeviceIdentity, Joints
+from catseye.drivers.roles.device import Identity
+from catseye.drivers.roles.pose import Pose
 from catseye.procedures.kit.bench import Bench
 from catseye.procedures.kit.context import Context, Live, Row
 from catseye.procedures.kit.errors import ArmMovedError
@@ -27,7 +28,7 @@ from catseye.procedures.kit.motion.body_speed import fastest_mm_s
 from catseye.procedures.kit.motion.motion_time import move_time_s
 from catseye.procedures.scara.motion.entry import stands_at, way_in
 
-MotionsFrom = Callable[[Joints], Awaitable[Sequence[Leg]]]
+MotionsFrom = Callable[[Pose], Awaitable[Sequence[Leg]]]
 """Returns every motion of a plan that begins where the arm stands."""
 
 GO_ON: Final = "hold the space bar to walk on; this is no enabling device"
@@ -60,7 +61,7 @@ class Walk:
         bench: Bench,
         motions_from: MotionsFrom,
         walked: Iterable[Leg],
-        before: Callable[[DeviceIdentity], Sequence[Leg]],
+        before: Callable[[Identity], Sequence[Leg]],
         feed: Feed,
     ) -> None:
         self.procedure = procedure
@@ -69,7 +70,7 @@ class Walk:
         self._motions_from = motions_from
         self._walked = list(walked)
         self._before = before
-        self._arm: DeviceIdentity | None = None
+        self._arm: Identity | None = None
         self._handle: RunHandle | None = None
         self._percent = self.cap_percent
         self._total_s = self._done_s = 0.0
@@ -103,7 +104,7 @@ class Walk:
         """Plan the procedure."""
         return self.procedure.plan(bench, params)
 
-    def meet(self, arm: DeviceIdentity) -> None:
+    def meet(self, arm: Identity) -> None:
         """Learn which arm is walked.
 
         Raises:
@@ -177,7 +178,7 @@ class Walk:
             self._done_s += self._time_s(leg)
         self._tell(ctx, legs[-1], f"{len(legs)} motions")
 
-    async def _lead_to(self, ctx: Context, start: Joints, tubes: Tubes) -> None:
+    async def _lead_to(self, ctx: Context, start: Pose, tubes: Tubes) -> None:
         """Bring the arm to where a motion begins."""
         here = await ctx.joints()
         if stands_at(here, start):

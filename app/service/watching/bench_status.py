@@ -10,7 +10,9 @@ from catseye.app.service.watching.latest_values import Gauges, LinkGauge, Stampe
 from catseye.calibration.kinematics import forward
 from catseye.calibration.pointing import beam_miss
 from catseye.calibration.refractive_index import refractive_index
-from catseye.drivers.roles.protocols import Air, DeviceIdentity, Joints
+from catseye.drivers.roles.air import AirSample
+from catseye.drivers.roles.device import Identity
+from catseye.drivers.roles.pose import Pose
 from catseye.procedures.kit.context import Json
 
 _AIMED_AT_MM = 25.0
@@ -63,7 +65,7 @@ def _device(name: str, endpoint: str, driver: str, gauges: Gauges) -> dict[str, 
     }
 
 
-def _identity(identity: DeviceIdentity) -> dict[str, Json]:
+def _identity(identity: Identity) -> dict[str, Json]:
     return {
         "model": identity.model,
         "firmware": identity.firmware,
@@ -103,7 +105,7 @@ def _beam(gauges: Gauges) -> Json:
     beam, spread_mm = seen.value, gauges.columns.spread()
     return {
         "signal": _number(beam.signal),
-        "signal_native": getattr(beam, "signal_native", ""),
+        "signal_native": beam.signal_native,
         "beam_ok": beam.beam_ok,
         "beam_lost": beam.beam_lost,
         "overspeed": beam.overspeed,
@@ -135,7 +137,7 @@ def _number(value: float | None) -> float | None:
     return value if value is not None and math.isfinite(value) else None
 
 
-def _index(air: Air, rule: AirRule) -> float | None:
+def _index(air: AirSample, rule: AirRule) -> float | None:
     """Return the refractive index of the air; None when a quantity is missing or out of the formula's range."""
     temperature_c, pressure_hpa, humidity_percent = air.temperature_c, air.pressure_hpa, air.humidity_percent
     if temperature_c is None or pressure_hpa is None or humidity_percent is None:
@@ -147,7 +149,7 @@ def _index(air: Air, rule: AirRule) -> float | None:
         return None
 
 
-def _layout(facts: BenchFacts, joints: Joints | None) -> dict[str, Json]:
+def _layout(facts: BenchFacts, joints: Pose | None) -> dict[str, Json]:
     bench = facts.bench
     arm, optics = bench.arm, bench.optics
     return {
@@ -174,7 +176,7 @@ def _layout(facts: BenchFacts, joints: Joints | None) -> dict[str, Json]:
     }
 
 
-def _aim(facts: BenchFacts, joints: Joints) -> str | None:
+def _aim(facts: BenchFacts, joints: Pose) -> str | None:
     """Return the reflector that the beam is meant for; None when it passes all of them."""
     bench = facts.bench
     theta1, theta2, _, theta4 = np.radians(joints)

@@ -7,9 +7,15 @@ from catseye.app.engine.devices import WireRecorder
 from catseye.app.engine.instruments import device_builder, further_device
 from catseye.app.service.watching.device_pool import CellDevices
 from catseye.app.service.watching.latest_values import Gauges
-from catseye.app.service.watching.observed_devices import ObservedDevice, ObservedSensor, observed
+from catseye.app.service.watching.observed_devices import (
+    ObservedController,
+    ObservedDevice,
+    ObservedSensor,
+    observed,
+)
 from catseye.drivers.roles.clock import Clock
-from catseye.drivers.roles.protocols import Environment
+from catseye.drivers.roles.device import Role
+from catseye.drivers.roles.registry import load_driver
 
 
 def cell_devices(cell: Cell, gauges: Gauges, clock: Clock, record: WireRecorder) -> CellDevices:
@@ -32,12 +38,20 @@ def cell_devices(cell: Cell, gauges: Gauges, clock: Clock, record: WireRecorder)
             kept[device.name] = device
     for further in cell.device:
         if further.name != material:
-            kept[further.name] = _further(further.name, further_device(further, clock, record), gauges)
+            kept[further.name] = _further(
+                further.name,
+                load_driver(further.driver).role,
+                further_device(further, clock, record),
+                gauges,
+            )
     return CellDevices(devices, kept)
 
 
-def _further(name: str, driver: Any, gauges: Gauges) -> ObservedDevice:
-    """Return a device whose values are not those of the beam's air, seen."""
-    if isinstance(driver, Environment):
-        return ObservedSensor(name, driver, gauges)
+def _further(name: str, role: Role, driver: Any, gauges: Gauges) -> ObservedDevice:
+    """Return a device, seen, whose values are not those of the bench's own."""
+    match role:
+        case "environment":
+            return ObservedSensor(name, driver, gauges)
+        case "robot":
+            return ObservedController(name, driver, gauges)
     return ObservedDevice(name, driver, gauges)

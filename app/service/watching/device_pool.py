@@ -11,9 +11,9 @@ from catseye.app.exitcode import ExitCode
 from catseye.app.service.errors import RefusedError
 from catseye.app.service.watching.device_supervisor import Keeper
 from catseye.app.service.watching.latest_values import Gauges
-from catseye.app.service.watching.observed_devices import ObservedDevice
+from catseye.app.service.watching.observed_devices import ObservedController, ObservedDevice
 from catseye.drivers.roles.clock import Clock
-from catseye.drivers.roles.protocols import Robot
+from catseye.drivers.roles.robot import Robot
 
 _MOVED_BY_HAND = ("robot", "interferometer")
 """What has to be connected before the arm is moved by hand."""
@@ -87,8 +87,7 @@ class IdleBench:
     async def lent(self) -> AsyncIterator[Devices]:
         """Lend the bench to whoever moves the arm by hand; meanwhile the robot is not sampled here.
 
-        What the borrower asks of these devices is seen by those who watch. What the robot's driver does beyond
-        `Robot` is found at `devices.robot.driver` (an `ObservedRobot`). Beam, air and door are sampled on. A bench
+        What the borrower asks of these devices is seen by those who watch. Beam, air and door are sampled on. A bench
         that is asleep is woken and waited for, for a bounded time.
 
         Raises:
@@ -114,9 +113,8 @@ class IdleBench:
         async with self._taken(device):
             await self._require_connected(device)
             async with self._unasked(device):
-                known = self._keepers[device].device
-                robot = known if isinstance(known, Robot) else known.driver
-                if not isinstance(robot, Robot):
+                robot = self._keepers[device].device
+                if not isinstance(robot, ObservedController):
                     raise RefusedError(f"{device} is no robot: its driver cannot stop what moves")
                 yield robot
 

@@ -5,8 +5,12 @@ from dataclasses import dataclass
 from typing import Generic, Literal, TypeVar
 
 from catseye.app.service.watching.columns import Columns
+from catseye.drivers.roles.air import AirSample
 from catseye.drivers.roles.clock import Clock
-from catseye.drivers.roles.protocols import Air, BeamStatus, ControllerStatus, DeviceIdentity, Joints
+from catseye.drivers.roles.device import Identity
+from catseye.drivers.roles.interferometer import BeamStatus
+from catseye.drivers.roles.pose import Pose
+from catseye.drivers.roles.robot import RobotStatus
 
 T = TypeVar("T")
 T_co = TypeVar("T_co", covariant=True)
@@ -39,7 +43,7 @@ class LinkGauge:
     """
 
     state: LinkState = "closed"
-    identity: DeviceIdentity | None = None
+    identity: Identity | None = None
     error: str | None = None
     heard_s: float | None = None
 
@@ -68,11 +72,11 @@ class Gauges:
     def clear(self) -> None:
         """Forget everything: another cell is looked at."""
         self.links: dict[str, LinkGauge] = {}
-        self.status: Stamped[ControllerStatus] | None = None
-        self.joints: Stamped[Joints] | None = None
+        self.status: Stamped[RobotStatus] | None = None
+        self.joints: Stamped[Pose] | None = None
         self.beam: Stamped[BeamStatus] | None = None
         self.displacement_mm: Stamped[float] | None = None
-        self.air: Stamped[Air] | None = None
+        self.air: Stamped[AirSample] | None = None
         self.door_closed: Stamped[bool] | None = None
         self.columns = Columns()
 
@@ -88,7 +92,7 @@ class Gauges:
         """A device is being connected."""
         self.link(device).state = "connecting"
 
-    def connected(self, device: str, identity: DeviceIdentity) -> None:
+    def connected(self, device: str, identity: Identity) -> None:
         """A device answers and says who it is."""
         self.links[device] = LinkGauge("ok", identity, None, self._clock.monotonic_s())
 
@@ -112,11 +116,11 @@ class Gauges:
         """A link was taken from its driver by hand."""
         self.links[device] = LinkGauge("raw", self.link(device).identity)
 
-    def take_status(self, status: ControllerStatus) -> None:
+    def take_status(self, status: RobotStatus) -> None:
         """Take the controller's state."""
         self.status = self._now(status)
 
-    def take_joints(self, joints: Joints) -> None:
+    def take_joints(self, joints: Pose) -> None:
         """Take the reported joints."""
         self.joints = self._now(joints)
 
@@ -131,7 +135,7 @@ class Gauges:
         self.displacement_mm = stamped = self._now(displacement_mm)
         self.columns.add(displacement_mm, stamped.time_s)
 
-    def take_air(self, air: Air) -> None:
+    def take_air(self, air: AirSample) -> None:
         """Take the state of the air."""
         self.air = self._now(air)
 

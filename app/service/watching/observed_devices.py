@@ -1,68 +1,44 @@
 """Devices whose answers pass on to gauges: what anybody asks of them is seen by everybody who watches."""
 
-from collections.abc import Awaitable, Callable, Sequence
-from typing import Any, Literal, Protocol, TypeVar, runtime_checkable
+from collections.abc import Awaitable, Mapping, Sequence
+from contextlib import AbstractAsyncContextManager
+from typing import TypeVar
 
 from catseye.app.engine.devices import Devices
-from catseye.app.engine.interlock import Light, RemoteIo
 from catseye.app.service.watching.latest_values import Gauges
+from catseye.drivers.roles.air import AirSample, AirSensor
+from catseye.drivers.roles.device import Device, Examination, Identity
 from catseye.drivers.roles.errors import DeviceError, LinkError, ProtocolError
-from catseye.drivers.roles.protocols import (
-    Air,
+from catseye.drivers.roles.interferometer import (
     BeamStatus,
-    ControllerStatus,
-    DeviceIdentity,
-    Environment,
+    Compensated,
     Interferometer,
-    Joints,
     LengthReading,
-    Position,
-    Robot,
-    Tracker,
-    WayRobot,
+    OnValue,
 )
+from catseye.drivers.roles.io import Io, Light
+from catseye.drivers.roles.pose import Pose, Range
+from catseye.drivers.roles.robot import JogDirection, JogFeed, Robot, RobotAbilities, RobotStatus
+from catseye.drivers.roles.tracker import Position, Tracker
 
 T = TypeVar("T")
 
 
-class Connecting(Protocol):
-    """What every device does."""
-
-    async def connect(self) -> DeviceIdentity:
-        """Open the link and check who answers."""
-        ...
-
-    async def close(self) -> None:
-        """Disconnect; may be called any number of times."""
-        ...
-
-
-@runtime_checkable
-class Streaming(Protocol):
-    """A driver that is sent values without asking for them.
-
-    Attributes:
-        on_value: takes each of them: time of arrival on the driver's clock, s, and displacement, mm.
-    """
-
-    on_value: Callable[[float, float], None] | None
-
-
-class ObservedDevice:
+class ObservedDevice(Device):
     """Tells gauges how the link of a device fares.
 
     Args:
         name: of the device in the cell file.
         driver: that does the work.
-        gauges: are told.
+        gauges: take what it answers.
 
     Attributes:
-        driver: what stands behind this.
+        name: of the device in the cell file.
     """
 
-    def __init__(self, name: str, driver: Connecting, gauges: Gauges) -> None:
+    def __init__(self, name: str, driver: Device, gauges: Gauges) -> None:
         self.name = name
-        self.driver: Any = driver
+        self._device = driver
         self._gauges = gauges
         self._pending = 0
 
@@ -74,14 +50,13 @@ class ObservedDevice:
     @property
     def notes(self) -> tuple[str, ...]:
         """What the driver knows about its connection."""
-        notes: tuple[str, ...] = getattr(self.driver, "notes", ())
-        return notes
+        return self._device.notes
 
-    async def connect(self) -> DeviceIdentity:
+    async def connect(self) -> Identity:
         """Open the link and check who answers."""
         self._gauges.connecting(self.name)
         try:
-            identity: DeviceIdentity = await self.driver.connect()
+            identity = await self._device.connect()
         except DeviceError as error:
             self._gauges.lost(self.name, str(error))
             raise
@@ -91,9 +66,13 @@ class ObservedDevice:
     async def close(self) -> None:
         """Disconnect."""
         try:
-            await self.driver.close()
+            await self._device.close()
         finally:
             self._gauges.closed(self.name)
+
+    async def examine(self) -> Examination:
+        """Ask the instrument what its maker provides beyond the role."""
+        return await self._told(self._device.examine())
 
     async def _told(self, answer: Awaitable[T]) -> T:
         """Return an answer; what becomes of the link is seen on the way."""
@@ -112,128 +91,172 @@ class ObservedDevice:
         return found
 
 
-class ObservedRobot(ObservedDevice):
-    """A robot controller; what its driver does beyond this is found at `driver`."""
+class ObservedController(ObservedDevice, Robot):
+    """A robot controller whose state is nobody's but the asker's."""
 
-    driver: Robot
+    def __init__(self, name: str, driver: Robot, gauges: Gauges) -> None:
+        super().__init__(name, driver, gauges)
+        self._driver = driver
 
-    async def status(self) -> ControllerStatus:
+    @property
+    def abilities(self) -> RobotAbilities:
+        """What the driver is able to do."""
+        return self._driver.abilities
+
+    @property
+    def own_program(self) -> str | None:
+        """Program of the driver that runs on the controller."""
+        return self._driver.own_program
+
+    async def status(self) -> RobotStatus:
         """Return the controller's state."""
-        status = await self._told(self.driver.status())
-        self._gauges.take_status(status)
-        return status
+        return await self._told(self._driver.status())
 
     async def servo(self, *, on: bool) -> None:
         """Switch the drives."""
-        await self._told(self.driver.servo(on=on))
+        await self._told(self._driver.servo(on=on))
 
     async def set_override(self, percent: float) -> float:
         """Set the speed override; return what the controller reads back."""
-        return await self._told(self.driver.set_override(percent))
+        return await self._told(self._driver.set_override(percent))
 
-    async def move_joints(self, target: Joints) -> None:
-        """Interpolate all joints to the target."""
-        await self._told(self.driver.move_joints(target))
+    async def move_joints(self, target: Pose) -> None:
+        """Interpolate all axes to the target."""
+        await self._told(self._driver.move_joints(target))
 
-    async def joints(self) -> Joints:
-        """Return the reported joint positions."""
-        joints = await self._told(self.driver.joints())
-        self._gauges.take_joints(joints)
-        return joints
+    async def follow(self, way: Sequence[Pose]) -> None:
+        """Move through all targets in order."""
+        await self._told(self._driver.follow(way))
+
+    async def joints(self) -> Pose:
+        """Return the reported pose."""
+        return await self._told(self._driver.joints())
+
+    async def joint_limits(self) -> tuple[Range, ...] | None:
+        """Return the controller's own limits of all axes."""
+        return await self._told(self._driver.joint_limits())
+
+    def jogging(self, directions: Mapping[str, JogDirection]) -> AbstractAsyncContextManager[JogFeed]:
+        """Turn axes while what is yielded is fed."""
+        return self._driver.jogging(directions)
 
     async def stop(self) -> None:
         """Stop now, past any command under way."""
-        await self._told(self.driver.stop())
+        await self._told(self._driver.stop())
 
 
-class ObservedWayRobot(ObservedRobot):
-    """A robot that passes joint targets without standing still at each."""
+class ObservedRobot(ObservedController):
+    """The controller of the arm that measures."""
 
-    driver: WayRobot
+    async def status(self) -> RobotStatus:
+        """Return the controller's state."""
+        status = await super().status()
+        self._gauges.take_status(status)
+        return status
 
-    async def follow(self, way: Sequence[Joints]) -> None:
-        """Move through all targets in order."""
-        await self._told(self.driver.follow(way))
+    async def joints(self) -> Pose:
+        """Return the reported pose."""
+        joints = await super().joints()
+        self._gauges.take_joints(joints)
+        return joints
 
 
-class ObservedInterferometer(ObservedDevice):
+class ObservedInterferometer(ObservedDevice, Interferometer):
     """A length counter on the beam; one that streams has every value seen, one that is asked the answers."""
-
-    driver: Interferometer
 
     def __init__(self, name: str, driver: Interferometer, gauges: Gauges) -> None:
         super().__init__(name, driver, gauges)
-        self.streams = isinstance(driver, Streaming)
-        if isinstance(driver, Streaming):
-            driver.on_value = lambda _time_s, displacement_mm: gauges.take_displacement(displacement_mm)
+        self._driver = driver
+        self.listen(None)
 
     @property
-    def compensated(self) -> Literal["none", "instrument"]:
-        """Whether the instrument corrects its lengths for the air by itself."""
-        return self.driver.compensated
+    def compensated(self) -> Compensated:
+        """Who corrects the lengths for the air."""
+        return self._driver.compensated
+
+    @property
+    def streams(self) -> bool:
+        """Values arrive without being asked for."""
+        return self._driver.streams
+
+    def listen(self, on_value: OnValue | None) -> None:
+        """Have every value of a stream shown beside the gauges; None ends that."""
+
+        def both(time_s: float, displacement_mm: float) -> None:
+            self._gauges.take_displacement(displacement_mm)
+            if on_value is not None:
+                on_value(time_s, displacement_mm)
+
+        self._driver.listen(both)
 
     async def zero(self) -> int:
         """Zero the count; return the new zero's number."""
-        return await self._told(self.driver.zero())
+        return await self._told(self._driver.zero())
 
     async def read(self) -> LengthReading:
         """Return one reading."""
-        reading = await self._told(self.driver.read())
+        reading = await self._told(self._driver.read())
         if not self.streams:
             self._gauges.take_displacement(reading.displacement_mm)
         return reading
 
     async def status(self) -> BeamStatus:
         """Return the state of the beam."""
-        beam = await self._told(self.driver.status())
+        beam = await self._told(self._driver.status())
         self._gauges.take_beam(beam)
         return beam
 
 
-class ObservedSensor(ObservedDevice):
+class ObservedSensor(ObservedDevice, AirSensor):
     """A sensor whose samples are nobody's but the asker's."""
 
-    driver: Environment
+    def __init__(self, name: str, driver: AirSensor, gauges: Gauges) -> None:
+        super().__init__(name, driver, gauges)
+        self._driver = driver
 
-    async def sample(self) -> Air:
+    async def sample(self) -> AirSample:
         """Return the state of the air now."""
-        return await self._told(self.driver.sample())
+        return await self._told(self._driver.sample())
 
 
 class ObservedAir(ObservedSensor):
     """The sensor of the air that the beam passes."""
 
-    async def sample(self) -> Air:
+    async def sample(self) -> AirSample:
         """Return the state of the air now."""
         air = await super().sample()
         self._gauges.take_air(air)
         return air
 
 
-class ObservedIo(ObservedDevice):
+class ObservedIo(ObservedDevice, Io):
     """Door interlock and stack light."""
 
-    driver: RemoteIo
+    def __init__(self, name: str, driver: Io, gauges: Gauges) -> None:
+        super().__init__(name, driver, gauges)
+        self._driver = driver
 
     async def door_closed(self) -> bool:
         """Return whether the door is closed now."""
-        closed = await self._told(self.driver.door_closed())
+        closed = await self._told(self._driver.door_closed())
         self._gauges.take_door(closed)
         return closed
 
     async def show(self, light: Light) -> None:
         """Light one lamp and put the others out."""
-        await self._told(self.driver.show(light))
+        await self._told(self._driver.show(light))
 
 
-class ObservedTracker(ObservedDevice):
+class ObservedTracker(ObservedDevice, Tracker):
     """An independent instrument."""
 
-    driver: Tracker
+    def __init__(self, name: str, driver: Tracker, gauges: Gauges) -> None:
+        super().__init__(name, driver, gauges)
+        self._driver = driver
 
     async def locate(self) -> Position:
-        """Return the position of the J4 axis."""
-        return await self._told(self.driver.locate())
+        """Return the position of the target."""
+        return await self._told(self._driver.locate())
 
 
 def observed(devices: Devices, gauges: Gauges, material: str | None) -> Devices:
@@ -241,13 +264,11 @@ def observed(devices: Devices, gauges: Gauges, material: str | None) -> Devices:
 
     Args:
         devices: of a run, or of the bench between runs.
-        gauges: are told.
+        gauges: take what they answer.
         material: name of the sensor of the links' temperature in the cell file.
     """
-    robot = devices.robot
-    way = isinstance(robot, WayRobot)
     return Devices(
-        ObservedWayRobot("robot", robot, gauges) if way else ObservedRobot("robot", robot, gauges),
+        ObservedRobot("robot", devices.robot, gauges),
         ObservedInterferometer("interferometer", devices.interferometer, gauges),
         ObservedAir("environment", devices.environment, gauges),
         None if devices.tracker is None else ObservedTracker("tracker", devices.tracker, gauges),

@@ -12,6 +12,7 @@ from textual.containers import Horizontal, Vertical
 from textual.content import Content
 from textual.widgets import Input
 
+from catseye.app.cell.bench import may_move_an_arm
 from catseye.app.tui.dialogs.form_dialog import Answers, Field, FormDialog
 from catseye.app.tui.dialogs.start_dialog import Permission, StartDialog
 from catseye.app.tui.picture import Picture
@@ -249,7 +250,7 @@ class TerminalScreen(MainScreen):
 
     def _moves(self, name: str) -> bool:
         driver = next((str(d.get("driver")) for d in self._bench_devices() if d["name"] == name), "")
-        return name == "robot" or driver.startswith("melfa-")
+        return may_move_an_arm(name, driver)
 
     def _is_mine(self, picture: Picture) -> bool:
         by = picture.raw.get(self._device)

@@ -10,7 +10,7 @@ import numpy as np
 from pydantic import BaseModel, ConfigDict, Field
 
 from catseye.calibration.alignment import OffsetFit, fit_offset
-from catseye.drivers.roles.protocols import Joints
+from catseye.drivers.roles.pose import Pose
 from catseye.procedures.kit.beam.settled import settled_measurement
 from catseye.procedures.kit.bench import Bench, Reflector
 from catseye.procedures.kit.context import Context, Live, Measurement, Row
@@ -210,7 +210,7 @@ class _Rounds:
         self._arrival = Arrival(ctx, plan.bench)
 
     @property
-    def start(self) -> Joints:
+    def start(self) -> Pose:
         """Where each round begins."""
         return self._at(self._plan.pose.j4_deg)
 
@@ -294,7 +294,7 @@ class _Rounds:
                     taken.append((number, measured))
         return taken
 
-    def _at(self, j4_deg: float) -> Joints:
+    def _at(self, j4_deg: float) -> Pose:
         pose = self._plan.pose
         return (pose.theta1_deg, pose.theta2_deg, self._plan.bench.arm.j3_mm, j4_deg)
 

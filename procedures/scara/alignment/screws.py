@@ -5,7 +5,7 @@ from collections.abc import Awaitable, Callable
 from dataclasses import dataclass, replace
 from typing import Final, Literal
 
-from catseye.drivers.roles.protocols import Joints
+from catseye.drivers.roles.pose import Pose
 from catseye.procedures.kit.context import Context, Live, Prompt, Row
 from catseye.procedures.kit.errors import AlignmentError, BeamLostError
 from catseye.procedures.kit.stored import number_of
@@ -154,7 +154,7 @@ class GuidedScrew:
         measure: Measure,
         watch: Watch,
         max_rounds: int,
-        target: Joints | None = None,
+        target: Pose | None = None,
     ) -> None:
         self._ctx = ctx
         self._screw = screw

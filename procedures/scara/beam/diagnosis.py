@@ -7,7 +7,8 @@ import numpy as np
 
 from catseye.calibration.kinematics import forward
 from catseye.calibration.pointing import column_clearance, field_angle
-from catseye.drivers.roles.protocols import BeamStatus, Joints
+from catseye.drivers.roles.interferometer import BeamStatus
+from catseye.drivers.roles.pose import Pose
 from catseye.procedures.kit.bench import Bench, Reflector
 from catseye.procedures.kit.context import Json, Measurement
 
@@ -118,7 +119,7 @@ def told_by(status: BeamStatus | Measurement, bench: Bench) -> Cause | None:
     return None
 
 
-def hidden(joints: Joints, bench: Bench, reflector: Reflector) -> Cause | None:
+def hidden(joints: Pose, bench: Bench, reflector: Reflector) -> Cause | None:
     """Return the cause that geometry lets suspect where nothing returns: base column or field.
 
     Args:

@@ -2,7 +2,7 @@
 
 from itertools import pairwise
 
-from catseye.drivers.roles.protocols import Joints
+from catseye.drivers.roles.pose import Pose
 from catseye.procedures.kit.beam.settled import settled_measurement
 from catseye.procedures.kit.bench import Bench, Reflector
 from catseye.procedures.kit.context import Context, Measurement
@@ -53,10 +53,10 @@ class Follower:
         self._bench = bench
         self._reflector = reflector
         self._aim = AimCorrection()
-        self._left: Joints | None = None
+        self._left: Pose | None = None
 
     @property
-    def sent(self) -> Joints:
+    def sent(self) -> Pose:
         """Where the arm was sent last.
 
         Raises:
@@ -228,7 +228,7 @@ class Follower:
             return INTERRUPTED
         return off_aim(off_deg, beam_mm(planned, self._bench, self._reflector))
 
-    def _gone(self, joints: Joints) -> Cause:
+    def _gone(self, joints: Pose) -> Cause:
         looked_deg = look_around_deg(joints, self._bench, self._reflector)
         return hidden(joints, self._bench, self._reflector) or no_return(looked_deg)
 
@@ -268,7 +268,7 @@ class Follower:
         self._aim.found(best_deg - visit.node[3], half_window_deg)
         return True
 
-    async def _scan(self, planned: Joints) -> float | None:
+    async def _scan(self, planned: Pose) -> float | None:
         """Turn J4 about the plan's aim; return the offset at which the beam is centred, with J4 there."""
         half_window_deg = window_deg(planned, self._bench, self._reflector)
         limits_deg = self._bench.arm.j4_limits_deg
@@ -295,7 +295,7 @@ class Follower:
         self._left = way[-1]
         return True
 
-    def _corrected(self, target: Joints) -> Joints:
+    def _corrected(self, target: Pose) -> Pose:
         return self._aim.applied(target, self._bench.arm.j4_limits_deg)
 
     async def _laser_ready(self) -> bool:

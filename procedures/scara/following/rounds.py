@@ -1,6 +1,6 @@
 """Round trips as they are driven: the beam is kept, found again and counted anew when it is lost."""
 
-from catseye.drivers.roles.protocols import Joints
+from catseye.drivers.roles.pose import Pose
 from catseye.procedures.kit.beam.settled import settled_measurement
 from catseye.procedures.kit.bench import Bench
 from catseye.procedures.kit.context import Context, Measurement, Prompt
@@ -38,7 +38,7 @@ class Rounds:
         self._failures = 0
         self._questions = 0
         self._offset_deg = 0.0
-        self._left: Joints | None = None
+        self._left: Pose | None = None
         self.trip = trip
         self.segment = segment
         self.ready = False
@@ -142,7 +142,7 @@ class Rounds:
             offset_deg if low <= smallest + offset_deg and largest + offset_deg <= high else 0.0
         )
 
-    def _aimed(self, target: Joints) -> Joints:
+    def _aimed(self, target: Pose) -> Pose:
         return (*target[:3], target[3] + self._offset_deg)
 
     async def _ask(self) -> None:

@@ -1,6 +1,6 @@
 """The first way of a process: it is planned and checked when it is known where the arm stands."""
 
-from catseye.drivers.roles.protocols import Joints
+from catseye.drivers.roles.pose import Pose
 from catseye.procedures.kit.bench import Bench
 from catseye.procedures.kit.context import Context
 from catseye.procedures.scara.motion.entry import stands_at, way_in
@@ -19,7 +19,7 @@ class Arrival:
         self._bench = bench
         self._over = False
 
-    async def at(self, pose: Joints) -> None:
+    async def at(self, pose: Pose) -> None:
         """Go to a pose by a free way, once.
 
         Raises:

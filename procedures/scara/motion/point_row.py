@@ -1,6 +1,6 @@
 """A measured point as a row."""
 
-from catseye.drivers.roles.protocols import Joints
+from catseye.drivers.roles.pose import Pose
 from catseye.procedures.kit.context import Json, Measurement, Row
 from catseye.procedures.scara.motion.approach import Command
 
@@ -13,7 +13,7 @@ def title_of(reflector: str, command: Command) -> str:
     )
 
 
-def point_row(reflector: str, segment: int, command: Command, sent: Joints, measured: Measurement) -> Row:
+def point_row(reflector: str, segment: int, command: Command, sent: Pose, measured: Measurement) -> Row:
     """Return the row of a distance.
 
     Args:

@@ -6,9 +6,10 @@ from typing import Annotated
 from pydantic import BaseModel, ConfigDict, Field
 
 from catseye.calibration.kinematics import Hand
-from catseye.drivers.roles.protocols import Joints
+from catseye.drivers.roles.pose import Pose
+from catseye.drivers.roles.tracker import Position
 from catseye.procedures.kit.bench import Bench
-from catseye.procedures.kit.context import Context, Location, Prompt, Row
+from catseye.procedures.kit.context import Context, Prompt, Row
 from catseye.procedures.kit.errors import ArmMovedError, MeasuredFileError
 from catseye.procedures.scara.motion.entry import stands_at, way_in
 from catseye.procedures.scara.path.joint_rows import plan_joint_rows
@@ -120,8 +121,8 @@ class _Drive:
     def __init__(self, ctx: Context, plan: PathPlan) -> None:
         self._ctx = ctx
         self._plan = plan
-        self._left: Joints | None = None
-        self._next: Joints | None = None
+        self._left: Pose | None = None
+        self._next: Pose | None = None
 
     async def run_in(self) -> Row:
         """Go to where the first point is approached from."""
@@ -158,7 +159,7 @@ class _Drive:
         duration_s = self._plan.duration_s
         self._ctx.progress(duration_s * done / total, duration_s, f"path point {done}/{total}")
 
-    def _joints_of(self, number: int) -> Joints | None:
+    def _joints_of(self, number: int) -> Pose | None:
         """Return the joints at a point; None after the last one of a pass."""
         if number >= len(self._plan.points):
             return None
@@ -171,7 +172,7 @@ class _Drive:
         for pose in way_in(await self._ctx.joints(), target, bench):
             await self._move(pose)
 
-    async def _move(self, target: Joints) -> None:
+    async def _move(self, target: Pose) -> None:
         await self._ctx.move(target)
         self._left = target
 
@@ -179,14 +180,14 @@ class _Drive:
         """Return whether the arm stands where this process left it."""
         return self._left is not None and stands_at(await self._ctx.joints(), self._left)
 
-    async def _measured(self, point: PathPoint, prompt_id: str, attempt: int) -> Location | None:
+    async def _measured(self, point: PathPoint, prompt_id: str, attempt: int) -> Position | None:
         """Let the instrument measure; None when it tells later, by its file."""
         if self._plan.instrument != "file":
             return await self._ctx.locate(self._plan.bench.timing.settle_time_s)
         await self._hold(point, prompt_id + (f"/again{attempt}" if attempt else ""))
         return None
 
-    def _kept(self, point: PathPoint, pass_number: int, found: Location | None) -> Row:
+    def _kept(self, point: PathPoint, pass_number: int, found: Position | None) -> Row:
         if found is None:
             return {}
         measured = {"x_meas_mm": found.x_mm, "y_meas_mm": found.y_mm}
@@ -207,7 +208,7 @@ class _Drive:
             number += 1
 
 
-def _point_prompt(point: PathPoint, prompt_id: str, number: int, target: Joints | None) -> Prompt:
+def _point_prompt(point: PathPoint, prompt_id: str, number: int, target: Pose | None) -> Prompt:
     return Prompt(
         prompt_id if number == 1 else f"{prompt_id}/{number}",
         "confirm",

@@ -5,7 +5,7 @@ from collections import Counter
 from dataclasses import dataclass
 from statistics import median
 
-from catseye.drivers.roles.protocols import Joints
+from catseye.drivers.roles.pose import Pose
 from catseye.procedures.kit.context import Context, Live, Prompt, Row
 from catseye.procedures.kit.stored import number_of
 from catseye.procedures.scara.beam.beam_scan import ReturnWindow, find_return, half_window_deg, signal_live
@@ -108,7 +108,7 @@ class Lookout:
         self._ctx.record("search", row)
         return {"found": True, "j4_deg": window.centre_deg}
 
-    def _aim(self, pose: SearchPose) -> tuple[Joints, float]:
+    def _aim(self, pose: SearchPose) -> tuple[Pose, float]:
         """Return where the scan begins, as well as is known by now, and its half range."""
         same = [seen.offset_deg for seen in self.sightings if seen.pose.reflector == pose.reflector]
         expected = same or [seen.offset_deg for seen in self.sightings] or [0.0]
@@ -117,7 +117,7 @@ class Lookout:
         aim_deg = _on_a_branch(pose.j4_deg + median(expected), arm.j4_limits_deg)
         return (pose.theta1_deg, pose.theta2_deg, arm.j3_mm, aim_deg), half_range
 
-    async def _scan(self, start: Joints, pose: SearchPose, half_range_deg: float) -> ReturnWindow | None:
+    async def _scan(self, start: Pose, pose: SearchPose, half_range_deg: float) -> ReturnWindow | None:
         optics, limits = self._plan.bench.optics, self._plan.bench.arm.j4_limits_deg
         half_window = half_window_deg(optics.acceptance_mm, pose.beam_mm)
         return await find_return(self._ctx, start, half_range_deg, half_window, limits, optics.signal_min)
@@ -179,7 +179,7 @@ class _Jog:
         self._pose = pose
         self._number = number
 
-    async def window(self, start: Joints) -> ReturnWindow | None:
+    async def window(self, start: Pose) -> ReturnWindow | None:
         """Ask and turn until the beam is back and centred; None when the pose is left out."""
         at = _within(start, self._plan.bench.arm.j4_limits_deg)
         await self._ctx.move(at)
@@ -241,7 +241,7 @@ class _Jog:
             return ReturnWindow(j4_deg, j4_deg, beam.signal), ""
         return None, f"The beam does not return here (signal {beam.signal:.2f}, {least:g} is needed). "
 
-    async def _centred(self, at: Joints) -> ReturnWindow | None:
+    async def _centred(self, at: Pose) -> ReturnWindow | None:
         optics, limits = self._plan.bench.optics, self._plan.bench.arm.j4_limits_deg
         half_window = half_window_deg(optics.acceptance_mm, self._pose.beam_mm)
         return await find_return(self._ctx, at, 0.5 * half_window, half_window, limits, optics.signal_min)
@@ -251,7 +251,7 @@ class _Jog:
         return signal_live((await self._ctx.beam()).signal, least)
 
 
-def _within(pose: Joints, j4_limits_deg: tuple[float, float]) -> Joints:
+def _within(pose: Pose, j4_limits_deg: tuple[float, float]) -> Pose:
     """Return a pose with J4 brought inside its limits."""
     low, high = j4_limits_deg
     return (*pose[:3], min(max(pose[3], low), high))

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from catseye.calibration.errors import InsufficientPointsError
-from catseye.drivers.roles.protocols import Joints
+from catseye.drivers.roles.pose import Pose
 from catseye.procedures.kit.bench import Bench
 from catseye.procedures.kit.context import Measurement, Prompt
 from catseye.procedures.kit.errors import BeamLostError, PlanError, ReflectorNotFoundError
@@ -61,7 +61,7 @@ def positions(ctx: IdealContext) -> list[dict[str, Any]]:
     return list(found)
 
 
-def way(plan: RepeatabilityPlan, number: int = 0) -> list[Joints]:
+def way(plan: RepeatabilityPlan, number: int = 0) -> list[Pose]:
     trip = plan.reflectors[number].trip
     return [trip.start, *(target for leg in trip.legs for target in leg)]
 

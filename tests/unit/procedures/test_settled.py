@@ -4,10 +4,11 @@ from dataclasses import dataclass, field, replace
 
 import pytest
 
+from catseye.drivers.roles.interferometer import BeamStatus
 from catseye.procedures.kit.beam.settled import settled_measurement
 from catseye.procedures.kit.bench import Timing
 from catseye.procedures.kit.context import Measurement
-from tests.unit.procedures.benches import BeamState, IdealContext
+from tests.unit.procedures.benches import IdealContext
 
 TIMING = Timing(settle_time_s=0.5, dwell_time_s=0.25, readings=4, spread_limit_mm=0.005)
 
@@ -30,7 +31,7 @@ class ShakingContext(IdealContext):
         ready = self.unready == 0
         return replace(measured, spread_mm=spread_mm, beam_ok=measured.beam_ok and ready, laser_ready=ready)
 
-    async def beam(self) -> BeamState:
+    async def beam(self) -> BeamStatus:
         self.unready = max(0, self.unready - 1)
         return replace(await super().beam(), laser_ready=self.unready == 0)
 

@@ -9,7 +9,7 @@ from typing import Any
 
 import pytest
 
-from catseye.drivers.roles.protocols import Joints
+from catseye.drivers.roles.pose import Pose
 from catseye.procedures.kit.bench import Bench
 from catseye.procedures.kit.context import Measurement
 from catseye.procedures.kit.errors import BeamLostError, NotWarmError, PlanError
@@ -69,7 +69,7 @@ def verdict(ctx: IdealContext) -> dict[str, object]:
     return dict(ctx.stored["analyse"])
 
 
-def moves(plan: WarmupPlan) -> list[Joints]:
+def moves(plan: WarmupPlan) -> list[Pose]:
     return [plan.trip.start, *(target for leg in plan.trip.legs for target in leg)]
 
 

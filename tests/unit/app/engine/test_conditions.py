@@ -17,9 +17,9 @@ from catseye.app.engine.measuring import AirCache
 from catseye.app.engine.states import State
 from catseye.app.engine.waiting import cancel
 from catseye.app.errors import InterruptionError, SafetyError
+from catseye.drivers.roles.air import AirSample
 from catseye.drivers.roles.errors import LinkError
-from catseye.drivers.roles.protocols import ControllerStatus
-from catseye.drivers.roles.readings import AirSample, RobotStatus
+from catseye.drivers.roles.robot import RobotStatus
 from tests.unit.app.engine.fakes import FakeAir, FakeRobot, ManualClock
 
 LIMITS = AirLimits({"temperature_c": (15.0, 25.0), "pressure_hpa": (800.0, 1100.0)})
@@ -56,7 +56,7 @@ class Surroundings:
         # Longer than what the clock lets pass at once: the test decides when the watchman looks.
         self.watchman = Watchman(self.control, self.robot, conditions, self.ready, self.clock, 5.0)
 
-    def ready(self, status: ControllerStatus) -> None:
+    def ready(self, status: RobotStatus) -> None:
         require_ready(status)
         if status.override_percent > 20.0:
             raise InterruptionError("the override was raised")

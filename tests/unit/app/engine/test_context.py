@@ -4,7 +4,7 @@ import asyncio
 from collections.abc import AsyncIterator, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import NamedTuple
+from typing import ClassVar, NamedTuple
 
 import pytest
 
@@ -29,7 +29,9 @@ from catseye.app.errors import (
 from catseye.app.exitcode import ExitCode
 from catseye.app.store.reader import RunReader
 from catseye.app.store.run_store import RunStore
-from catseye.drivers.roles.readings import CounterStatus, Joints, RobotStatus
+from catseye.drivers.roles.interferometer import BeamStatus
+from catseye.drivers.roles.pose import Pose
+from catseye.drivers.roles.robot import RobotAbilities, RobotStatus
 from catseye.procedures.kit.context import Context, Json, Live, Prompt, Row
 from catseye.procedures.kit.errors import MeasuredFileError
 from tests.unit.app.engine.fakes import AWAY, HOME, LIMITS, FakeBench, FakeRobot, Script, free_way, point
@@ -185,7 +187,7 @@ async def test_steps_do_not_nest(parts: Parts) -> None:
         ((0.0, 0.0, float("inf"), 0.0), "J3 = inf"),
     ],
 )
-async def test_limits_hold_at_the_gate(parts: Parts, target: Joints, text: str) -> None:
+async def test_limits_hold_at_the_gate(parts: Parts, target: Pose, text: str) -> None:
     with pytest.raises(LimitError, match=text):
         await parts.ctx.move(target)
     assert "move" not in parts.bench.robot.calls
@@ -236,7 +238,9 @@ async def test_an_override_that_stays_up_is_never_driven_with(parts: Parts) -> N
 class WayFakeRobot(FakeRobot):
     """Passes the targets of a way in one motion."""
 
-    async def follow(self, way: Sequence[Joints]) -> None:
+    abilities: ClassVar[RobotAbilities] = RobotAbilities(following="blended")
+
+    async def follow(self, way: Sequence[Pose]) -> None:
         self.calls.append(f"follow {len(way)}")
         self.pose = way[-1]
 
@@ -279,13 +283,13 @@ async def test_a_measurement_averages_readings_over_the_dwell(parts: Parts) -> N
 @pytest.mark.parametrize(
     "beam",
     [
-        CounterStatus(False, True, False, True, 0.0),
-        CounterStatus(True, True, False, True, 0.8),
-        CounterStatus(True, False, True, True, 0.8),
+        BeamStatus(False, True, False, True, 0.0),
+        BeamStatus(True, True, False, True, 0.8),
+        BeamStatus(True, False, True, True, 0.8),
     ],
 )
 async def test_a_count_that_was_lost_is_not_ok_even_if_the_beam_is_back(
-    parts: Parts, beam: CounterStatus
+    parts: Parts, beam: BeamStatus
 ) -> None:
     await parts.ctx.zero(500.0)
     parts.bench.counter.beam = beam
@@ -460,7 +464,7 @@ async def test_a_stop_beside_a_live_value_stays_a_stop(parts: Parts, monkeypatch
     """The look and the question are dropped together, and a look that ends slowly must not abort the run."""
     looking = asyncio.Event()
 
-    async def slow_status() -> CounterStatus:
+    async def slow_status() -> BeamStatus:
         looking.set()
         try:
             await asyncio.Event().wait()

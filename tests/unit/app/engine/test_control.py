@@ -13,7 +13,8 @@ from catseye.app.engine.halt import HaltLimits, HaltReport
 from catseye.app.engine.states import State
 from catseye.app.errors import InterruptedRunError, SafetyError, TerminatedRunError
 from catseye.drivers.roles.errors import LinkError, RefusedError
-from catseye.drivers.roles.readings import Joints, RobotStatus
+from catseye.drivers.roles.pose import Pose
+from catseye.drivers.roles.robot import RobotStatus
 from tests.unit.app.engine.fakes import AWAY, FakeRobot, ManualClock
 
 
@@ -124,7 +125,7 @@ class EndsAtStop(FakeRobot):
     turns_later: int = 0
     stopped: asyncio.Event = field(default_factory=asyncio.Event)
 
-    async def move_joints(self, target: Joints) -> None:
+    async def move_joints(self, target: Pose) -> None:
         self.calls.append(f"move to {target}")
         await self.stopped.wait()
         await turns(self.turns_later)

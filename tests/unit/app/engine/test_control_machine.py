@@ -13,6 +13,7 @@ from catseye.app.engine.control import RunControl
 from catseye.app.engine.halt import HaltLimits
 from catseye.app.engine.states import ENDED, State
 from catseye.app.errors import CatseyeError, SafetyError
+from catseye.drivers.roles.pose import Pose
 from tests.unit.app.engine.fakes import AWAY, FakeRobot, ManualClock
 
 MAY_BEGIN = {State.EXECUTE}
@@ -20,7 +21,7 @@ MAY_GO_ON = MAY_BEGIN | {State.HOLDING, State.SUSPENDED}
 """A move that is under way when a hold or a suspension comes ends by itself."""
 
 
-class Robot(FakeRobot):
+class WatchedRobot(FakeRobot):
     """Tells in which state of the run each of its motions began."""
 
     def watch(self, control: RunControl) -> None:
@@ -28,7 +29,7 @@ class Robot(FakeRobot):
         self.control = control
         self.began: list[State] = []
 
-    async def move_joints(self, target: tuple[float, float, float, float]) -> None:
+    async def move_joints(self, target: Pose) -> None:
         """Note the state, then move."""
         self.began.append(self.control.state)
         await super().move_joints(target)
@@ -41,7 +42,7 @@ class EngineMachine(RuleBasedStateMachine):
         super().__init__()
         self.loop = asyncio.new_event_loop()
         self.clock = ManualClock()
-        self.robot = Robot(self.clock)
+        self.robot = WatchedRobot(self.clock)
         self.robot.state = replace(self.robot.state, servo_on=True)
         self.back = True
         self.stops_asked = self.began_at_stop = 0

@@ -9,8 +9,9 @@ import pytest
 from catseye.app.engine.arm_model import ArmModel
 from catseye.app.engine.dry_run import DryRunContext
 from catseye.app.errors import LimitError, MeasurementRejectedError
-from catseye.drivers.roles.protocols import Joints
-from catseye.procedures.kit.bench import Arm, Bench, Following
+from catseye.drivers.roles.pose import Pose
+from catseye.drivers.roles.robot import Following
+from catseye.procedures.kit.bench import Arm, Bench
 from catseye.procedures.kit.context import Context, Prompt, Row
 from tests.unit.app.engine.fakes import HOME, LIMITS, point
 from tests.unit.procedures.benches import bench
@@ -40,7 +41,7 @@ def following(way: Following) -> Bench:
     return replace(BENCH, arm=replace(ARM, following=way))
 
 
-def length_mm(pose: Joints) -> float | None:
+def length_mm(pose: Pose) -> float | None:
     hit = ArmModel(BENCH).hit(pose)
     return None if hit is None else hit.length_mm
 

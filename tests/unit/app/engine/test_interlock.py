@@ -7,15 +7,16 @@ import pytest
 
 from catseye.app.engine.devices import Devices, WireRecorder
 from catseye.app.engine.host import run_procedure
-from catseye.app.engine.interlock import Light, StackLight
+from catseye.app.engine.interlock import StackLight
 from catseye.app.exitcode import ExitCode
+from catseye.drivers.roles.device import Identity
 from catseye.drivers.roles.errors import LinkTimeoutError
-from catseye.drivers.roles.readings import Identity
+from catseye.drivers.roles.io import Io, Light
 from catseye.procedures.kit.context import Context
 from tests.unit.app.engine.fakes import AWAY, FakeBench, Script, identity
 
 
-class Block:
+class Block(Io):
     """A scripted block of inputs and outputs."""
 
     def __init__(self) -> None:

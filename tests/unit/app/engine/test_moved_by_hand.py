@@ -15,13 +15,13 @@ from catseye.app.engine.gate import MotionGate
 from catseye.app.engine.operator import Operator
 from catseye.app.engine.states import State
 from catseye.app.store.run_store import RunStore
-from catseye.drivers.roles.protocols import Joints
+from catseye.drivers.roles.pose import Pose
 from catseye.procedures.kit.context import Live, Prompt
 from catseye.procedures.kit.errors import ArmMovedError
 from tests.patience import until
 from tests.unit.app.engine.fakes import LIMITS, FakeBench, free_way
 
-WAY: tuple[Joints, ...] = tuple((float(n), 2.0 * n, 0.0, 3.0 * n) for n in range(1, 9))
+WAY: tuple[Pose, ...] = tuple((float(n), 2.0 * n, 0.0, 3.0 * n) for n in range(1, 9))
 
 
 @pytest.fixture

@@ -11,8 +11,8 @@ from catseye.app.service.engine_bench import EngineBench
 from catseye.app.service.errors import RefusedError
 from catseye.app.service.hub import Hub
 from catseye.app.service.manual.device_loan import HandBench
+from catseye.drivers.roles.device import Identity
 from catseye.drivers.roles.errors import LinkError
-from catseye.drivers.roles.readings import Identity
 from tests.unit.app.engine.fakes import ManualClock
 
 ROBOT = Identity("emulated", "1.0", "7", True)

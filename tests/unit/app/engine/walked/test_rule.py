@@ -9,8 +9,8 @@ from catseye.app.engine.walked.rule import WalkRule
 from catseye.app.engine.walked.tube import Leg
 from catseye.app.errors import UnwalkedError
 from catseye.app.store.run_store import RunStore
-from catseye.drivers.roles.protocols import Joints
-from catseye.drivers.roles.readings import Identity
+from catseye.drivers.roles.device import Identity
+from catseye.drivers.roles.pose import Pose
 from catseye.procedures.kit.context import Json, Prompt
 from tests.unit.app.engine.walked.test_tube import CORNER, WALKED
 from tests.unit.app.store.fakes import TickingClock
@@ -27,7 +27,7 @@ class SilentDesk:
 
 
 async def rule(root: Path, *, blended: bool) -> WalkRule:
-    async def motions(_here: Joints) -> Sequence[Leg]:
+    async def motions(_here: Pose) -> Sequence[Leg]:
         return []
 
     made = WalkRule(motions, lambda _arm: WALKED, blended)

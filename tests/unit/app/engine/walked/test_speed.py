@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from catseye.app.engine.walked.speed import FASTEST_MM_S, walking_percent
 from catseye.app.engine.walked.tube import Leg
 from catseye.app.errors import SafetyError
-from catseye.drivers.roles.protocols import Joints
+from catseye.drivers.roles.pose import Pose
 from catseye.procedures.kit.motion.body_speed import fastest_mm_s, top_speed_mm_s
 from tests.unit.procedures.benches import LINK1_MM, LINK2_MM, bench
 
@@ -49,7 +49,7 @@ def driven_mm_s(leg: Leg, percent: float) -> float:
 
 @settings(max_examples=150)
 @given(places, places)
-def test_nothing_on_the_arm_is_faster_than_250_mm_s(start: Joints, end: Joints) -> None:
+def test_nothing_on_the_arm_is_faster_than_250_mm_s(start: Pose, end: Pose) -> None:
     leg = Leg(start, end)
     if np.abs(np.subtract(end, start)).max() < 0.1:  # chords of so short a way are lost in rounding
         return

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from numpy.typing import NDArray
 
 from catseye.app.engine.walked.tube import Leg, Tubes, legs_through
-from catseye.drivers.roles.protocols import Joints
+from catseye.drivers.roles.pose import Pose
 
 TOLERANCES = np.array([1.0, 1.0, 5.0, 1.0])
 
@@ -75,7 +75,7 @@ def test_a_motion_beyond_a_tolerance_is_not_covered(walked: Leg, axis: int, way:
 @settings(max_examples=200)
 @given(st.lists(places, min_size=2, max_size=4), st.lists(legs, min_size=1, max_size=4), st.randoms())
 def test_what_is_covered_holds_for_corners_cut_anywhere(
-    way: list[Joints], others: list[Leg], chance: Random
+    way: list[Pose], others: list[Leg], chance: Random
 ) -> None:
     start, *targets = way
     moved = [
@@ -92,7 +92,7 @@ def test_what_is_covered_holds_for_corners_cut_anywhere(
         assert worst <= 1.0 + spacing(walked)
 
 
-CORNER: list[Joints] = [(0.0, 0.0, 0.0, 0.0), (4.0, 0.0, 0.0, 0.0), (8.0, 1.0, 0.0, 0.0)]
+CORNER: list[Pose] = [(0.0, 0.0, 0.0, 0.0), (4.0, 0.0, 0.0, 0.0), (8.0, 1.0, 0.0, 0.0)]
 WALKED = [
     Leg((0.0, -0.7, 0.0, 0.0), (4.0, -0.7, 0.0, 0.0)),
     Leg((4.0, -0.7, 0.0, 0.0), (8.0, 0.3, 0.0, 0.0)),
@@ -157,6 +157,6 @@ def test_many_walked_motions_are_all_looked_at() -> None:
     assert not tubes.covers(Leg((1993.0, 0.0, 0.0, 0.0), (1999.0, 0.0, 0.0, 0.0)))
 
 
-def joints(values: NDArray[np.float64]) -> Joints:
+def joints(values: NDArray[np.float64]) -> Pose:
     one, two, three, four = (float(value) for value in values)
     return one, two, three, four

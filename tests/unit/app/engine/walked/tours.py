@@ -16,14 +16,14 @@ from catseye.app.engine.walked.register import own_legs
 from catseye.app.service.planned_walk import as_walk
 from catseye.app.service.running import PlannedRun, carry_out
 from catseye.app.service.walk.feed import Feed
-from catseye.drivers.roles.protocols import Joints
+from catseye.drivers.roles.pose import Pose
 from catseye.procedures.kit.bench import Bench
 from catseye.procedures.kit.context import Context, Prompt, Row
 from tests.unit.app.engine.fakes import FakeBench, ManualClock
 
-FIRST: Joints = (0.0, 60.0, 50.0, 0.0)
-SECOND: Joints = (30.0, 60.0, 50.0, 20.0)
-ELSEWHERE: Joints = (-30.0, 60.0, 50.0, 0.0)
+FIRST: Pose = (0.0, 60.0, 50.0, 0.0)
+SECOND: Pose = (30.0, 60.0, 50.0, 20.0)
+ELSEWHERE: Pose = (-30.0, 60.0, 50.0, 0.0)
 
 
 class NoParams(BaseModel):
@@ -34,8 +34,8 @@ class NoParams(BaseModel):
 class Tour:
     """Goes through places; where something is measured that a rehearsal does not see, to one more."""
 
-    places: tuple[Joints, ...] = (FIRST, SECOND)
-    surprise: Joints | None = None
+    places: tuple[Pose, ...] = (FIRST, SECOND)
+    surprise: Pose | None = None
 
     name = "tour"
     title = "A tour"
@@ -56,7 +56,7 @@ class Tour:
     async def teardown(self, ctx: Context) -> None:
         """Nothing is left to do."""
 
-    async def _go(self, ctx: Context, place: Joints) -> Row:
+    async def _go(self, ctx: Context, place: Pose) -> Row:
         await ctx.move(place)
         return {}
 

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 
 from catseye.app.errors import UsageError
 from catseye.app.service.manual.steps import step_target
-from catseye.drivers.roles.protocols import Joints
+from catseye.drivers.roles.pose import Pose
 from catseye.procedures.kit.bench import Bench, Reflector
 from tests.unit.app.service.manual.benches import bench_from_template
 
@@ -20,13 +20,13 @@ NAMES = st.sampled_from(sorted(REFLECTORS))
 ANGLES = st.tuples(st.floats(-90.0, 40.0), st.floats(5.0, 140.0))
 
 
-def axis_mm(bench: Bench, joints: Joints) -> complex:
+def axis_mm(bench: Bench, joints: Pose) -> complex:
     """Return the place of the J4 axis."""
     one, two = math.radians(joints[0]), math.radians(joints[1])
     return bench.arm.link1_mm * cmath.exp(1j * one) + bench.arm.link2_mm * cmath.exp(1j * (one + two))
 
 
-def beside_mm(bench: Bench, joints: Joints, reflector: Reflector) -> float:
+def beside_mm(bench: Bench, joints: Pose, reflector: Reflector) -> float:
     """Return where the beam crosses the line through the reflector across the line of sight; to the left positive."""
     place = complex(reflector.x_mm, reflector.y_mm) - axis_mm(bench, joints)
     world = math.radians(joints[0] + joints[1] + joints[3] + bench.optics.theta40_deg)
@@ -35,7 +35,7 @@ def beside_mm(bench: Bench, joints: Joints, reflector: Reflector) -> float:
     return abs(place) * beam.imag / beam.real
 
 
-def pointing(bench: Bench, angles: tuple[float, float], reflector: Reflector, off_deg: float) -> Joints:
+def pointing(bench: Bench, angles: tuple[float, float], reflector: Reflector, off_deg: float) -> Pose:
     """Return a pose whose beam points to the left of a reflector by an angle."""
     place = complex(reflector.x_mm, reflector.y_mm) - axis_mm(bench, (*angles, 50.0, 0.0))
     world_deg = math.degrees(cmath.phase(place)) + off_deg

@@ -5,22 +5,24 @@ from collections.abc import AsyncIterator, Mapping
 from contextlib import asynccontextmanager
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import Any, Literal, cast
+from typing import Any, ClassVar, Literal, cast
 
 from catseye.app.cell.air import air_rule
 from catseye.app.cell.bench import bench_of
 from catseye.app.cell.model import Cell
 from catseye.app.engine.devices import Devices
-from catseye.app.engine.interlock import Light
 from catseye.app.service.manual.device_loan import HandBench
 from catseye.app.service.watching.bench_facts import BenchFacts, DeviceFacts
+from catseye.drivers.roles.device import Identity
 from catseye.drivers.roles.errors import DeviceError, RefusedError
-from catseye.drivers.roles.readings import Identity, Joints, RobotStatus
+from catseye.drivers.roles.io import Io, Light
+from catseye.drivers.roles.pose import Pose
+from catseye.drivers.roles.robot import Robot, RobotAbilities, RobotStatus
 from catseye.procedures.kit.context import Json
 from tests.unit.app.guard.fakes import FakeGuard
 from tests.unit.drivers.virtual_time import VirtualClock
 
-HOME: Joints = (0.0, 0.0, 50.0, 0.0)
+HOME: Pose = (0.0, 0.0, 50.0, 0.0)
 AXES = ("J1", "J2", "J3", "J4")
 DEAD_MAN_S = 0.14
 COASTS_S = 0.03
@@ -40,12 +42,14 @@ class Feed:
 
 
 @dataclass
-class TimedArm:
+class TimedArm(Robot):
     """An arm whose joints turn at one speed; `log` has times and what was asked of it."""
+
+    abilities: ClassVar[RobotAbilities] = RobotAbilities(jogs=True)
 
     speed_deg_s: float = 10.0
     answer_s: float = 0.01
-    pose: Joints = HOME
+    pose: Pose = HOME
     state: RobotStatus = field(
         default_factory=lambda: RobotStatus(False, False, True, False, False, 100.0, 0, "")
     )
@@ -113,12 +117,12 @@ class TimedArm:
         self.state = replace(self.state, override_percent=percent)
         return percent
 
-    async def joints(self) -> Joints:
+    async def joints(self) -> Pose:
         await asyncio.sleep(self.answer_s)
         self.settle()
         return self.pose
 
-    async def move_joints(self, target: Joints) -> None:
+    async def move_joints(self, target: Pose) -> None:
         self.settle()
         self.began_at_percent.append(self.state.override_percent)
         self.note("move " + " ".join(f"{value:.4f}" for value in target))
@@ -169,7 +173,7 @@ class StepsOnlyArm:
 
 
 @dataclass
-class Door:
+class Door(Io):
     """A door that tests open."""
 
     closed: bool = True

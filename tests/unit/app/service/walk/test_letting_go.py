@@ -6,12 +6,12 @@ from pathlib import Path
 import pytest
 
 from catseye.app.engine.request import RunOutcome
-from catseye.drivers.roles.protocols import Joints
+from catseye.drivers.roles.pose import Pose
 from tests.patience import until
 from tests.unit.app.engine.fakes import ManualClock
 from tests.unit.app.engine.walked.tours import ELSEWHERE, FIRST, SECOND, Tour, TourBench
 
-HALFWAY: Joints = (15.0, 60.0, 50.0, 10.0)
+HALFWAY: Pose = (15.0, 60.0, 50.0, 10.0)
 
 
 @pytest.fixture
@@ -26,7 +26,7 @@ async def until_suspended(bench: TourBench) -> None:
     await until(lambda: "SUSPENDED" in bench.fakes.states())
 
 
-async def let_go(bench: TourBench, stands: Joints) -> "asyncio.Task[RunOutcome]":
+async def let_go(bench: TourBench, stands: Pose) -> "asyncio.Task[RunOutcome]":
     """Begin a walk and release the key on the way; return the walk, which waits."""
     walk = asyncio.create_task(bench.walk())
     await bench.fakes.robot.moving.wait()

@@ -12,9 +12,9 @@ from catseye.app.engine.walked.rule import PROMPT, WAIVER
 from catseye.app.exitcode import ExitCode
 from catseye.app.store.reader import RunReader
 from catseye.app.store.verify import verify
+from catseye.drivers.roles.device import Identity
 from catseye.drivers.roles.errors import LinkError
-from catseye.drivers.roles.protocols import Joints
-from catseye.drivers.roles.readings import Identity
+from catseye.drivers.roles.pose import Pose
 from catseye.procedures.kit.context import Context, Row
 from tests.unit.app.engine.walked.tours import ELSEWHERE, FIRST, SECOND, Tour, TourBench
 
@@ -49,9 +49,9 @@ async def test_a_walk_is_a_sealed_run_whose_steps_are_motions(bench: TourBench) 
 class Round(Tour):
     """Goes through its places without standing still where the arm can do that."""
 
-    async def _go(self, ctx: Context, place: Joints) -> Row:
+    async def _go(self, ctx: Context, place: Pose) -> Row:
         one, *others = place
-        await ctx.follow(((one + 2.0, *others), (one - 2.0, *others)))  # type: ignore[arg-type]  # four joints
+        await ctx.follow(((one + 2.0, *others), (one - 2.0, *others)))
         return {}
 
 
@@ -263,7 +263,7 @@ async def test_a_walk_that_cannot_be_read_hides_no_other(bench: TourBench) -> No
 async def test_half_a_walk_counts_for_what_was_driven(bench: TourBench) -> None:
     robot, move = bench.fakes.robot, bench.fakes.robot.move_joints
 
-    async def breaks(target: tuple[float, float, float, float]) -> None:
+    async def breaks(target: Pose) -> None:
         if target == SECOND:
             raise LinkError("tcp://robot is silent")
         await move(target)
@@ -279,7 +279,7 @@ async def test_half_a_walk_counts_for_what_was_driven(bench: TourBench) -> None:
 async def test_a_walk_goes_on_where_it_was_interrupted(bench: TourBench) -> None:
     robot, move = bench.fakes.robot, bench.fakes.robot.move_joints
 
-    async def breaks(_target: tuple[float, float, float, float]) -> None:
+    async def breaks(_target: Pose) -> None:
         robot.move_joints = move  # type: ignore[method-assign]  # the next motion is sound
         raise LinkError("tcp://robot is silent")
 

@@ -3,7 +3,7 @@
 import asyncio
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
+from typing import Any, ClassVar
 
 from catseye.app.engine.devices import Devices
 from catseye.app.engine.handle import RunHandle
@@ -11,16 +11,18 @@ from catseye.app.service.watching.device_pool import CellDevices
 from catseye.app.service.watching.latest_values import Gauges
 from catseye.app.service.watching.observed_devices import ObservedDevice, observed
 from catseye.app.service.watching.telemetry import Topic
-from catseye.drivers.links.stream import ValueHook
+from catseye.drivers.roles.air import AirSample, AirSensor
+from catseye.drivers.roles.device import Identity
 from catseye.drivers.roles.errors import DeviceError, LinkError
-from catseye.drivers.roles.readings import (
-    AirSample,
-    CounterReading,
-    CounterStatus,
-    Identity,
-    Joints,
-    RobotStatus,
+from catseye.drivers.roles.interferometer import (
+    BeamStatus,
+    Compensated,
+    Interferometer,
+    LengthReading,
+    OnValue,
 )
+from catseye.drivers.roles.pose import Pose
+from catseye.drivers.roles.robot import Robot, RobotAbilities, RobotStatus
 from catseye.procedures.kit.context import Json
 from tests.unit.drivers.virtual_time import VirtualClock
 
@@ -66,12 +68,14 @@ class Pulled:
 
 
 @dataclass
-class PulledRobot(Pulled):
+class PulledRobot(Pulled, Robot):
+    abilities: ClassVar[RobotAbilities] = RobotAbilities()
+
     async def status(self) -> RobotStatus:
         await self._asked("status")
         return RobotStatus(True, False, True, False, False, 10.0, 0, "")
 
-    async def joints(self) -> Joints:
+    async def joints(self) -> Pose:
         await self._asked("joints")
         return (1.0, 2.0, 3.0, 4.0)
 
@@ -82,7 +86,7 @@ class PulledRobot(Pulled):
         await self._asked("override")
         return percent
 
-    async def move_joints(self, target: Joints) -> None:
+    async def move_joints(self, target: Pose) -> None:
         await self._asked(f"move {target}")
 
     async def stop(self) -> None:
@@ -90,29 +94,33 @@ class PulledRobot(Pulled):
 
 
 @dataclass
-class PulledCounter(Pulled):
-    compensated: str = "none"
+class PulledCounter(Pulled, Interferometer):
+    compensated: Compensated = "none"
 
     async def zero(self) -> int:
         await self._asked("zero")
         return 1
 
-    async def read(self) -> CounterReading:
+    async def read(self) -> LengthReading:
         await self._asked("read")
-        return CounterReading(0.25, "", VirtualClock().monotonic_s())
+        return LengthReading(0.25, "", VirtualClock().monotonic_s())
 
-    async def status(self) -> CounterStatus:
+    async def status(self) -> BeamStatus:
         await self._asked("status")
-        return CounterStatus(True, False, False, True, 0.8, "800 mV")
+        return BeamStatus(True, False, False, True, 0.8, "800 mV")
 
 
 @dataclass
 class StreamingCounter(PulledCounter):
-    on_value: ValueHook | None = None
+    streams: bool = True
+    on_value: OnValue | None = None
+
+    def listen(self, on_value: OnValue | None) -> None:
+        self.on_value = on_value
 
 
 @dataclass
-class PulledAir(Pulled):
+class PulledAir(Pulled, AirSensor):
     async def sample(self) -> AirSample:
         await self._asked("sample")
         return AirSample(20.0, 1013.25, 50.0, VirtualClock().monotonic_s())
@@ -131,7 +139,7 @@ class PulledCell:
         return self.robot, self.counter, self.air
 
     def observed(self, gauges: Gauges) -> Devices:
-        return observed(Devices(self.robot, self.counter, self.air), gauges, None)  # type: ignore[arg-type]  # a plain text stands for the literal
+        return observed(Devices(self.robot, self.counter, self.air), gauges, None)
 
     async def made(self, gauges: Gauges) -> CellDevices:
         if self.fault is not None:

@@ -14,12 +14,16 @@ from catseye.app.cell.model import Cell, FurtherDevice, Material
 from catseye.app.service.watching.bench_facts import BenchFacts, facts_of
 from catseye.app.service.watching.bench_status import bench_message
 from catseye.app.service.watching.latest_values import Gauges
-from catseye.drivers.roles.readings import AirSample, CounterStatus, Identity, Joints, RobotStatus
+from catseye.drivers.roles.air import AirSample
+from catseye.drivers.roles.device import Identity
+from catseye.drivers.roles.interferometer import BeamStatus
+from catseye.drivers.roles.pose import Pose
+from catseye.drivers.roles.robot import RobotStatus
 from tests.unit.app.engine.fakes import ManualClock
 from tests.unit.app.service.manual.benches import bench_from_template, cell_from_template
 
 STATUS = RobotStatus(True, False, True, False, False, 10.0, 0, "")
-BEAM = CounterStatus(True, False, False, True, 0.8, "800 mV")
+BEAM = BeamStatus(True, False, False, True, 0.8, "800 mV")
 
 
 @cache
@@ -174,7 +178,7 @@ def test_the_aim_is_the_reflector_that_the_beam_is_turned_to(
     gauges = Gauges(ManualClock())
 
     def aim(off_rad: float) -> object:
-        joints: Joints = (theta1_deg, theta2_deg, 0.0, math.degrees(world_rad + off_rad - both))
+        joints: Pose = (theta1_deg, theta2_deg, 0.0, math.degrees(world_rad + off_rad - both))
         gauges.take_joints(joints)
         return told(gauges)["layout"]["aim"]
 

@@ -13,8 +13,8 @@ from catseye.app.service.watching.device_pool import WAKING_LIMIT_S, IdleBench
 from catseye.app.service.watching.device_supervisor import CLOSE_LIMIT_S
 from catseye.app.service.watching.latest_values import Gauges
 from catseye.app.service.watching.polling import AIR_S
+from catseye.drivers.roles.air import AirSample
 from catseye.drivers.roles.errors import RefusedError as DeviceRefusedError
-from catseye.drivers.roles.readings import AirSample
 from tests.unit.app.service.watching.pulled_devices import PulledCell, lost
 from tests.unit.drivers.virtual_time import VirtualClock, run
 

@@ -2,11 +2,11 @@
 
 import asyncio
 from collections.abc import Sequence
+from typing import ClassVar
 
 import pytest
 
 from catseye.app.engine.devices import Devices
-from catseye.app.engine.interlock import Light
 from catseye.app.service.watching.latest_values import Gauges
 from catseye.app.service.watching.observed_devices import (
     ObservedAir,
@@ -21,8 +21,9 @@ from catseye.drivers.roles.errors import (
     ProtocolError,
     RefusedError,
 )
-from catseye.drivers.roles.protocols import Interferometer, Robot, WayRobot
-from catseye.drivers.roles.readings import Joints
+from catseye.drivers.roles.io import Io, Light
+from catseye.drivers.roles.pose import Pose
+from catseye.drivers.roles.robot import RobotAbilities
 from tests.unit.app.service.watching.pulled_devices import (
     Pulled,
     PulledAir,
@@ -64,28 +65,28 @@ def test_answers_pass_and_are_seen_with_their_time() -> None:
     run(ask())
 
 
-def test_the_shape_of_a_driver_is_kept() -> None:
+def test_an_observed_robot_can_do_what_its_driver_can() -> None:
     class Way(PulledRobot):
-        async def follow(self, way: Sequence[Joints]) -> None:
+        abilities: ClassVar[RobotAbilities] = RobotAbilities(following="blended")
+
+        async def follow(self, way: Sequence[Pose]) -> None:
             await self._asked(f"follow {len(way)}")
 
     async def follow() -> None:
         gauges, cell = Gauges(VirtualClock()), PulledCell()
         plain = cell.observed(gauges)
-        assert isinstance(plain.robot, Robot)
-        assert not isinstance(plain.robot, WayRobot)
-        assert isinstance(plain.interferometer, Interferometer)
+        assert plain.robot.abilities.following == "stops"
         assert plain.interferometer.compensated == "none"
         cell.robot = Way()
         way = cell.observed(gauges).robot
-        assert isinstance(way, WayRobot)
+        assert way.abilities.following == "blended"
         await way.follow([(0.0, 0.0, 0.0, 0.0)] * 3)
         assert cell.robot.log == ["follow 3"]
 
     run(follow())
 
 
-def test_notes_of_a_driver_are_told_and_a_driver_without_has_none() -> None:
+def test_notes_of_a_driver_are_passed_on() -> None:
     class Noting(PulledAir):
         notes = ("old firmware",)
 
@@ -95,7 +96,7 @@ def test_notes_of_a_driver_are_told_and_a_driver_without_has_none() -> None:
 
 
 def test_doors_and_links_temperatures_are_seen() -> None:
-    class Io(Pulled):
+    class Door(Pulled, Io):
         async def door_closed(self) -> bool:
             await self._asked("door")
             return False
@@ -104,14 +105,14 @@ def test_doors_and_links_temperatures_are_seen() -> None:
             await self._asked(light)
 
     async def look() -> None:
-        gauges, io, steel = Gauges(VirtualClock()), Io(), PulledAir()
+        gauges, io, steel = Gauges(VirtualClock()), Door(), PulledAir()
         door = ObservedIo("io", io, gauges)
         assert await door.door_closed() is False
         await door.show("green")
         assert gauges.door_closed is not None
         assert (gauges.door_closed.value, io.log) == (False, ["door", "green"])
         cell = PulledCell()
-        devices = observed(Devices(cell.robot, cell.counter, cell.air, material=steel), gauges, "steel")  # type: ignore[arg-type]  # a plain text stands for the literal
+        devices = observed(Devices(cell.robot, cell.counter, cell.air, material=steel), gauges, "steel")
         assert devices.material is not None
         await devices.material.sample()
         assert gauges.air is None
@@ -153,7 +154,7 @@ def test_a_refusal_is_an_answer(refusal: DeviceError) -> None:
 def test_every_value_of_a_stream_is_seen_once() -> None:
     async def stream() -> None:
         gauges, driver = Gauges(VirtualClock()), StreamingCounter()
-        counter = ObservedInterferometer("interferometer", driver, gauges)  # type: ignore[arg-type]  # a plain text stands for the literal
+        counter = ObservedInterferometer("interferometer", driver, gauges)
         assert driver.on_value is not None
         for number in range(5):
             driver.on_value(0.0, float(number))

@@ -9,7 +9,7 @@ import pytest
 from catseye.app.engine.devices import Devices
 from catseye.app.service.watching.bench_facts import facts_of
 from catseye.app.service.watching.telemetry import Telemetry, free_bytes
-from catseye.drivers.roles.readings import CounterStatus
+from catseye.drivers.roles.interferometer import BeamStatus
 from tests.unit.app.service.manual.benches import bench_from_template, cell_from_template
 from tests.unit.app.service.watching.pulled_devices import Listeners, PulledCell, disk
 from tests.unit.drivers.virtual_time import VirtualClock, run
@@ -107,7 +107,7 @@ def test_devices_of_a_run_are_seen_and_their_traffic_goes_both_ways(tmp_path: Pa
 
         def build(record: Callable[[str, str, bytes], None]) -> Devices:
             record("robot", "tx", b"hello")
-            return Devices(cell.robot, cell.counter, cell.air)  # type: ignore[arg-type]  # a plain text stands for the literal
+            return Devices(cell.robot, cell.counter, cell.air)
 
         listeners.topics.add("traffic")
         telemetry.wake()
@@ -126,7 +126,7 @@ def test_another_bench_makes_the_values_of_the_first_one_void_and_another_aim_do
 ) -> None:
     async def play(telemetry: Telemetry, listeners: Listeners) -> None:
         telemetry.describe(FACTS)
-        telemetry.gauges.take_beam(CounterStatus(True, False, False, True, 0.8))
+        telemetry.gauges.take_beam(BeamStatus(True, False, False, True, 0.8))
         aimed = bench_from_template().aimed({"P1": (1.0, 2.0)}, 0.5)
         telemetry.describe(facts_of(cell_from_template(), aimed))
         assert telemetry.bench()["beam"] is not None
