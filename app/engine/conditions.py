@@ -12,6 +12,7 @@ from catseye.app.errors import InterruptionError, SafetyError
 from catseye.drivers.roles.clock import Clock
 from catseye.drivers.roles.errors import DeviceError
 from catseye.drivers.roles.robot import Robot, RobotStatus
+from catseye.procedures.kit.live import in_band
 
 _log = logging.getLogger(__name__)
 
@@ -52,7 +53,7 @@ class AirInRange:
         sample = await self._air.get()
         for name, (low, high) in self._limits.ranges.items():
             value: float | None = getattr(sample, name)
-            if value is not None and not low <= value <= high:
+            if value is not None and not in_band(value, low, high):
                 quantity, unit = name.rpartition("_")[0], _UNITS[name]
                 return (
                     f"the air's {quantity} is {value:.2f} {unit}, outside {low:g} … {high:g} {unit} of [conditions]: "

@@ -27,8 +27,9 @@ from catseye.drivers.roles.clock import Clock
 from catseye.drivers.roles.interferometer import BeamStatus
 from catseye.drivers.roles.pose import Pose
 from catseye.drivers.roles.tracker import Position, Tracker
-from catseye.procedures.kit.context import Json, Live, MeasuredPoint, Measurement, Prompt, Row, Table
+from catseye.procedures.kit.context import Json, MeasuredPoint, Measurement, Prompt, Row, Table
 from catseye.procedures.kit.errors import MeasuredFileError
+from catseye.procedures.kit.live import Live
 
 _DEFAULT_AIR = AirRule()
 
@@ -414,7 +415,8 @@ class RunContext:
         )
         await self._tell_doubt(measured.air)
         material_c = (await self._material.get()).temperature_c if self._material else None
-        return replace(measured, beam_ok=measured.beam_ok and self._zeroed, material_c=material_c)
+        beam = replace(measured.beam, beam_lost=measured.beam.beam_lost or not self._zeroed)
+        return replace(measured, beam=beam, material_c=material_c)
 
     async def _zero(self, dead_path_mm: float) -> int:
         counter = self._devices.interferometer

@@ -18,7 +18,8 @@ from catseye.drivers.roles.interferometer import BeamStatus
 from catseye.drivers.roles.pose import Pose
 from catseye.drivers.roles.tracker import Position
 from catseye.procedures.kit.bench import Bench
-from catseye.procedures.kit.context import Json, Live, MeasuredPoint, Measurement, Prompt, Row, Table
+from catseye.procedures.kit.context import Json, MeasuredPoint, Measurement, Prompt, Row, Table
+from catseye.procedures.kit.live import Live
 from catseye.procedures.kit.motion.clear_way import legs_refusal
 from catseye.procedures.kit.motion.motion_time import way_time_s
 
@@ -231,15 +232,13 @@ class DryRunContext:
         self._account.measurements += 1
         self._questions = 0
         self._claim_way()
-        beam = await self.beam()
         seen = self._model.hit(self.pose)
         zero_mm = 0.0 if self._zeroed is None else self._zeroed.length_mm
         return Measurement(
             displacement_mm=0.0 if seen is None else seen.length_mm - zero_mm,
             spread_mm=0.0,
             readings=readings,
-            signal=beam.signal,
-            beam_ok=beam.beam_ok and not beam.beam_lost,
+            beam=await self.beam(),
             reported=self.pose,
             air=_AIR,
             time_utc=time_utc,

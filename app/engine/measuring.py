@@ -133,11 +133,7 @@ def _average(
         displacement_mm=corrected.displacement_mm,
         spread_mm=statistics.stdev(values) if len(values) > 1 else 0.0,
         readings=len(values),
-        signal=beam.signal,
-        # A counter that overran has lost counts just as one that lost its beam, or whose laser is not locked.
-        beam_ok=beam.beam_ok and not beam.beam_lost and not beam.overspeed and beam.laser_ready,
-        overspeed=beam.overspeed,
-        laser_ready=beam.laser_ready,
+        beam=beam,
         reported=reported,
         air=air,
         time_utc=time_utc,

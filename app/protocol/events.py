@@ -17,7 +17,7 @@ from catseye.app.protocol.message import (
 )
 from catseye.app.protocol.prompts import PromptFields
 from catseye.app.protocol.state import ControlState
-from catseye.procedures.kit.context import Live
+from catseye.procedures.kit.live import Live
 
 
 class Event(Message):

@@ -5,6 +5,7 @@ from dataclasses import dataclass, field
 from typing import Any, Final, Literal
 
 from catseye.drivers.roles.text import harmless_lines
+from catseye.procedures.kit.live import in_band
 
 Event = dict[str, Any]
 
@@ -72,7 +73,7 @@ class Seen:
     @property
     def accepted(self) -> bool:
         """The value lies inside its band."""
-        return (self.low is None or self.value >= self.low) and (self.high is None or self.value <= self.high)
+        return in_band(self.value, self.low, self.high)
 
 
 @dataclass(frozen=True)
@@ -125,7 +126,7 @@ class LiveValue:
     @property
     def accepted(self) -> bool:
         """The value lies inside its band."""
-        return Seen(self.at_s, self.value, self.low, self.high).accepted
+        return in_band(self.value, self.low, self.high)
 
 
 @dataclass

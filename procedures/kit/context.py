@@ -8,6 +8,7 @@ from catseye.drivers.roles.air import AirSample
 from catseye.drivers.roles.interferometer import BeamStatus
 from catseye.drivers.roles.pose import Pose
 from catseye.drivers.roles.tracker import Position
+from catseye.procedures.kit.live import Live
 
 Json = None | bool | int | float | str | list["Json"] | dict[str, "Json"]
 """Anything that JSON can carry."""
@@ -43,32 +44,26 @@ class Measurement:
         displacement_mm: mean of the readings, corrected for the air.
         spread_mm: standard deviation of the readings, 0 for a single one.
         readings: how many.
-        signal: level of the returning beam, 0...1.
-        beam_ok: the beam returns, and nothing was lost or miscounted since the last zero.
+        beam: state of beam and counter after the last reading.
         reported: joints reported by the controller.
         air: state of the air.
         time_utc: ISO 8601 UTC time of the first reading.
         duration_s: from the first to the last reading, s.
         material_c: temperature of the links, °C; None without a sensor.
         correction: raw reading and what was used to correct it; None for an ideal distance.
-        overspeed: the length changed faster than the counter counts.
-        laser_ready: the laser is locked.
         clock_s: bench seconds at the first reading; they count from an origin of their own in every process.
     """
 
     displacement_mm: float
     spread_mm: float
     readings: int
-    signal: float
-    beam_ok: bool
+    beam: BeamStatus
     reported: Pose
     air: AirSample
     time_utc: str
     duration_s: float
     material_c: float | None = None
     correction: AirCorrection | None = None
-    overspeed: bool = False
-    laser_ready: bool = True
     clock_s: float = 0.0
 
 
@@ -97,32 +92,6 @@ class MeasuredPoint:
 
 Table = Literal["points", "search", "path", "records"]
 """Where a row is kept: distances, sightings of reflectors, points of a path, and anything else that was observed."""
-
-
-@dataclass(frozen=True)
-class Live:
-    """A value that a technician watches while it changes.
-
-    Attributes:
-        name: of the quantity.
-        value: now.
-        unit: of the value and its band.
-        low: smallest accepted value; None for no lower limit.
-        high: largest accepted value; None for no upper limit.
-        text: what to do about it, one sentence; empty when there is nothing to do.
-    """
-
-    name: str
-    value: float
-    unit: str
-    low: float | None = None
-    high: float | None = None
-    text: str = ""
-
-    @property
-    def accepted(self) -> bool:
-        """The value lies inside its band."""
-        return (self.low is None or self.value >= self.low) and (self.high is None or self.value <= self.high)
 
 
 @dataclass(frozen=True)

@@ -2,7 +2,8 @@
 
 from typing import Final
 
-from catseye.app.tui.run_picture import LiveValue, Seen
+from catseye.app.tui.run_picture import LiveValue
+from catseye.procedures.kit.live import in_band
 
 _ROOM: Final = 0.35
 """Room on either side of a band, as a share of its width."""
@@ -52,7 +53,7 @@ def value_text(value: float) -> str:
 
 
 def _inside(live: LiveValue, value: float) -> bool:
-    return Seen(0.0, value, live.low, live.high).accepted
+    return in_band(value, live.low, live.high)
 
 
 def _ends(live: LiveValue) -> tuple[float, float]:

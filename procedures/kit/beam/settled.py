@@ -3,7 +3,8 @@
 from dataclasses import replace
 
 from catseye.procedures.kit.bench import Timing
-from catseye.procedures.kit.context import Context, Live, Measurement, Prompt
+from catseye.procedures.kit.context import Context, Measurement, Prompt
+from catseye.procedures.kit.live import Live
 
 _LASER = (
     "the laser is not ready: it warms up or has lost its lock, and the count is worthless; look at the laser's lamp. "
@@ -25,16 +26,16 @@ async def settled_measurement(ctx: Context, timing: Timing, where: str) -> Measu
         where: what is measured, unique in the run; part of the question's id.
 
     Returns:
-        The measurement; `beam_ok` is for the caller to look at. None when the operator leaves the point out.
+        The measurement, whose count need not be valid; None when the operator leaves the point out.
     """
     question = 0
     while True:
         measured = await _tried(ctx, timing)
-        if not measured.laser_ready:
+        if not measured.beam.laser_ready:
             await ctx.wait_until(_LASER, lambda: _laser_ready(ctx))
             return measured
         # Readings of a lost beam say nothing about settling.
-        if measured.spread_mm <= timing.spread_limit_mm or not measured.beam_ok:
+        if measured.spread_mm <= timing.spread_limit_mm or not measured.beam.count_valid:
             return measured
         question += 1
         answer = await ctx.ask(_prompt(measured, timing, f"unsettled/{where}/{question}", where))
@@ -52,7 +53,7 @@ async def _tried(ctx: Context, timing: Timing) -> Measurement:
         waiting = replace(timing, settle_time_s=timing.settle_time_s * 2**number)
         measured = await ctx.measure(waiting.settle_time_s, waiting.dwell_time_s, waiting.readings)
         settled = measured.spread_mm <= timing.spread_limit_mm
-        if settled or not measured.beam_ok or not measured.laser_ready:
+        if settled or not measured.beam.count_valid:
             break
         ctx.show(_spread(measured, timing))
     return measured

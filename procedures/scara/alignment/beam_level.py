@@ -9,8 +9,9 @@ from pydantic import BaseModel, ConfigDict, Field
 from catseye.calibration.alignment import PitchFit, fit_pitch
 from catseye.drivers.roles.pose import Pose
 from catseye.procedures.kit.bench import Bench
-from catseye.procedures.kit.context import Context, Live, Row
+from catseye.procedures.kit.context import Context, Row
 from catseye.procedures.kit.errors import AlignmentError, BeamLostError, PlanError
+from catseye.procedures.kit.live import Live
 from catseye.procedures.kit.motion.clear_way import way_refusal
 from catseye.procedures.kit.stored import numbers_of
 from catseye.procedures.scara.alignment.beam_to_j4 import named_reflectors

@@ -13,7 +13,7 @@ from catseye.calibration.alignment import OffsetFit, fit_offset
 from catseye.drivers.roles.pose import Pose
 from catseye.procedures.kit.beam.settled import settled_measurement
 from catseye.procedures.kit.bench import Bench, Reflector
-from catseye.procedures.kit.context import Context, Live, Measurement, Row
+from catseye.procedures.kit.context import Context, Measurement, Row
 from catseye.procedures.kit.errors import (
     AlignmentError,
     BeamLostError,
@@ -21,6 +21,7 @@ from catseye.procedures.kit.errors import (
     PlanError,
     PlanLimitError,
 )
+from catseye.procedures.kit.live import Live
 from catseye.procedures.kit.motion.clear_way import require_clear_way
 from catseye.procedures.kit.stored import number_of
 from catseye.procedures.scara.alignment.screws import GuidedScrew, Screw
@@ -286,11 +287,11 @@ class _Rounds:
                 measured = await settled_measurement(self._ctx, plan.bench.timing, name)
                 if measured is None:
                     continue
-                self._ctx.show(signal_live(measured.signal, plan.bench.optics.signal_min))
-                if not measured.beam_ok:
+                self._ctx.show(signal_live(measured.beam.signal, plan.bench.optics.signal_min))
+                if not measured.beam.count_valid:
                     return None
                 # Too weak a return is no distance, but it keeps the count.
-                if measured.signal >= plan.bench.optics.signal_min:
+                if measured.beam.signal >= plan.bench.optics.signal_min:
                     taken.append((number, measured))
         return taken
 

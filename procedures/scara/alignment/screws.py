@@ -6,8 +6,9 @@ from dataclasses import dataclass, replace
 from typing import Final, Literal
 
 from catseye.drivers.roles.pose import Pose
-from catseye.procedures.kit.context import Context, Live, Prompt, Row
+from catseye.procedures.kit.context import Context, Prompt, Row
 from catseye.procedures.kit.errors import AlignmentError, BeamLostError
+from catseye.procedures.kit.live import Live
 from catseye.procedures.kit.stored import number_of
 
 _ROUND_S: Final = 60.0

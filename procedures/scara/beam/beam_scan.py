@@ -5,7 +5,8 @@ from dataclasses import dataclass
 from typing import Literal
 
 from catseye.drivers.roles.pose import Pose
-from catseye.procedures.kit.context import Context, Live
+from catseye.procedures.kit.context import Context
+from catseye.procedures.kit.live import Live
 
 _J3, _J4 = 2, 3
 

@@ -10,7 +10,7 @@ from catseye.calibration.pointing import column_clearance, field_angle
 from catseye.drivers.roles.interferometer import BeamStatus
 from catseye.drivers.roles.pose import Pose
 from catseye.procedures.kit.bench import Bench, Reflector
-from catseye.procedures.kit.context import Json, Measurement
+from catseye.procedures.kit.context import Json
 
 CauseName = Literal[
     "overspeed",
@@ -106,7 +106,7 @@ def off_aim(off_deg: float, beam_mm: float) -> Cause:
     )
 
 
-def told_by(status: BeamStatus | Measurement, bench: Bench) -> Cause | None:
+def told_by(status: BeamStatus, bench: Bench) -> Cause | None:
     """Return the cause that the interferometer itself tells."""
     if not status.laser_ready:
         return LASER

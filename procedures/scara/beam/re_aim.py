@@ -73,7 +73,7 @@ async def brighten(
                 break
             await ctx.move((*pose[:3], trial_deg))
             status = await ctx.beam()
-            if status.beam_lost or not status.beam_ok:
+            if not status.count_valid:
                 return None
             if status.signal <= best:
                 break
@@ -82,4 +82,4 @@ async def brighten(
             break
     await ctx.move((*pose[:3], best_deg))
     status = await ctx.beam()
-    return None if status.beam_lost or not status.beam_ok else best_deg
+    return best_deg if status.count_valid else None

@@ -152,7 +152,7 @@ class Follower:
         if not status.laser_ready:
             await self._ctx.wait_until(_LASER, self._laser_ready)
             status = await self._ctx.beam()
-        good = status.beam_ok and status.signal >= self._bench.optics.signal_min
+        good = status.returns(self._bench.optics.signal_min)
         if centre or not good:
             try:
                 found_deg = await self._scan(visit.node)
@@ -176,18 +176,18 @@ class Follower:
             where: part of a question's id.
         """
         measured = await self._measured(where)
-        if not isinstance(measured, Measurement) or measured.signal >= self._bench.optics.signal_min:
+        if not isinstance(measured, Measurement) or measured.beam.signal >= self._bench.optics.signal_min:
             return measured
         try:
             kept = await self._brightened(visit)
         except ArmMovedError:
             return self._moved_by_hand()
         if not kept:
-            return Loss(weak(measured.signal, self._bench))
+            return Loss(weak(measured.beam.signal, self._bench))
         self.extra_s += measuring_time_s(self._bench)
         again = await self._measured(where)
-        if isinstance(again, Measurement) and again.signal < self._bench.optics.signal_min:
-            return Loss(weak(again.signal, self._bench))
+        if isinstance(again, Measurement) and again.beam.signal < self._bench.optics.signal_min:
+            return Loss(weak(again.beam.signal, self._bench))
         return again
 
     async def diagnose(self, loss: Loss, visit: Visit) -> Cause:
@@ -238,7 +238,7 @@ class Follower:
 
     async def _broken(self) -> Loss | None:
         status = await self._ctx.beam()
-        if status.beam_ok and not status.beam_lost and not status.overspeed and status.laser_ready:
+        if status.count_valid:
             return None
         return Loss(told_by(status, self._bench))
 
@@ -249,8 +249,8 @@ class Follower:
             return Loss()
         if measured is None:
             return None
-        if not measured.beam_ok:
-            return Loss(told_by(measured, self._bench))
+        if not measured.beam.count_valid:
+            return Loss(told_by(measured.beam, self._bench))
         if self._left is None or not stands_at(measured.reported, self._left):
             self.lose()
             return Loss(MOVED_BY_HAND)

@@ -132,7 +132,7 @@ class Rounds:
         except NoBeamError:
             return False
         beam = await self._ctx.beam()
-        return beam.beam_ok and not beam.beam_lost
+        return beam.count_valid
 
     def _shift(self, offset_deg: float) -> None:
         """Aim everywhere as the reflector was found: a wrong zero direction is wrong by the same angle everywhere."""
@@ -170,8 +170,8 @@ class Rounds:
 
 def _cause(measured: Measurement, signal_min: float) -> str:
     """Return what a distance is worthless by; empty when it is good."""
-    if measured.beam_ok:
-        return "" if measured.signal >= signal_min else "weak signal"
-    if not measured.laser_ready:
+    if measured.beam.count_valid:
+        return "" if measured.beam.signal >= signal_min else "weak signal"
+    if not measured.beam.laser_ready:
         return "laser not ready"
-    return "counter overspeed" if measured.overspeed else "beam lost"
+    return "counter overspeed" if measured.beam.overspeed else "beam lost"

@@ -40,7 +40,7 @@ def point_row(reflector: str, segment: int, command: Command, sent: Pose, measur
         "displacement_mm": measured.displacement_mm,
         "spread_mm": measured.spread_mm,
         "readings": measured.readings,
-        "signal": measured.signal,
+        "signal": measured.beam.signal,
         "temperature_c": measured.air.temperature_c,
         "pressure_hpa": measured.air.pressure_hpa,
         "humidity_percent": measured.air.humidity_percent,

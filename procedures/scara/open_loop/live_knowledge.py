@@ -8,7 +8,8 @@ import numpy as np
 from catseye.calibration.live_map import LiveMap, MapKnowledge
 from catseye.calibration.uncertainty.radial import RadialBudget
 from catseye.procedures.kit.bench import Bench, Reflector
-from catseye.procedures.kit.context import Context, Live
+from catseye.procedures.kit.context import Context
+from catseye.procedures.kit.live import Live
 from catseye.procedures.scara.motion.approach import Command
 
 _COVERAGE = 3.0

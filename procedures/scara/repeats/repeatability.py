@@ -131,7 +131,7 @@ def _record(
         "direction2": 1,
         "displacement_mm": measured.displacement_mm,
         "spread_mm": measured.spread_mm,
-        "signal": measured.signal,
+        "signal": measured.beam.signal,
         "temperature_c": measured.air.temperature_c,
         "time_utc": measured.time_utc,
     }

@@ -6,7 +6,8 @@ from dataclasses import dataclass
 from statistics import median
 
 from catseye.drivers.roles.pose import Pose
-from catseye.procedures.kit.context import Context, Live, Prompt, Row
+from catseye.procedures.kit.context import Context, Prompt, Row
+from catseye.procedures.kit.live import Live
 from catseye.procedures.kit.stored import number_of
 from catseye.procedures.scara.beam.beam_scan import ReturnWindow, find_return, half_window_deg, signal_live
 from catseye.procedures.scara.beam.nests import Nests
@@ -237,7 +238,7 @@ class _Jog:
     async def _taken(self, j4_deg: float) -> tuple[ReturnWindow | None, str]:
         """Take the present angle for the middle of the window if the beam returns."""
         beam, least = await self._ctx.beam(), self._plan.bench.optics.signal_min
-        if beam.beam_ok and beam.signal >= least:
+        if beam.returns(least):
             return ReturnWindow(j4_deg, j4_deg, beam.signal), ""
         return None, f"The beam does not return here (signal {beam.signal:.2f}, {least:g} is needed). "
 

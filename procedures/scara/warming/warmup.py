@@ -7,8 +7,9 @@ from typing import Annotated
 from pydantic import BaseModel, ConfigDict, Field
 
 from catseye.procedures.kit.bench import Bench
-from catseye.procedures.kit.context import Context, Json, Live, Measurement, Row
+from catseye.procedures.kit.context import Context, Json, Measurement, Row
 from catseye.procedures.kit.errors import NotWarmError
+from catseye.procedures.kit.live import Live
 from catseye.procedures.kit.stored import integer
 from catseye.procedures.scara.beam.nests import Nests
 from catseye.procedures.scara.following.rounds import Rounds

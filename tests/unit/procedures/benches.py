@@ -15,8 +15,9 @@ from catseye.drivers.roles.interferometer import BeamStatus
 from catseye.drivers.roles.pose import Pose
 from catseye.drivers.roles.tracker import Position
 from catseye.procedures.kit.bench import Arm, Bench, Optics, Reflector, Timing, Workspace
-from catseye.procedures.kit.context import Json, Live, MeasuredPoint, Measurement, Prompt, Row, Table
+from catseye.procedures.kit.context import Json, MeasuredPoint, Measurement, Prompt, Row, Table
 from catseye.procedures.kit.errors import MeasuredFileError
+from catseye.procedures.kit.live import Live
 
 LINK1_MM, LINK2_MM = 325.0, 225.0
 NODES1_DEG = tuple(-140.0 + 20.0 * i for i in range(11))
@@ -236,13 +237,11 @@ class IdealContext:
         if self.measurements in self.breaks_at:
             self.lost = True
         length = None if self.measurements in self.dark_at else self.length_mm()
-        ok = length is not None and not self.lost
         return Measurement(
             displacement_mm=(length or 0.0) - self.zero_mm,
             spread_mm=0.0001,
             readings=readings,
-            signal=0.75 if ok else 0.0,
-            beam_ok=ok,
+            beam=self._status(length),
             reported=self.pose,
             air=STILL_AIR,
             time_utc="2026-01-02T03:04:05+00:00",
@@ -251,7 +250,10 @@ class IdealContext:
 
     async def beam(self) -> BeamStatus:
         """Return the state of the beam."""
-        there = self.length_mm() is not None
+        return self._status(self.length_mm())
+
+    def _status(self, length_mm: float | None) -> BeamStatus:
+        there = length_mm is not None
         return BeamStatus(there, self.lost, overspeed=False, laser_ready=True, signal=0.75 if there else 0.0)
 
     async def zero(self, dead_path_mm: float) -> None:

@@ -8,7 +8,8 @@ from typing import Any
 import numpy as np
 
 from catseye.procedures.kit.bench import Alignment, Bench
-from catseye.procedures.kit.context import Live, Measurement, Prompt
+from catseye.procedures.kit.context import Measurement, Prompt
+from catseye.procedures.kit.live import Live
 from tests.unit.procedures.benches import STILL_AIR, IdealContext, arm_xy, bench
 
 

@@ -80,9 +80,8 @@ class TroubledContext(IdealContext):
         ready = self.measurements not in self.laser_off_at
         if not ready:
             self.lost = True
-        ok = measured.beam_ok and ready and not self.overspeed
-        signal = self.level() if ok else 0.0
-        return replace(measured, beam_ok=ok, laser_ready=ready, overspeed=self.overspeed, signal=signal)
+        status = replace(measured.beam, beam_lost=self.lost, laser_ready=ready, overspeed=self.overspeed)
+        return replace(measured, beam=replace(status, signal=self.level() if status.count_valid else 0.0))
 
     async def beam(self) -> BeamStatus:
         """Return the state of the beam."""

@@ -32,8 +32,9 @@ from catseye.app.store.run_store import RunStore
 from catseye.drivers.roles.interferometer import BeamStatus
 from catseye.drivers.roles.pose import Pose
 from catseye.drivers.roles.robot import RobotAbilities, RobotStatus
-from catseye.procedures.kit.context import Context, Json, Live, Prompt, Row
+from catseye.procedures.kit.context import Context, Json, Prompt, Row
 from catseye.procedures.kit.errors import MeasuredFileError
+from catseye.procedures.kit.live import Live
 from tests.unit.app.engine.fakes import AWAY, HOME, LIMITS, FakeBench, FakeRobot, Script, free_way, point
 
 READY = RobotStatus(True, False, True, False, False, 20.0, 0, "")
@@ -276,8 +277,8 @@ async def test_a_measurement_averages_readings_over_the_dwell(parts: Parts) -> N
     assert measured.spread_mm == pytest.approx(1.5811e-3, rel=1e-4)
     assert measured.duration_s == pytest.approx(0.8)
     assert measured.time_utc == "2026-01-02T03:04:05.500000+00:00"
-    assert (measured.readings, measured.reported, measured.signal) == (5, AWAY, 0.8)
-    assert measured.beam_ok
+    assert (measured.readings, measured.reported, measured.beam.signal) == (5, AWAY, 0.8)
+    assert measured.beam.count_valid
 
 
 @pytest.mark.parametrize(
@@ -293,11 +294,11 @@ async def test_a_count_that_was_lost_is_not_ok_even_if_the_beam_is_back(
 ) -> None:
     await parts.ctx.zero(500.0)
     parts.bench.counter.beam = beam
-    assert not (await parts.ctx.measure(0.5, 0.5, 2)).beam_ok
+    assert not (await parts.ctx.measure(0.5, 0.5, 2)).beam.count_valid
 
 
 async def test_a_count_that_this_process_has_not_zeroed_is_not_ok(parts: Parts) -> None:
-    assert not (await parts.ctx.measure(0.5, 0.5, 2)).beam_ok
+    assert not (await parts.ctx.measure(0.5, 0.5, 2)).beam.count_valid
 
 
 async def test_the_air_is_sampled_anew_when_it_is_old(parts: Parts) -> None:
@@ -359,14 +360,14 @@ async def test_a_count_whose_zero_failed_for_want_of_the_air_is_not_ok(tmp_path:
 
     async def body(ctx: Context) -> None:
         await ctx.zero(500.0)
-        seen.append((await ctx.measure(0.1, 0.1, 1)).beam_ok)
+        seen.append((await ctx.measure(0.1, 0.1, 1)).beam.count_valid)
         bench.air.pressure_hpa = None
         bench.clock.advance(10.0)
         with pytest.raises(MeasurementRejectedError, match="no pressure"):
             await ctx.zero(600.0)
         bench.air.pressure_hpa = 1013.0
         bench.clock.advance(10.0)
-        seen.append((await ctx.measure(0.1, 0.1, 1)).beam_ok)
+        seen.append((await ctx.measure(0.1, 0.1, 1)).beam.count_valid)
 
     await run_procedure(bench.request(Script(body)), bench.build, bench.clock, bench.publish, bench.install)
     assert seen == [True, False]

@@ -158,11 +158,11 @@ async def test_a_count_is_worth_nothing_after_the_door(bench: GuardedBench) -> N
 
     async def body(ctx: Context) -> None:
         await ctx.zero(0.0)
-        found.append((await ctx.measure(0.0, 0.0, 1)).beam_ok)
+        found.append((await ctx.measure(0.0, 0.0, 1)).beam.count_valid)
         await ctx.move(AWAY)
-        found.append((await ctx.measure(0.0, 0.0, 1)).beam_ok)
+        found.append((await ctx.measure(0.0, 0.0, 1)).beam.count_valid)
         await ctx.zero(0.0)
-        found.append((await ctx.measure(0.0, 0.0, 1)).beam_ok)
+        found.append((await ctx.measure(0.0, 0.0, 1)).beam.count_valid)
 
     await opened(bench, body)
     assert found == [True, False, True]

@@ -151,7 +151,7 @@ async def test_a_turn_of_j4_alone_is_no_miss_but_can_lose_the_beam(dry: DryRunCo
         await dry.zero(100.0)
         for j4_deg in (0.3, -0.3, 0.0):
             await dry.move((0.0, 0.0, 0.0, j4_deg))
-            assert (await dry.measure(0.5, 0.5, 1)).beam_ok
+            assert (await dry.measure(0.5, 0.5, 1)).beam.count_valid
         await dry.move((0.0, 0.0, 0.0, 0.8))
         await dry.move(HOME)
         assert (await dry.beam()).beam_lost
@@ -207,7 +207,7 @@ async def test_limits_hold_at_every_move(dry: DryRunContext) -> None:
 async def test_the_displacement_is_relative_to_the_zero(dry: DryRunContext) -> None:
     await dry.zero(500.0)
     measured = await dry.measure(0.5, 0.5, 1)
-    assert (measured.displacement_mm, measured.beam_ok, measured.reported) == (0.0, True, HOME)
+    assert (measured.displacement_mm, measured.beam.count_valid, measured.reported) == (0.0, True, HOME)
     assert dry.total_s == pytest.approx(0.5)
 
 
@@ -215,9 +215,9 @@ async def test_a_beam_that_broke_on_the_way_stays_lost_until_a_zero(dry: DryRunC
     await dry.zero(500.0)
     await dry.move((0.0, 0.0, 0.0, 5.0))
     await dry.move(HOME)
-    assert not (await dry.measure(0.5, 0.5, 1)).beam_ok
+    assert not (await dry.measure(0.5, 0.5, 1)).beam.count_valid
     await dry.zero(500.0)
-    assert (await dry.measure(0.5, 0.5, 1)).beam_ok
+    assert (await dry.measure(0.5, 0.5, 1)).beam.count_valid
 
 
 @pytest.mark.parametrize(

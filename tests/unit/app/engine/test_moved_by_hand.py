@@ -16,8 +16,9 @@ from catseye.app.engine.operator import Operator
 from catseye.app.engine.states import State
 from catseye.app.store.run_store import RunStore
 from catseye.drivers.roles.pose import Pose
-from catseye.procedures.kit.context import Live, Prompt
+from catseye.procedures.kit.context import Prompt
 from catseye.procedures.kit.errors import ArmMovedError
+from catseye.procedures.kit.live import Live
 from tests.patience import until
 from tests.unit.app.engine.fakes import LIMITS, FakeBench, free_way
 
