@@ -148,6 +148,8 @@ def stop_request(driver: str, device: str, settings: Mapping[str, Any]) -> bytes
         ConfigError: the driver is not installed or a setting is wrong.
     """
     with _told_of(device):
+        if load_driver(driver).role != "robot":
+            return None
         made = robot_driver(driver)
         # Settings of its connections are none of its own.
         own = {key: value for key, value in settings.items() if key in made.Settings.model_fields}

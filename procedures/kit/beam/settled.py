@@ -2,6 +2,7 @@
 
 from dataclasses import replace
 
+from catseye.drivers.roles.interferometer import BeamStatus
 from catseye.procedures.kit.bench import Timing
 from catseye.procedures.kit.context import Context, Measurement, Prompt
 from catseye.procedures.kit.live import Live
@@ -32,7 +33,7 @@ async def settled_measurement(ctx: Context, timing: Timing, where: str) -> Measu
     while True:
         measured = await _tried(ctx, timing)
         if not measured.beam.laser_ready:
-            await ctx.wait_until(_LASER, lambda: _laser_ready(ctx))
+            await _laser_is_ready(ctx)
             return measured
         # Readings of a lost beam say nothing about settling.
         if measured.spread_mm <= timing.spread_limit_mm or not measured.beam.count_valid:
@@ -87,5 +88,17 @@ def _prompt(measured: Measurement, timing: Timing, prompt_id: str, where: str) -
     )
 
 
-async def _laser_ready(ctx: Context) -> bool:
-    return (await ctx.beam()).laser_ready
+async def beam_when_ready(ctx: Context) -> BeamStatus:
+    """Return the state of the beam; a laser that is not ready suspends the run until it is."""
+    status = await ctx.beam()
+    if status.laser_ready:
+        return status
+    await _laser_is_ready(ctx)
+    return await ctx.beam()
+
+
+async def _laser_is_ready(ctx: Context) -> None:
+    async def ready() -> bool:
+        return (await ctx.beam()).laser_ready
+
+    await ctx.wait_until(_LASER, ready)

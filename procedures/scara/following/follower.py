@@ -3,7 +3,8 @@
 from itertools import pairwise
 
 from catseye.drivers.roles.pose import Pose
-from catseye.procedures.kit.beam.settled import settled_measurement
+from catseye.procedures.kit.beam.loss import Cause, cause_of
+from catseye.procedures.kit.beam.settled import beam_when_ready, settled_measurement
 from catseye.procedures.kit.bench import Bench, Reflector
 from catseye.procedures.kit.context import Context, Measurement
 from catseye.procedures.kit.errors import ArmMovedError, NoBeamError
@@ -13,19 +14,15 @@ from catseye.procedures.scara.beam.diagnosis import (
     INTERRUPTED,
     MOVED_BY_HAND,
     NOT_SUBDIVIDED,
-    Cause,
     Loss,
     hidden,
     no_return,
     off_aim,
-    told_by,
     weak,
 )
 from catseye.procedures.scara.beam.re_aim import AimCorrection, brighten
 from catseye.procedures.scara.motion.entry import approach, stands_at, way_in
 from catseye.procedures.scara.motion.visits import Leg, Visit, driving_time_s, measuring_time_s
-
-_LASER = "the laser is not ready; look at its lamp. The run goes on by itself when it is"
 
 
 class Follower:
@@ -148,10 +145,7 @@ class Follower:
             visit: at whose node the arm stands.
             centre: look for the middle of the return in any case.
         """
-        status = await self._ctx.beam()
-        if not status.laser_ready:
-            await self._ctx.wait_until(_LASER, self._laser_ready)
-            status = await self._ctx.beam()
+        status = await beam_when_ready(self._ctx)
         good = status.returns(self._bench.optics.signal_min)
         if centre or not good:
             try:
@@ -200,8 +194,8 @@ class Follower:
         if loss.cause is not None:
             return loss.cause
         status = await self._ctx.beam()
-        if (told := told_by(status, self._bench)) is not None:
-            return told
+        if (stated := cause_of(status, self._bench.arm.override_percent)) is not None:
+            return stated
         if visit.miss_mm > self._bench.optics.acceptance_mm:
             return NOT_SUBDIVIDED
         if not await self.undisturbed():
@@ -240,7 +234,7 @@ class Follower:
         status = await self._ctx.beam()
         if status.count_valid:
             return None
-        return Loss(told_by(status, self._bench))
+        return Loss(cause_of(status, self._bench.arm.override_percent))
 
     async def _measured(self, where: str) -> Measurement | Loss | None:
         try:
@@ -250,7 +244,7 @@ class Follower:
         if measured is None:
             return None
         if not measured.beam.count_valid:
-            return Loss(told_by(measured.beam, self._bench))
+            return Loss(cause_of(measured.beam, self._bench.arm.override_percent))
         if self._left is None or not stands_at(measured.reported, self._left):
             self.lose()
             return Loss(MOVED_BY_HAND)
@@ -297,6 +291,3 @@ class Follower:
 
     def _corrected(self, target: Pose) -> Pose:
         return self._aim.applied(target, self._bench.arm.j4_limits_deg)
-
-    async def _laser_ready(self) -> bool:
-        return (await self._ctx.beam()).laser_ready

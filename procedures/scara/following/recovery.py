@@ -11,16 +11,13 @@ import math
 from dataclasses import dataclass
 from typing import Literal
 
+from catseye.procedures.kit.beam.loss import BeamLoss, BeamLossPolicy, Cause, LossLog
 from catseye.procedures.kit.bench import Bench, Reflector
-from catseye.procedures.kit.context import Context, Measurement, Prompt
-from catseye.procedures.kit.errors import BeamLostError
-from catseye.procedures.scara.beam.diagnosis import MOVED_BY_HAND, NOT_SUBDIVIDED, Cause, Loss
+from catseye.procedures.kit.context import Context, Measurement
+from catseye.procedures.scara.beam.diagnosis import MOVED_BY_HAND, NOT_SUBDIVIDED, Loss
 from catseye.procedures.scara.following.follower import Follower
 from catseye.procedures.scara.motion.point_row import point_row, title_of
 from catseye.procedures.scara.motion.visits import Visit, driving_time_s, measuring_time_s
-
-_MOST_QUESTIONS = 10
-"""After so many answers "retry" to one point a run ends: an answers file must not keep an arm moving for ever."""
 
 Way = Literal["tracked", "driven", "back", "point"]
 """How a point is reached: with the beam kept from the point before; along the plan without it; from the last good
@@ -77,8 +74,8 @@ class Recovery:
         self._bench = bench
         self._reflector = reflector
         self._follower = follower
-        self._attempts = attempts
-        self._told_not_subdivided = False
+        self._policy = BeamLossPolicy(attempts=attempts, kept_counts=False, may_skip=True)
+        self._losses = LossLog(ctx)
         self._ties: dict[int, tuple[int, float]] = {}
         self._off_aim = False
 
@@ -114,7 +111,8 @@ class Recovery:
         """
         back = visit.tracked and self.good is not None and self.good.visit is before
         way = await self._first_way(visit, before, back=back)
-        failures, questions = 0, 0
+        where = title_of(self._reflector.name, visit.command)
+        beam = self._loss_at(step_id)
         while True:
             result = await self._attempt(visit, way, step_id)
             if isinstance(result, Measurement):
@@ -122,16 +120,14 @@ class Recovery:
             if result is None:
                 return LeftOut("the operator left it out: its readings did not settle")
             cause = await self.tell(result, visit)
-            failures += way != "tracked"
-            if failures >= self._attempts:
-                questions += 1
-                if await self._asked(cause, visit, step_id, questions) == "skip":
+            match await beam.decide(cause, where, kept=way == "tracked"):
+                case "skip":
                     return LeftOut(cause.name)
-                failures, way = 0, "back" if back else "point"
-            elif way == "tracked" and back and cause is not NOT_SUBDIVIDED:
-                way = "back"
-            else:
-                way = "point"
+                case "retry":
+                    way = "back" if back else "point"
+                case "again":
+                    kept = way == "tracked" and cause is not NOT_SUBDIVIDED
+                    way = "back" if kept and back else "point"
 
     async def tell(self, loss: Loss, visit: Visit) -> Cause:
         """Find out and tell why the beam was lost; the count is given up.
@@ -145,19 +141,13 @@ class Recovery:
         cause = await follower.diagnose(loss, visit)
         follower.counting = False
         self._off_aim = cause.name == "aim"
-        await self._ctx.event(
-            "beam-lost",
+        await self._losses.note(
+            cause,
+            title_of(self._reflector.name, command),
             reflector=self._reflector.name,
             point=command.index,
             segment=segment,
-            cause=cause.name,
-            **cause.facts,
         )
-        if cause is NOT_SUBDIVIDED:
-            if self._told_not_subdivided:
-                return cause
-            self._told_not_subdivided = True
-        await self._ctx.warn(f"beam lost, {title_of(self._reflector.name, command)}: {cause.text}")
         return cause
 
     async def _first_way(self, visit: Visit, before: Visit | None, *, back: bool) -> Way:
@@ -241,23 +231,10 @@ class Recovery:
         self.good = Good(visit, follower.segment, follower.sent[3], measured.displacement_mm)
         return measured
 
-    async def _asked(self, cause: Cause, visit: Visit, step_id: str, number: int) -> str:
-        """Ask what is to become of a point; "retry" or "skip" comes back."""
-        where = title_of(self._reflector.name, visit.command)
-        prompt = Prompt(
-            f"beam/{step_id}" if number == 1 else f"beam/{step_id}/{number}",
-            "choice",
-            f"Clear the beam to reflector {self._reflector.name} ({where}): {cause.text}. "
-            "Try again (retry), leave the point out (skip), or end the run (stop)?",
-            choices=("retry", "skip", "stop"),
-            safe_answer="stop",
-            task={"do": "clear-beam"},
-            motion=True,
-        )
-        answer = await self._ctx.ask(prompt)
-        if answer == "stop" or (answer == "retry" and number >= _MOST_QUESTIONS):
-            raise BeamLostError(
-                f"no beam, {where}: {cause.text}. Points that are stored stay; go on with catseye resume when the "
-                "beam is back, or search for the reflector again"
-            )
-        return answer
+    def _loss_at(self, step_id: str) -> BeamLoss:
+        """Return what decides about losses of one point."""
+
+        def question_id(number: int) -> str:
+            return f"beam/{step_id}" if number == 1 else f"beam/{step_id}/{number}"
+
+        return BeamLoss(self._ctx, self._policy, f"reflector {self._reflector.name}", question_id)

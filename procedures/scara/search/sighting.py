@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from statistics import median
 
 from catseye.drivers.roles.pose import Pose
+from catseye.procedures.kit.beam.loss import Cause, LossLog
 from catseye.procedures.kit.context import Context, Prompt, Row
 from catseye.procedures.kit.live import Live
 from catseye.procedures.kit.stored import number_of
@@ -13,6 +14,8 @@ from catseye.procedures.scara.beam.beam_scan import ReturnWindow, find_return, h
 from catseye.procedures.scara.beam.nests import Nests
 from catseye.procedures.scara.motion.arrival import Arrival
 from catseye.procedures.scara.search.search_plan import Jogging, SearchPlan, SearchPose
+
+_REMEDY = "check that the beam is free, and the rough place and theta40_deg in the cell file"
 
 _MOST_QUESTIONS = 500
 """So many answers at one pose mean that nobody is there who looks at the signal."""
@@ -56,6 +59,7 @@ class Lookout:
         self._nests = Nests(ctx, plan.bench)
         self._arrival = Arrival(ctx, plan.bench)
         self._visits: list[str] = []
+        self._losses = LossLog(ctx)
 
     async def look(self, pose: SearchPose, said: "Announcement | None" = None) -> None:
         """Look from a pose, in a step of its own.
@@ -84,18 +88,20 @@ class Lookout:
     async def _find(self, pose: SearchPose, number: int) -> Row:
         start, half_range = self._aim(pose)
         await self._arrival.at(_within(start, self._plan.bench.arm.j4_limits_deg))
+        name, where = pose.reflector.name, f"θ1 = {pose.theta1_deg:g}°, θ2 = {pose.theta2_deg:g}°"
         if self._plan.jogging is None:
             window = await self._scan(start, pose, half_range)
-            remedy = f"not found within ±{half_range:g}° of J4 = {start[3]:.2f}°"
         else:
             window = await _Jog(self._ctx, self._plan, self._plan.jogging, pose, number).window(start)
-            remedy = "left out by the operator"
         if window is None:
-            await self._ctx.warn(
-                f"reflector {pose.reflector.name} {remedy} at θ1 = {pose.theta1_deg:g}°, "
-                f"θ2 = {pose.theta2_deg:g}°: check that the beam is free, and the rough place and theta40_deg in the "
-                "cell file"
-            )
+            if self._plan.jogging is None:
+                missing = f"not found within ±{half_range:g}° of J4 = {start[3]:.2f}°"
+                cause = Cause(
+                    "no-return", f"reflector {name} {missing}: {_REMEDY}", {"half_range_deg": half_range}
+                )
+                await self._losses.note(cause, where, reflector=name, where=where)
+            else:
+                await self._ctx.warn(f"reflector {name} left out by the operator at {where}: {_REMEDY}")
             return {"found": False}
         row: Row = {
             "reflector": pose.reflector.name,

@@ -193,7 +193,7 @@ def test_an_arm_that_was_moved_beside_its_pose_is_no_repeat_of_it() -> None:
             return replace(measured, displacement_mm=measured.displacement_mm + 0.8, reported=beside)
 
     ctx = run(planned(), PushedContext())
-    assert [data["cause"] for kind, data in ctx.events if kind == "beam-lost"] == ["moved by hand"]
+    assert [data["cause"] for kind, data in ctx.events if kind == "beam-lost"] == ["moved-by-hand"]
     assert len([row for _, row in ctx.rows]) == 20
     assert all(beam["s_um"] < 20.0 for beam in beams(ctx))
     assert ctx.zeros == 2

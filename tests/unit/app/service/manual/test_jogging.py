@@ -288,8 +288,7 @@ def test_a_hold_stops_ahead_of_the_limit(
 
 def test_a_robot_without_a_dead_man_is_moved_by_steps(cell: Cell) -> None:
     async def work() -> None:
-        fixture = HandFixture(cell, TimedArm())
-        fixture.robot = StepsOnlyArm(fixture.arm)
+        fixture = HandFixture(cell, StepsOnlyArm())
         jog = Jogging(fixture.bench, mode(), "Ada")
         await jog.begun
         with pytest.raises(RefusedError, match="move by steps"):

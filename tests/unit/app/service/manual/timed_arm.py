@@ -164,12 +164,10 @@ class TimedArm(Robot):
         await asyncio.sleep(2 * COASTS_S)
 
 
-class StepsOnlyArm:
+class StepsOnlyArm(TimedArm):
     """An arm whose driver knows no jog of its own."""
 
-    def __init__(self, arm: TimedArm) -> None:
-        for name in ("connect", "close", "status", "servo", "set_override", "joints", "move_joints", "stop"):
-            setattr(self, name, getattr(arm, name))
+    abilities: ClassVar[RobotAbilities] = RobotAbilities()
 
 
 @dataclass
