@@ -72,7 +72,7 @@ def _facts(procedure: Runnable) -> dict[str, Any]:
     return {
         "name": procedure.name,
         "title": procedure.title,
-        "needs_aim": procedure.needs_aim,
+        "needs_aim": procedure.needs.aim,
         "params": _schema(procedure),
     }
 

@@ -45,7 +45,7 @@ def run_command(asked: Asked, options: DriveOptions, runs: Path | None, *, dry_r
     loaded, runnable, root = load_cell(asked.cell), load_procedure(asked.procedure), runs_folder(runs)
     params = parse_params(runnable.params_type, asked.params)
     planned = plan_run(loaded, runnable, params, root, asked.search)
-    if runnable.needs_aim:
+    if runnable.needs.aim:
         say(f"aim from {planned.aim}")
     conduct(as_walk(planned, root) if walk else planned, root, options, dry_run=dry_run)
 

@@ -13,6 +13,7 @@ from catseye.app.files.documents import parse_toml
 from catseye.app.protocol.parameters import range_text
 from catseye.procedures.kit.bench import Bench
 from catseye.procedures.kit.context import Context
+from catseye.procedures.kit.needs import Needs
 
 GROUP = "catseye.procedures"
 
@@ -23,8 +24,7 @@ class Runnable(Protocol):
     Attributes:
         name: as on the command line.
         title: one line for people.
-        needs_aim: it is planned with the places that a search found.
-        needs_tracker: it needs an independent instrument.
+        needs: of a cell.
         params_type: what may be chosen.
     """
 
@@ -33,9 +33,7 @@ class Runnable(Protocol):
     @property
     def title(self) -> str: ...  # noqa: D102  # said above
     @property
-    def needs_aim(self) -> bool: ...  # noqa: D102  # said above
-    @property
-    def needs_tracker(self) -> bool: ...  # noqa: D102  # said above
+    def needs(self) -> Needs: ...  # noqa: D102  # said above
     @property
     def params_type(self) -> type[BaseModel]: ...  # noqa: D102  # said above
 

@@ -95,7 +95,7 @@ def plan_run(
         ProcedureError: the plan violates a limit or cannot be made.
         UsageError: the search run cannot be used.
     """
-    aim = find_aim(bench_of(loaded.cell), root, search if procedure.needs_aim else "none")
+    aim = find_aim(bench_of(loaded.cell), root, search if procedure.needs.aim else "none")
     plan = procedure.plan(aim.bench, params)
     return PlannedRun(loaded, procedure, params, aim.bench, plan, aim.source, aim.simulated)
 

@@ -9,6 +9,7 @@ from catseye.app.errors import StorageError
 from catseye.app.store.catalog import list_runs
 from catseye.app.store.reader import Accept, RunReader, Status
 from catseye.app.store.resumable import why_not_resumable
+from catseye.procedures.kit.needs import After
 
 
 @dataclass(frozen=True)
@@ -64,6 +65,12 @@ class CellRuns:
         found = (run for run in reversed(self._runs) if run.procedure == procedure and run.complete)
         run = next(found, None)
         return run if run is not None and (after is None or run.name >= after.name) else None
+
+    def last_counting(self, after: After) -> CellRun | None:
+        """Return the newest complete run of what should have been run before, if it is fresh enough."""
+        run = self.last_complete(after.procedure)
+        stale = run is not None and after.fresh_for_s is not None and run.age_s > after.fresh_for_s
+        return None if stale else run
 
     def named(self, name: str) -> CellRun | None:
         """Return a run by its name."""

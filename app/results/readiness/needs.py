@@ -14,18 +14,9 @@ from catseye.app.results.readiness.words import age_text
 from catseye.app.store.aim import find_aim
 from catseye.procedures.kit.bench import Bench
 from catseye.procedures.kit.errors import ProcedureError
+from catseye.procedures.kit.needs import After
 
-LEVEL: Final = "beam-level"
-ALIGNMENT: Final = "beam-to-j4"
 SEARCH: Final = "reflector-search"
-WARM_UP: Final = "warmup"
-MEASUREMENT: Final = "open-loop"
-
-WARM_S: Final = 4 * 3600.0
-"""A warm-up counts for so long: links and drives cool down within hours."""
-
-_WARM_FIRST: Final = frozenset({MEASUREMENT, "repeatability"})
-_BEFORE_ALIGNMENT: Final = frozenset({LEVEL, ALIGNMENT})
 
 
 @dataclass(frozen=True)
@@ -52,12 +43,13 @@ def needs_of(procedure: Runnable, bench: Bench, aim: FoundAim, runs: CellRuns) -
         aim: what it would be aimed with.
         runs: of this cell.
     """
-    needs = [_reflectors(bench), *_beam(procedure.name, runs)]
-    if procedure.needs_aim:
+    declared = procedure.needs
+    needs = [_reflectors(bench), *(_earlier(after, runs) for after in declared.after)]
+    if declared.aim:
         needs.append(aim.need)
-    needs += _warmth(procedure.name, runs)
-    needs += _tracker(procedure, bench)
-    needs.append(_plan(procedure, aim.bench if procedure.needs_aim else bench))
+    if declared.tracker:
+        needs.append(_tracker(bench))
+    needs.append(_plan(procedure, aim.bench if declared.aim else bench))
     return needs
 
 
@@ -73,47 +65,25 @@ def aim_of(bench: Bench, root: Path, runs: CellRuns) -> FoundAim:
     return FoundAim(aim.bench, Need("search", "met", f"run {run.id}, {age_text(run.age_s)}"), run)
 
 
-def is_warm(runs: CellRuns) -> bool:
-    """Return whether the arm has been warmed up lately."""
-    run = runs.last_complete(WARM_UP)
-    return run is not None and run.age_s <= WARM_S
-
-
 def _reflectors(bench: Bench) -> Need:
     names = [reflector.name for reflector in bench.reflectors]
     one = ", one cat's eye that is carried from nest to nest" if bench.optics.one_reflector else ""
     return Need("reflectors", "met", f"{', '.join(names)}{one}")
 
 
-def _beam(name: str, runs: CellRuns) -> list[Need]:
-    if name == LEVEL:
-        return []
-    before = LEVEL if name in _BEFORE_ALIGNMENT else ALIGNMENT
-    what = "levelling" if before == LEVEL else "alignment"
-    run = runs.last_complete(before)
-    if run is None:
-        return [Need(what, "advised", f"none on this cell; run {before}")]
-    return [Need(what, "met", f"run {run.id}, {age_text(run.age_s)}")]
+def _earlier(after: After, runs: CellRuns) -> Need:
+    """Return whether a procedure that should have been run was, and lately enough."""
+    run, limit_s = runs.last_counting(after), after.fresh_for_s
+    if run is not None:
+        return Need(after.what, "met", f"run {run.id}, {age_text(run.age_s)}")
+    lately = "on this cell" if limit_s is None else f"in {limit_s / 3600:g} h"
+    return Need(after.what, "advised", f"none {lately}; run {after.procedure}")
 
 
-def _warmth(name: str, runs: CellRuns) -> list[Need]:
-    if name not in _WARM_FIRST:
-        return []
-    if is_warm(runs):
-        run = runs.last_complete(WARM_UP)
-        return [Need("warm arm", "met", f"warmed up {age_text(run.age_s)}" if run else "")]
-    return [Need("warm arm", "advised", f"none in {WARM_S / 3600:g} h; run {WARM_UP}")]
-
-
-def _tracker(procedure: Runnable, bench: Bench) -> list[Need]:
-    if procedure.needs_tracker and not bench.tracker:
-        return [Need("tracker", "missing", "the cell file has none; add a [tracker]")]
-    if "instrument" not in procedure.params_type.model_fields and not procedure.needs_tracker:
-        return []
+def _tracker(bench: Bench) -> Need:
     if bench.tracker:
-        return [Need("tracker", "met", "in the cell file")]
-    text = "none: the interferometer measures, or instrument = file"
-    return [Need("tracker", "advised", text)]
+        return Need("tracker", "met", "in the cell file")
+    return Need("tracker", "advised", "none: the interferometer measures, or instrument = file")
 
 
 def _plan(procedure: Runnable, bench: Bench) -> Need:

@@ -9,9 +9,14 @@ from catseye.app.errors import ConfigError
 from catseye.app.files.documents import LARGEST_RESULT_BYTES, parse_json, read_document
 from catseye.app.results.readiness.cell_runs import CellRun, CellRuns
 from catseye.app.results.readiness.need import Need
-from catseye.app.results.readiness.needs import ALIGNMENT, LEVEL, MEASUREMENT, SEARCH, WARM_UP, is_warm
+from catseye.app.results.readiness.needs import SEARCH
 from catseye.app.results.readiness.words import age_text
+from catseye.procedures.kit.needs import After
 
+LEVEL = "beam-level"
+ALIGNMENT = "beam-to-j4"
+WARM_UP = "warmup"
+MEASUREMENT = "open-loop"
 _PATH = "validation-path"
 
 State = Literal["done", "next", "later", "left out"]
@@ -42,6 +47,7 @@ def stages_of(
     search: CellRun | None,
     results: dict[str, Path],
     cell: Path,
+    after: Iterable[After],
 ) -> list[Stage]:
     """Return the stages, at most one of them the next.
 
@@ -51,13 +57,14 @@ def stages_of(
         search: the run that aims a measurement now.
         results: identified error maps by the name of the run that they hold.
         cell: cell file.
+        after: what procedures declare that should have been run before them.
     """
     level = runs.last_complete(LEVEL)
     aligned = runs.last_complete(ALIGNMENT, after=level)
     measured = None if search is None else runs.last_complete(MEASUREMENT, after=search)
     result = None if measured is None else results.get(measured.name)
     path = None if measured is None else runs.last_complete(_PATH, after=measured)
-    warm = runs.last_complete(WARM_UP) if is_warm(runs) else None
+    warm = next((runs.last_counting(one) for one in after if one.procedure == WARM_UP), None)
     done: list[tuple[str, str, bool, str]] = [
         (LEVEL, "the beam in the plane of the arm", level is not None, _by(level)),
         (ALIGNMENT, "the beam through the J4 axis", aligned is not None, _by(aligned)),

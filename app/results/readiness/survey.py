@@ -56,4 +56,6 @@ def survey_cell(path: Path, root: Path, now: datetime) -> Survey:
     aim = aim_of(bench, root, runs)
     needs = {each.name: needs_of(each, bench, aim, runs) for each in procedures}
     results = results_in((path.parent, root.absolute().parent, root))
-    return Survey(cell.name, procedures, needs, runs, stages_of(runs, needs, aim.search, results, path))
+    after = [one for each in procedures for one in each.needs.after]
+    stages = stages_of(runs, needs, aim.search, results, path, after)
+    return Survey(cell.name, procedures, needs, runs, stages)

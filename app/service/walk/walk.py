@@ -27,6 +27,7 @@ from catseye.procedures.kit.errors import ArmMovedError
 from catseye.procedures.kit.live import Live
 from catseye.procedures.kit.motion.body_speed import fastest_mm_s
 from catseye.procedures.kit.motion.motion_time import move_time_s
+from catseye.procedures.kit.needs import Needs
 from catseye.procedures.scara.motion.entry import stands_at, way_in
 
 MotionsFrom = Callable[[Pose], Awaitable[Sequence[Leg]]]
@@ -82,14 +83,9 @@ class Walk:
         return f"Walk-through of {self.procedure.name}"
 
     @property
-    def needs_aim(self) -> bool:
-        """It is planned as the procedure is."""
-        return self.procedure.needs_aim
-
-    @property
-    def needs_tracker(self) -> bool:
-        """Nothing is measured."""
-        return False
+    def needs(self) -> Needs:
+        """It is planned as the procedure is; nothing is measured."""
+        return Needs(aim=self.procedure.needs.aim)
 
     @property
     def params_type(self) -> type[BaseModel]:

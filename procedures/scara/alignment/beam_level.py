@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import ClassVar
 
 import numpy as np
 from pydantic import BaseModel, ConfigDict, Field
@@ -13,6 +14,7 @@ from catseye.procedures.kit.context import Context, Row
 from catseye.procedures.kit.errors import AlignmentError, BeamLostError, PlanError
 from catseye.procedures.kit.live import Live
 from catseye.procedures.kit.motion.clear_way import way_refusal
+from catseye.procedures.kit.needs import Needs
 from catseye.procedures.kit.stored import numbers_of
 from catseye.procedures.scara.alignment.beam_to_j4 import named_reflectors
 from catseye.procedures.scara.alignment.screws import GuidedScrew, Screw
@@ -78,8 +80,7 @@ class BeamLevel:
 
     name = "beam-level"
     title = "Levelling of the beam"
-    needs_aim = False
-    needs_tracker = False
+    needs: ClassVar[Needs] = Needs()
     params_type = BeamLevelParams
 
     def __init__(self) -> None:

@@ -5,6 +5,7 @@ from collections.abc import Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from itertools import chain
+from typing import ClassVar
 
 import numpy as np
 from pydantic import BaseModel, ConfigDict, Field
@@ -23,10 +24,12 @@ from catseye.procedures.kit.errors import (
 )
 from catseye.procedures.kit.live import Live
 from catseye.procedures.kit.motion.clear_way import require_clear_way
+from catseye.procedures.kit.needs import Needs
 from catseye.procedures.kit.stored import number_of
 from catseye.procedures.scara.alignment.screws import GuidedScrew, Screw
 from catseye.procedures.scara.beam.beam_scan import ReturnWindow, find_return, half_window_deg, signal_live
 from catseye.procedures.scara.beam.nests import Nests
+from catseye.procedures.scara.before import LEVELLED
 from catseye.procedures.scara.motion.arrival import Arrival
 from catseye.procedures.scara.search.search_plan import SearchPose, looking_poses
 
@@ -91,8 +94,7 @@ class BeamToJ4:
 
     name = "beam-to-j4"
     title = "Alignment of the beam to the J4 axis"
-    needs_aim = False
-    needs_tracker = False
+    needs: ClassVar[Needs] = Needs(after=(LEVELLED,))
     params_type = BeamToJ4Params
 
     def plan(self, bench: Bench, params: BeamToJ4Params) -> BeamToJ4Plan:

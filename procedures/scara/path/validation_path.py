@@ -1,7 +1,7 @@
 """A straight path both ways, measured by an independent instrument (Sec. 4.3 of the SCARA paper) or by distances."""
 
 from functools import partial
-from typing import Annotated
+from typing import Annotated, ClassVar
 
 from pydantic import BaseModel, ConfigDict, Field
 
@@ -11,6 +11,8 @@ from catseye.drivers.roles.tracker import Position
 from catseye.procedures.kit.bench import Bench
 from catseye.procedures.kit.context import Context, Prompt, Row
 from catseye.procedures.kit.errors import ArmMovedError, MeasuredFileError
+from catseye.procedures.kit.needs import Needs
+from catseye.procedures.scara.before import ALIGNED
 from catseye.procedures.scara.motion.entry import stands_at, way_in
 from catseye.procedures.scara.path.joint_rows import plan_joint_rows
 from catseye.procedures.scara.path.measured_path import matched_rows
@@ -64,8 +66,7 @@ class ValidationPath:
 
     name = "validation-path"
     title = "Validation path"
-    needs_aim = True
-    needs_tracker = False
+    needs: ClassVar[Needs] = Needs(after=(ALIGNED,), aim=True, tracker=True)
     params_type = PathParams
 
     def plan(self, bench: Bench, params: PathParams) -> PathPlan:

@@ -19,6 +19,7 @@ from catseye.app.service.walk.feed import Feed
 from catseye.drivers.roles.pose import Pose
 from catseye.procedures.kit.bench import Bench
 from catseye.procedures.kit.context import Context, Prompt, Row
+from catseye.procedures.kit.needs import Needs
 from tests.unit.app.engine.fakes import FakeBench, ManualClock
 
 FIRST: Pose = (0.0, 60.0, 50.0, 0.0)
@@ -39,8 +40,7 @@ class Tour:
 
     name = "tour"
     title = "A tour"
-    needs_aim = False
-    needs_tracker = False
+    needs = Needs()
     params_type = NoParams
 
     def plan(self, bench: Bench, params: Any) -> Any:

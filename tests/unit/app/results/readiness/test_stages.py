@@ -12,7 +12,7 @@ from catseye.app.cell.bench import bench_of
 from catseye.app.cell.load import load_cell
 from catseye.app.commands.config import init_command
 from catseye.app.commands.procedures import procedures_command
-from catseye.app.protocol.procedures import procedure_names
+from catseye.app.protocol.procedures import load_procedure, procedure_names
 from catseye.app.results.readiness.cell_runs import runs_of_cell
 from catseye.app.results.readiness.need import Need, links_need
 from catseye.app.results.readiness.needs import aim_of
@@ -55,7 +55,8 @@ class History:
         runs = runs_of_cell(self.root, "lab-1", self.clock.now_utc() + timedelta(seconds=later_s))
         needs: dict[str, list[Need]] = {name: [] for name in procedure_names()}
         search = aim_of(self.bench, self.root, runs).search
-        found = stages_of(runs, needs, search, results_in([self.cell.parent]), self.cell)
+        after = [one for name in procedure_names() for one in load_procedure(name).needs.after]
+        found = stages_of(runs, needs, search, results_in([self.cell.parent]), self.cell, after)
         return {stage.name: stage for stage in found}
 
     def next(self, later_s: float = 0.0) -> str:
