@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from catseye.app.engine.waiting import cancel, within
 from catseye.drivers.roles.clock import Clock
 from catseye.drivers.roles.errors import DeviceError
-from catseye.drivers.roles.pose import Pose
+from catseye.drivers.roles.pose import Pose, is_at
 from catseye.drivers.roles.robot import Robot
 
 FAILURES = (DeviceError, OSError, TimeoutError)
@@ -100,7 +100,7 @@ async def _stands_still(robot: Robot, clock: Clock, limits: HaltLimits) -> bool:
             # A link that was cut off in the middle of a command heals with the next question.
             now = None
             failed += 1
-        if now is not None and before is not None and _same(before, now):
+        if now is not None and before is not None and is_at(before, now, _SAME_PLACE):
             return True
         before = now
         polls += 1
@@ -114,10 +114,6 @@ async def _place_at_rest(robot: Robot) -> Pose | None:
         await robot.stop()
         return None
     return await robot.joints()
-
-
-def _same(first: Pose, second: Pose) -> bool:
-    return all(abs(a - b) <= _SAME_PLACE for a, b in zip(first, second, strict=True))
 
 
 async def _switch_off(robot: Robot, clock: Clock, limits: HaltLimits, trouble: str) -> HaltReport:

@@ -7,10 +7,9 @@ from catseye.app.engine.cut_short import rest_of_way
 from catseye.app.engine.gate import MotionGate
 from catseye.app.errors import ConditionLostError, InterruptionError, UnwalkedError
 from catseye.app.store.crash_points import crash_point
-from catseye.drivers.roles.pose import Pose
+from catseye.drivers.roles.pose import Pose, is_at
 from catseye.drivers.roles.robot import Robot
 from catseye.procedures.kit.errors import ArmMovedError
-from catseye.procedures.scara.motion.entry import stands_at
 
 
 class Mover:
@@ -134,7 +133,7 @@ def _rest(start: Pose, way: Sequence[Pose], here: Pose) -> tuple[Pose, ...]:
 
 def _require_place(here: Pose, stood: Pose) -> None:
     """Refuse to drive on from where nobody planned to be."""
-    if not stands_at(here, stood):
+    if not is_at(here, stood):
         raise ArmMovedError(
             "the arm was moved while the run was held or suspended or a question was open: its joints are "
             f"{_listed(here)} and were {_listed(stood)} when it was left (J1 deg, J2 deg, J3 mm, J4 deg); the rest "

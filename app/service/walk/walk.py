@@ -20,7 +20,7 @@ from catseye.app.errors import MeasurementRejectedError, UsageError
 from catseye.app.protocol.procedures import Runnable
 from catseye.app.service.walk.feed import Feed, FeedLostError
 from catseye.drivers.roles.device import Identity
-from catseye.drivers.roles.pose import Pose
+from catseye.drivers.roles.pose import Pose, is_at
 from catseye.procedures.kit.bench import Bench
 from catseye.procedures.kit.context import Context, Row
 from catseye.procedures.kit.errors import ArmMovedError
@@ -28,7 +28,7 @@ from catseye.procedures.kit.live import Live
 from catseye.procedures.kit.motion.body_speed import fastest_mm_s
 from catseye.procedures.kit.motion.motion_time import move_time_s
 from catseye.procedures.kit.needs import Needs
-from catseye.procedures.scara.motion.entry import stands_at, way_in
+from catseye.procedures.scara.motion.entry import way_in
 
 MotionsFrom = Callable[[Pose], Awaitable[Sequence[Leg]]]
 """Returns every motion of a plan that begins where the arm stands."""
@@ -178,7 +178,7 @@ class Walk:
     async def _lead_to(self, ctx: Context, start: Pose, tubes: Tubes) -> None:
         """Bring the arm to where a motion begins."""
         here = await ctx.joints()
-        if stands_at(here, start):
+        if is_at(here, start):
             return
         for target in way_in(here, start, self._bench):
             await self._go(ctx, Leg(here, target), tubes)

@@ -2,7 +2,7 @@
 
 from itertools import pairwise
 
-from catseye.drivers.roles.pose import Pose
+from catseye.drivers.roles.pose import Pose, is_at
 from catseye.procedures.kit.beam.loss import Cause, cause_of
 from catseye.procedures.kit.beam.settled import beam_when_ready, settled_measurement
 from catseye.procedures.kit.bench import Bench, Reflector
@@ -21,7 +21,7 @@ from catseye.procedures.scara.beam.diagnosis import (
     weak,
 )
 from catseye.procedures.scara.beam.re_aim import AimCorrection, brighten
-from catseye.procedures.scara.motion.entry import approach, stands_at, way_in
+from catseye.procedures.scara.motion.entry import approach, way_in
 from catseye.procedures.scara.motion.visits import Leg, Visit, driving_time_s, measuring_time_s
 
 
@@ -67,7 +67,7 @@ class Follower:
         """Return whether the arm still stands where it was left; somebody may have moved it during a hold."""
         if self._left is None:
             return False
-        if stands_at(await self._ctx.joints(), self._left):
+        if is_at(await self._ctx.joints(), self._left):
             return True
         self.lose()
         return False
@@ -245,7 +245,7 @@ class Follower:
             return None
         if not measured.beam.count_valid:
             return Loss(cause_of(measured.beam, self._bench.arm.override_percent))
-        if self._left is None or not stands_at(measured.reported, self._left):
+        if self._left is None or not is_at(measured.reported, self._left):
             self.lose()
             return Loss(MOVED_BY_HAND)
         return measured

@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 
 from catseye.drivers.roles.interferometer import BeamStatus
-from catseye.drivers.roles.pose import Pose
+from catseye.drivers.roles.pose import Pose, is_at
 from catseye.procedures.kit.beam.loss import BeamLoss, BeamLossPolicy, Cause, LossLog, cause_of
 from catseye.procedures.kit.beam.settled import beam_when_ready, settled_measurement
 from catseye.procedures.kit.bench import Bench
@@ -12,7 +12,7 @@ from catseye.procedures.kit.errors import NoBeamError
 from catseye.procedures.scara.beam.beam_scan import find_return, half_window_deg
 from catseye.procedures.scara.beam.diagnosis import INTERRUPTED, MOVED_BY_HAND, weak
 from catseye.procedures.scara.beam.nests import Nests
-from catseye.procedures.scara.motion.entry import stands_at, way_in
+from catseye.procedures.scara.motion.entry import way_in
 from catseye.procedures.scara.motion.round_trip import RoundTrip
 from catseye.procedures.scara.motion.visits import Leg
 
@@ -109,7 +109,7 @@ class Rounds:
         if measured is not None and (cause := self._fault(measured.beam)) is not None:
             await self._lose(where, cause)
             return None
-        if measured is not None and self._left is not None and not stands_at(measured.reported, self._left):
+        if measured is not None and self._left is not None and not is_at(measured.reported, self._left):
             await self._lose(where, MOVED_BY_HAND)
             return None
         return measured

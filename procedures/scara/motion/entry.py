@@ -4,20 +4,12 @@ import math
 
 import numpy as np
 
-from catseye.drivers.roles.pose import Pose
+from catseye.drivers.roles.pose import SAME_PLACE, Pose
 from catseye.procedures.kit.bench import Bench, Reflector
 from catseye.procedures.kit.errors import WayBlockedError
 from catseye.procedures.kit.motion.clear_way import way_refusal
 from catseye.procedures.scara.motion.tracking import aimed_along
 from catseye.procedures.scara.motion.visits import Visit
-
-_SAME_PLACE = 0.03
-"""Joints that differ by more, deg or mm, were moved by somebody else: encoders and rounding stay far below."""
-
-
-def stands_at(joints: Pose, target: Pose) -> bool:
-    """Return whether an arm stands where it was sent."""
-    return max(abs(a - b) for a, b in zip(joints, target, strict=True)) <= _SAME_PLACE
 
 
 def approach(visit: Visit, bench: Bench, reflector: Reflector) -> tuple[Pose, Pose]:
@@ -72,7 +64,7 @@ def way_in(here: Pose, take_up: Pose, bench: Bench) -> tuple[Pose, ...]:
 
 
 def _lift(here: Pose, bench: Bench) -> tuple[Pose, ...]:
-    if abs(here[2] - bench.arm.j3_mm) <= _SAME_PLACE:
+    if abs(here[2] - bench.arm.j3_mm) <= SAME_PLACE:
         return ()
     lifted = (here[0], here[1], bench.arm.j3_mm, here[3])
     if not _within_limits((lifted,), bench):

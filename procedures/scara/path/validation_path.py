@@ -6,14 +6,14 @@ from typing import Annotated, ClassVar
 from pydantic import BaseModel, ConfigDict, Field
 
 from catseye.calibration.kinematics import Hand
-from catseye.drivers.roles.pose import Pose
+from catseye.drivers.roles.pose import Pose, is_at
 from catseye.drivers.roles.tracker import Position
 from catseye.procedures.kit.bench import Bench
 from catseye.procedures.kit.context import Context, Prompt, Row
 from catseye.procedures.kit.errors import ArmMovedError, MeasuredFileError
 from catseye.procedures.kit.needs import Needs
 from catseye.procedures.scara.before import ALIGNED
-from catseye.procedures.scara.motion.entry import stands_at, way_in
+from catseye.procedures.scara.motion.entry import way_in
 from catseye.procedures.scara.path.joint_rows import plan_joint_rows
 from catseye.procedures.scara.path.measured_path import matched_rows
 from catseye.procedures.scara.path.path_plan import Instrument, PathPlan, plan_path, take_up_of
@@ -179,7 +179,7 @@ class _Drive:
 
     async def _undisturbed(self) -> bool:
         """Return whether the arm stands where this process left it."""
-        return self._left is not None and stands_at(await self._ctx.joints(), self._left)
+        return self._left is not None and is_at(await self._ctx.joints(), self._left)
 
     async def _measured(self, point: PathPoint, prompt_id: str, attempt: int) -> Position | None:
         """Let the instrument measure; None when it tells later, by its file."""

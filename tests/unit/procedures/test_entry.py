@@ -6,10 +6,10 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from catseye.drivers.roles.pose import Pose
+from catseye.drivers.roles.pose import Pose, is_at
 from catseye.procedures.kit.errors import WayBlockedError
 from catseye.procedures.scara.beam.re_aim import AimCorrection
-from catseye.procedures.scara.motion.entry import approach, stands_at, way_in
+from catseye.procedures.scara.motion.entry import approach, way_in
 from catseye.procedures.scara.open_loop.open_loop import OpenLoop
 from catseye.procedures.scara.open_loop.open_loop_plan import plan_open_loop
 from tests.unit.procedures.benches import PLACES, arm_xy, bench, miss_along
@@ -89,8 +89,8 @@ def test_an_arm_outside_its_limits_at_another_height_is_not_lifted() -> None:
 
 
 def test_rounding_of_encoders_is_no_jog() -> None:
-    assert stands_at((1.0, 2.0, 12.5, 4.0), (1.005, 1.99, 12.49, 4.005))
-    assert not stands_at((1.0, 2.0, 12.5, 4.0), (1.0, 2.0, 12.5, 4.2))
+    assert is_at((1.0, 2.0, 12.5, 4.0), (1.005, 1.99, 12.49, 4.005))
+    assert not is_at((1.0, 2.0, 12.5, 4.0), (1.0, 2.0, 12.5, 4.2))
 
 
 @pytest.mark.parametrize("start", [(150.0, -120.0, 12.5, 300.0), (60.0, 140.0, 12.5, -200.0)])
