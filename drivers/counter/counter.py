@@ -54,7 +54,7 @@ class LineCounter(Interferometer):
     """
 
     Settings: ClassVar[type[CounterSettings]] = CounterSettings
-    summary: ClassVar[str] = "counter with text commands, given by a profile (DISTAX too)"
+    summary: ClassVar[str] = "counter with text commands; a profile tells them (DISTAX too)"
 
     def __init__(
         self, transport: Transport, clock: Clock, profile: CounterProfile, *, quiet_s: float = 0.02
