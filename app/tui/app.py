@@ -16,7 +16,7 @@ from catseye.app.tui.dialogs.error_dialog import ErrorDialog
 from catseye.app.tui.dialogs.motion_dialog import MotionDialog
 from catseye.app.tui.dialogs.quit_dialog import Choice, QuitDialog
 from catseye.app.tui.faults import fault_text
-from catseye.app.tui.places import PLACES, make_screen
+from catseye.app.tui.main_screens import PLACES, make_screen
 from catseye.app.tui.screens.base import MainScreen
 from catseye.app.tui.session import Session
 from catseye.app.tui.start_checks import tell_what_is_wrong

@@ -4,7 +4,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from catseye.app.tui.dialogs.confirm_dialog import ConfirmDialog
-from catseye.app.tui.picture import Picture
+from catseye.app.tui.engine_state import Picture
 
 if TYPE_CHECKING:
     from catseye.app.tui.app import CatseyeApp

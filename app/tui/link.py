@@ -9,9 +9,9 @@ from contextlib import AsyncExitStack, asynccontextmanager, suppress
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Protocol
 
+from catseye.app.tui.engine_state import Picture
 from catseye.app.tui.engines import EngineProcess, engines_of_runs, find_engine
-from catseye.app.tui.picture import Picture
-from catseye.app.tui.run_picture import LogLine
+from catseye.app.tui.run_state import LogLine
 from catseye.app.tui.stopping import StopOp, stop_by_every_way
 
 if TYPE_CHECKING:

@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from catseye.app.tui.hands import Step
+from catseye.app.tui.jog_client import Step
 from catseye.app.tui.widgets.plan_drawing import pose_of
 from catseye.calibration.pointing import aim, beam_direction, nearest_branch
 

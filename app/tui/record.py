@@ -4,7 +4,7 @@ import json
 from pathlib import Path
 from typing import Any, Final
 
-from catseye.app.tui.run_picture import UNTOLD, Event, LogLine, SoFar
+from catseye.app.tui.run_state import UNTOLD, Event, LogLine, SoFar
 
 POINTS_KEPT: Final = 500
 

@@ -8,10 +8,10 @@ from textual.containers import Vertical
 from textual.screen import Screen
 from textual.worker import Worker, WorkerState
 
-from catseye.app.tui.picture import Picture
+from catseye.app.tui.engine_state import Picture
 from catseye.app.tui.session import Session
 from catseye.app.tui.widgets.key_line import KeyLine
-from catseye.app.tui.widgets.place_bar import PlaceBar
+from catseye.app.tui.widgets.screen_bar import PlaceBar
 from catseye.app.tui.widgets.status_bar import StatusBar
 from catseye.app.tui.widgets.stop_bar import StopBar
 
@@ -27,7 +27,7 @@ class MainScreen(Screen[None]):
     """
 
     PLACE: ClassVar[str]
-    """Name of this screen in `catseye.app.tui.places`."""
+    """Name of this screen in `catseye.app.tui.main_screens`."""
 
     def __init__(self, session: Session) -> None:
         super().__init__()

@@ -8,14 +8,14 @@ from textual.binding import Binding, BindingType
 from textual.containers import Horizontal, Vertical, VerticalScroll
 from textual.content import Content
 
-from catseye.app.tui.bench_words import air_lines, engine_lines, robot_lines, troubles
-from catseye.app.tui.picture import Picture
+from catseye.app.tui.bench_text import air_lines, engine_lines, robot_lines, troubles
+from catseye.app.tui.engine_state import Picture
 from catseye.app.tui.screens.base import MainScreen
 from catseye.app.tui.session import Session
 from catseye.app.tui.widgets.beam_panel import BeamPanel
 from catseye.app.tui.widgets.device_list import DeviceList
 from catseye.app.tui.widgets.plan_view import PlanView
-from catseye.app.tui.widgets.told import Told, lines
+from catseye.app.tui.widgets.static_text import Told, lines
 
 _LOG_LINES: Final = 8
 _TROUBLES: Final = 4

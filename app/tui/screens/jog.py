@@ -10,8 +10,9 @@ from textual.containers import Horizontal, Vertical, VerticalScroll
 from textual.widgets import Input
 
 from catseye.app.tui.dialogs.motion_dialog import MotionDialog
-from catseye.app.tui.hands import Hands, Joint, Step, Way
-from catseye.app.tui.jog_words import (
+from catseye.app.tui.engine_state import Picture
+from catseye.app.tui.jog_client import Hands, Joint, Step, Way
+from catseye.app.tui.jog_text import (
     STEPS,
     Choices,
     cap_percent,
@@ -20,12 +21,11 @@ from catseye.app.tui.jog_words import (
     is_simulated,
     jog_lines,
 )
-from catseye.app.tui.picture import Picture
 from catseye.app.tui.screens.base import MainScreen
 from catseye.app.tui.session import Session
 from catseye.app.tui.widgets.beam_panel import BeamPanel
 from catseye.app.tui.widgets.plan_view import PlanView
-from catseye.app.tui.widgets.told import Told, lines
+from catseye.app.tui.widgets.static_text import Told, lines
 
 _MOVES: Final[tuple[tuple[str, Joint, Way, str], ...]] = (
     ("left,a", "j1", 1, "J1 counter-clockwise"),

@@ -14,13 +14,13 @@ from textual.widgets.option_list import Option
 
 from catseye.app.guidance.need import Need, links_need
 from catseye.app.tui.dialogs.start_dialog import Permission, StartDialog
-from catseye.app.tui.picture import Picture
+from catseye.app.tui.engine_state import Picture
 from catseye.app.tui.procedure_facts import SIGNS, STAGE_SIGNS, STYLES, Catalogue, with_run_fields
 from catseye.app.tui.rehearsal import HEADER, Rehearsal
 from catseye.app.tui.screens.base import MainScreen
 from catseye.app.tui.session import Session
 from catseye.app.tui.widgets.parameter_form import ParameterForm
-from catseye.app.tui.widgets.told import Told, lines
+from catseye.app.tui.widgets.static_text import Told, lines
 
 _PROPER: Final = frozenset({"search", "speed"})
 """Fields of a start that are no parameters of the procedure."""

@@ -26,9 +26,9 @@ from catseye.app.tui.screens.working import WorkScreen, free_name, is_file, type
 from catseye.app.tui.session import DEMO_FOLDER, Session
 from catseye.app.tui.widgets.result_parts import ComparePart, LayoutPart, MapsPart, PathPart, ResidualsPart
 from catseye.app.tui.widgets.row_table import RowTable
+from catseye.app.tui.widgets.static_text import Told, lines
 from catseye.app.tui.widgets.tab_line import TabLine
 from catseye.app.tui.widgets.task_line import TaskLine
-from catseye.app.tui.widgets.told import Told, lines
 from catseye.app.tui.work import Done
 
 if TYPE_CHECKING:

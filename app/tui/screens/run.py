@@ -15,8 +15,8 @@ from catseye.app.guidance.after_run import CLEAR, Advice, after_run
 from catseye.app.tui.dialogs.motion_dialog import MotionDialog
 from catseye.app.tui.dialogs.override_dialog import OverrideDialog
 from catseye.app.tui.dialogs.start_dialog import Permission, StartDialog
-from catseye.app.tui.picture import Picture
-from catseye.app.tui.run_picture import RunPicture
+from catseye.app.tui.engine_state import Picture
+from catseye.app.tui.run_state import RunPicture
 from catseye.app.tui.screens.base import MainScreen
 from catseye.app.tui.screens.working import free_name
 from catseye.app.tui.session import Session
@@ -27,8 +27,8 @@ from catseye.app.tui.widgets.prompt_panel import PromptPanel
 from catseye.app.tui.widgets.run_end import RunEnd
 from catseye.app.tui.widgets.run_log import RunLog
 from catseye.app.tui.widgets.run_plots import MapPlot, ResidualPlot
+from catseye.app.tui.widgets.static_text import Told
 from catseye.app.tui.widgets.step_list import PlannedStep, StepList
-from catseye.app.tui.widgets.told import Told
 
 _PLOTS = ("residuals", "maps")
 

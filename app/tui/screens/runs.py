@@ -22,8 +22,8 @@ from catseye.app.tui.run_rows import STATES, cells, columns, passes
 from catseye.app.tui.screens.working import WorkScreen, free_name, typed_path, why_not_written
 from catseye.app.tui.session import Session
 from catseye.app.tui.widgets.row_table import RowTable
+from catseye.app.tui.widgets.static_text import Told
 from catseye.app.tui.widgets.task_line import TaskLine
-from catseye.app.tui.widgets.told import Told
 from catseye.app.tui.work import Done, command_line
 
 if TYPE_CHECKING:

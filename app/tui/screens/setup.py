@@ -15,7 +15,7 @@ from catseye.app.files.documents import read_text
 from catseye.app.tui.cell_change import use_cell
 from catseye.app.tui.dialogs.confirm_dialog import ConfirmDialog
 from catseye.app.tui.dialogs.form_dialog import Answers, Field, FormDialog
-from catseye.app.tui.picture import Picture
+from catseye.app.tui.engine_state import Picture
 from catseye.app.tui.screens.working import WorkScreen
 from catseye.app.tui.session import DEMO_FOLDER, Session
 from catseye.app.tui.setup.start import CHOICES, Start

@@ -14,10 +14,10 @@ from textual.widgets import Input
 
 from catseye.app.tui.dialogs.form_dialog import Answers, Field, FormDialog
 from catseye.app.tui.dialogs.start_dialog import Permission, StartDialog
-from catseye.app.tui.picture import Picture
+from catseye.app.tui.engine_state import Picture
 from catseye.app.tui.screens.base import MainScreen
 from catseye.app.tui.session import Session
-from catseye.app.tui.widgets.told import Told
+from catseye.app.tui.widgets.static_text import Told
 from catseye.app.tui.widgets.wire_view import WireView
 from catseye.app.tui.wire_lines import saved_line
 

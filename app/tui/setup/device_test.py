@@ -14,7 +14,7 @@ from textual.screen import ModalScreen
 from textual.widgets import Label
 
 from catseye.app.tui.widgets.key_line import KeyLine
-from catseye.app.tui.widgets.told import Told, lines
+from catseye.app.tui.widgets.static_text import Told, lines
 from catseye.app.tui.words import duration_text
 from catseye.app.tui.work import Work
 

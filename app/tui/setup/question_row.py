@@ -12,7 +12,7 @@ from textual.widget import Widget
 from textual.widgets import Input, Label, Select
 
 from catseye.app.cell.wizard.question import Question
-from catseye.app.tui.widgets.told import Told
+from catseye.app.tui.widgets.static_text import Told
 
 
 class Fault(Told):

@@ -9,7 +9,7 @@ from textual.content import Content
 from textual.widgets import OptionList
 from textual.widgets.option_list import Option
 
-from catseye.app.tui.widgets.told import Told
+from catseye.app.tui.widgets.static_text import Told
 
 CHOICES: Final = {
     "wizard": (

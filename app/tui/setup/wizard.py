@@ -16,7 +16,7 @@ from catseye.app.cell.wizard.draft import Draft, default_text
 from catseye.app.cell.wizard.pages import PAGES, Page
 from catseye.app.tui.setup.question_row import Answered, Fault, QuestionRow
 from catseye.app.tui.setup.reflector_rows import HELP, ReflectorRows
-from catseye.app.tui.widgets.told import Told, lines
+from catseye.app.tui.widgets.static_text import Told, lines
 
 _PAUSE_S: Final = 0.15
 """After the last key, before the answers are judged."""

@@ -2,7 +2,7 @@
 
 from typing import Final
 
-from catseye.app.tui.run_picture import LiveValue, Seen
+from catseye.app.tui.run_state import LiveValue, Seen
 
 _ROOM: Final = 0.35
 """Room on either side of a band, as a share of its width."""

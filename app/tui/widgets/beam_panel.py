@@ -3,10 +3,10 @@
 from textual.app import ComposeResult
 from textual.containers import Vertical
 
-from catseye.app.tui.bench_words import beam_lines
-from catseye.app.tui.picture import Picture
+from catseye.app.tui.bench_text import beam_lines
+from catseye.app.tui.engine_state import Picture
+from catseye.app.tui.widgets.static_text import Told, lines
 from catseye.app.tui.widgets.strip import Strip
-from catseye.app.tui.widgets.told import Told, lines
 
 
 class BeamPanel(Vertical):

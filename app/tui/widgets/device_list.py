@@ -5,7 +5,7 @@ from typing import Any
 from textual.content import Content
 from textual.widgets import OptionList
 
-from catseye.app.tui.bench_words import alarm_text, device_line, device_text
+from catseye.app.tui.bench_text import alarm_text, device_line, device_text
 from catseye.app.tui.dialogs.text_dialog import TextDialog
 
 

@@ -7,10 +7,10 @@ from textual.containers import Horizontal
 from textual.content import Content
 from textual.widgets import Digits
 
-from catseye.app.tui.run_picture import LiveValue, RunPicture
+from catseye.app.tui.run_state import LiveValue, RunPicture
 from catseye.app.tui.widgets.band_bar import band_bar, band_text, value_text
+from catseye.app.tui.widgets.static_text import Told, lines
 from catseye.app.tui.widgets.status_bar import STALE_S, age_style
-from catseye.app.tui.widgets.told import Told, lines
 
 _NUMBER_ROOM: Final = 28
 """Cells beside the bar: the number, and margins."""

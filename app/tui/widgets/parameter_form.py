@@ -9,7 +9,7 @@ from textual.message import Message
 from textual.widgets import Input, Label, Select
 
 from catseye.app.parameter_words import default_text, param_text, range_text, typed_fault
-from catseye.app.tui.widgets.told import Told
+from catseye.app.tui.widgets.static_text import Told
 
 Schema = dict[str, dict[str, Any]]
 """JSON schema of each parameter by its name."""

@@ -2,8 +2,8 @@
 
 from textual.content import Content
 
-from catseye.app.tui.run_picture import RunPicture
-from catseye.app.tui.widgets.told import Told
+from catseye.app.tui.run_state import RunPicture
+from catseye.app.tui.widgets.static_text import Told
 from catseye.app.tui.words import duration_text
 
 _EIGHTHS = " ▏▎▍▌▋▊▉█"

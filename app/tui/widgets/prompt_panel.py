@@ -10,8 +10,8 @@ from textual.content import Content
 from textual.message import Message
 from textual.widgets import Button, Input, Label
 
+from catseye.app.tui.widgets.static_text import Told, lines
 from catseye.app.tui.widgets.task_picture import task_picture
-from catseye.app.tui.widgets.told import Told, lines
 from catseye.app.tui.words import duration_text
 
 SETTLE_S: Final = 0.5

@@ -9,7 +9,7 @@ from textual.content import Content
 from textual.widget import Widget
 
 from catseye.app.tui.widgets.drawing import Drawing
-from catseye.app.tui.widgets.told import Told
+from catseye.app.tui.widgets.static_text import Told
 
 if TYPE_CHECKING:
     # The first screen is painted before files and mathematics are imported.

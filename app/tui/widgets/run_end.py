@@ -8,8 +8,8 @@ from textual.containers import Vertical, VerticalScroll
 from textual.content import Content
 
 from catseye.app.guidance.after_run import Advice
-from catseye.app.tui.run_picture import RunPicture
-from catseye.app.tui.widgets.told import Told, lines
+from catseye.app.tui.run_state import RunPicture
+from catseye.app.tui.widgets.static_text import Told, lines
 
 KEYS: Final = {"identify": "i", "report": "p", "resume": "e", "clear": "x", "next": "F3"}
 

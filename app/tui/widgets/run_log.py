@@ -4,8 +4,8 @@ from typing import Final
 
 from textual.content import Content
 
-from catseye.app.tui.run_picture import LogLine, RunPicture
-from catseye.app.tui.widgets.told import Told, lines
+from catseye.app.tui.run_state import LogLine, RunPicture
+from catseye.app.tui.widgets.static_text import Told, lines
 
 LEVELS: Final = ("info", "warning", "error")
 _SIGNS: Final = {"info": " ", "warning": "!", "error": "✗"}

@@ -7,7 +7,7 @@ from textual.app import RenderResult
 from textual.content import Content
 from textual.widget import Widget
 
-from catseye.app.tui.run_picture import LiveValue, RunPicture, Seen
+from catseye.app.tui.run_state import LiveValue, RunPicture, Seen
 from catseye.app.tui.widgets.inks import Line, painted
 
 if TYPE_CHECKING:

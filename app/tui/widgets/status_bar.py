@@ -5,7 +5,7 @@ from textual.content import Content
 from textual.widget import Widget
 
 from catseye.app.commands.progress import duration_text as whole_duration_text
-from catseye.app.tui.picture import Picture
+from catseye.app.tui.engine_state import Picture
 from catseye.app.tui.words import bytes_text, duration_text
 
 Part = tuple[str, str]

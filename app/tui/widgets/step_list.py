@@ -7,8 +7,8 @@ from typing import Final
 
 from textual.content import Content
 
-from catseye.app.tui.run_picture import RunPicture
-from catseye.app.tui.widgets.told import Told, lines
+from catseye.app.tui.run_state import RunPicture
+from catseye.app.tui.widgets.static_text import Told, lines
 from catseye.app.tui.words import duration_text
 
 DONE: Final = "✓"

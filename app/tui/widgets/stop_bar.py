@@ -4,7 +4,7 @@ from textual.app import ComposeResult
 from textual.containers import Horizontal
 from textual.widgets import Button, Static
 
-from catseye.app.tui.picture import Picture
+from catseye.app.tui.engine_state import Picture
 
 
 class StopBar(Horizontal):

@@ -7,7 +7,7 @@ from textual.app import RenderResult
 from textual.content import Content
 from textual.widget import Widget
 
-from catseye.app.tui.picture import Picture
+from catseye.app.tui.engine_state import Picture
 from catseye.app.tui.widgets.inks import Line, painted
 from catseye.app.tui.widgets.status_bar import STALE_S, age_style
 

@@ -6,7 +6,7 @@ from textual.content import Content
 
 from catseye.app.tui.command_progress import CommandProgress, ProgressReader
 from catseye.app.tui.widgets.progress_line import bar
-from catseye.app.tui.widgets.told import Told
+from catseye.app.tui.widgets.static_text import Told
 from catseye.app.tui.words import duration_text
 
 _REFRESH_S = 0.5

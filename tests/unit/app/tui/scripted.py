@@ -10,7 +10,7 @@ from textual.pilot import Pilot
 
 from catseye.app.service.errors import RefusedError
 from catseye.app.tui.app import CatseyeApp
-from catseye.app.tui.picture import Picture
+from catseye.app.tui.engine_state import Picture
 from catseye.app.tui.session import Session
 from catseye.app.tui.stopping import StopOp
 from catseye.app.tui.work import Done

@@ -12,7 +12,7 @@ from catseye.app.service.errors import ServiceError
 from catseye.app.tui.dialogs.confirm_dialog import ConfirmDialog
 from catseye.app.tui.dialogs.error_dialog import ErrorDialog
 from catseye.app.tui.dialogs.quit_dialog import QuitDialog
-from catseye.app.tui.places import PLACES
+from catseye.app.tui.main_screens import PLACES
 from catseye.app.tui.screens.base import MainScreen
 from catseye.app.tui.stopping import StopOp
 from tests.unit.app.tui.scripted import ScriptedLink, make_app, shown

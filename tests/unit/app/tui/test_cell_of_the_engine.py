@@ -8,7 +8,7 @@ from catseye.app.cell.template import TEMPLATE
 from catseye.app.tui.dialogs.confirm_dialog import ConfirmDialog
 from tests.unit.app.tui.screens.test_procedures import app_of, settled
 from tests.unit.app.tui.scripted import ScriptedLink, make_app, shown
-from tests.unit.app.tui.told_bench import BENCH
+from tests.unit.app.tui.scripted_bench import BENCH
 
 
 async def test_a_cell_file_that_was_given_relative_to_this_folder_is_told_in_full(

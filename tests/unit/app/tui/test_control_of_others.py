@@ -4,7 +4,7 @@ import pytest
 
 from catseye.app.tui.dialogs.confirm_dialog import ConfirmDialog
 from tests.unit.app.tui.scripted import ScriptedLink, make_app, shown
-from tests.unit.app.tui.told_run import SNAPSHOT, end, measure, tell
+from tests.unit.app.tui.scripted_run import SNAPSHOT, end, measure, tell
 
 BOB = {"client": "attach-2", "who": "Bob"}
 

@@ -5,7 +5,7 @@ import re
 from pathlib import Path
 
 from catseye.app.tui.key_table import key_table, key_table_markdown
-from catseye.app.tui.places import PLACES
+from catseye.app.tui.main_screens import PLACES
 
 PAGE = Path(__file__).parents[4] / "docs" / "terminal-ui.md"
 PART = re.compile(r"(<!-- keys: [^>]*-->\n).*?(<!-- end of keys -->)", re.DOTALL)

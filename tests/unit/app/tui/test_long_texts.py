@@ -6,8 +6,8 @@ from datetime import UTC, datetime, timedelta
 from catseye.app.tui.app import CatseyeApp
 from catseye.app.tui.screens.run import RunScreen
 from tests.unit.app.tui.scripted import ScriptedLink, make_app, shown, work_of
-from tests.unit.app.tui.told_bench import BENCH
-from tests.unit.app.tui.told_run import REHEARSAL, SNAPSHOT, ask, end, measure, tell
+from tests.unit.app.tui.scripted_bench import BENCH
+from tests.unit.app.tui.scripted_run import REHEARSAL, SNAPSHOT, ask, end, measure, tell
 
 LINK = "tcp://192.168.0.20:10001: cannot connect (Connection refused): check that the instrument is switched on; "
 CAUSE = "PRESS THE EMERGENCY STOP: standstill is not confirmed; " + 9 * LINK + "and that is the end of it"

@@ -3,9 +3,9 @@
 import pytest
 from textual.command import CommandPalette
 
-from catseye.app.tui.places import PLACES
+from catseye.app.tui.main_screens import PLACES
 from tests.unit.app.tui.scripted import ScriptedLink, make_app, shown
-from tests.unit.app.tui.told_run import MOTION, SNAPSHOT, ask
+from tests.unit.app.tui.scripted_run import MOTION, SNAPSHOT, ask
 
 
 @pytest.mark.parametrize("place", PLACES)

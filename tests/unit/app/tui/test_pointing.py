@@ -9,7 +9,7 @@ from hypothesis import assume, given
 from hypothesis import strategies as st
 
 from catseye.app.tui.pointing import pointing_j4_deg, turn_of_j4
-from tests.unit.app.tui.told_bench import BENCH
+from tests.unit.app.tui.scripted_bench import BENCH
 
 LAYOUT = BENCH["layout"]
 PLACES = {"P1": 650.0 - 400.0j, "P2": 680.0 + 0.0j, "P3": 640.0 + 380.0j}

@@ -6,7 +6,7 @@ from typing import Any
 
 from catseye.app.store.run_store import RunStore
 from catseye.app.tui.record import POINTS_KEPT, read_record, rehearsal_of
-from catseye.app.tui.run_picture import LogLine, RunPicture, SoFar
+from catseye.app.tui.run_state import LogLine, RunPicture, SoFar
 from tests.unit.app.engine.fakes import ManualClock, point
 
 RUN = "20261121T090000Z_open-loop_abc123"

@@ -6,7 +6,7 @@ from textual.pilot import Pilot
 
 from catseye.app.tui.app import CatseyeApp
 from tests.unit.app.tui.scripted import ScriptedLink, make_app, shown, work_of
-from tests.unit.app.tui.told_run import REHEARSAL
+from tests.unit.app.tui.scripted_run import REHEARSAL
 
 
 def app_of(link: ScriptedLink) -> CatseyeApp:

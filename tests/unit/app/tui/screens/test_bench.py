@@ -12,7 +12,7 @@ from catseye.app.tui.widgets.beam_panel import BeamPanel
 from catseye.app.tui.widgets.plan_view import PlanView
 from catseye.app.tui.widgets.strip import Strip
 from tests.unit.app.tui.scripted import ScriptedLink, compare, make_app, shown
-from tests.unit.app.tui.told_bench import BENCH, bench, tell_strip
+from tests.unit.app.tui.scripted_bench import BENCH, bench, tell_strip
 
 SIZES = [(80, 24), (120, 40)]
 

@@ -16,7 +16,7 @@ from catseye.app.tui.dialogs.motion_dialog import MotionDialog
 from catseye.app.tui.screens.jog import JogScreen
 from catseye.app.tui.widgets.strip import Strip
 from tests.unit.app.tui.scripted import SNAPSHOT, ScriptedLink, compare, make_app, shown
-from tests.unit.app.tui.told_bench import BENCH, bench, tell_strip
+from tests.unit.app.tui.scripted_bench import BENCH, bench, tell_strip
 
 SIZES = [(80, 24), (120, 40)]
 MINE = {"on": True, "by": "Ada (tui-1)", "percent": 5.0, "moving": None}

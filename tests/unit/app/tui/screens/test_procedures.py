@@ -19,8 +19,8 @@ from catseye.app.tui.screens.run import RunScreen
 from catseye.app.tui.widgets.parameter_form import ParameterForm
 from catseye.app.tui.work import Done
 from tests.unit.app.tui.scripted import ScriptedLink, ScriptedWork, compare, make_app, shown, work_of
-from tests.unit.app.tui.told_bench import BENCH
-from tests.unit.app.tui.told_run import REHEARSAL, RUN
+from tests.unit.app.tui.scripted_bench import BENCH
+from tests.unit.app.tui.scripted_run import REHEARSAL, RUN
 
 SIZES = [(80, 24), (120, 40)]
 

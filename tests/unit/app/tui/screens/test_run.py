@@ -10,8 +10,8 @@ from catseye.app.tui.dialogs.start_dialog import StartDialog
 from catseye.app.tui.work import Done
 from tests.unit.app.tui.screens.run_screen import app_of, ops, settled
 from tests.unit.app.tui.scripted import ScriptedLink, compare, make_app, shown, work_of
-from tests.unit.app.tui.told_bench import BENCH
-from tests.unit.app.tui.told_run import RUN, SNAPSHOT, end, measure, show_value, tell
+from tests.unit.app.tui.scripted_bench import BENCH
+from tests.unit.app.tui.scripted_run import RUN, SNAPSHOT, end, measure, show_value, tell
 
 SIZES = [(80, 24), (120, 40)]
 

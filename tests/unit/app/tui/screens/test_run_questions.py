@@ -7,11 +7,11 @@ from textual.widgets import Button, Input
 from textual.widgets._footer import FooterKey  # noqa: PLC2701  # Textual has no public name for it
 
 from catseye.app.tui.dialogs.motion_dialog import MotionDialog
-from catseye.app.tui.run_picture import SoFar
+from catseye.app.tui.run_state import SoFar
 from catseye.app.tui.screens.run import RunScreen
 from tests.unit.app.tui.screens.run_screen import answers, app_of, ops, settled
 from tests.unit.app.tui.scripted import ScriptedLink, compare, shown
-from tests.unit.app.tui.told_run import MOTION, SNAPSHOT, ask, measure, tell
+from tests.unit.app.tui.scripted_run import MOTION, SNAPSHOT, ask, measure, tell
 
 SIZES = [(80, 24), (120, 40)]
 

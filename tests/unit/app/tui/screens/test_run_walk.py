@@ -4,7 +4,7 @@ from textual.pilot import Pilot
 
 from tests.unit.app.tui.screens.run_screen import app_of, ops, settled
 from tests.unit.app.tui.scripted import ScriptedLink
-from tests.unit.app.tui.told_run import SNAPSHOT
+from tests.unit.app.tui.scripted_run import SNAPSHOT
 
 WALK = {**SNAPSHOT, "procedure": "walk", "title": "Walk-through of open-loop"}
 

@@ -12,7 +12,7 @@ from catseye.app.tui.dialogs.form_dialog import FormDialog
 from catseye.app.tui.dialogs.start_dialog import StartDialog
 from catseye.app.tui.widgets.wire_view import WireView
 from tests.unit.app.tui.scripted import ScriptedLink, compare, make_app, shown
-from tests.unit.app.tui.told_bench import BENCH
+from tests.unit.app.tui.scripted_bench import BENCH
 
 RUN = {
     "run": "20261121T090000Z_open-loop_abc123",

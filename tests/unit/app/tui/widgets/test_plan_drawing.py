@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 from catseye.app.tui.widgets.braille import Canvas
 from catseye.app.tui.widgets.plan_drawing import BEAM_LOST, BEAM_OK, draw_plan, pose_of, view_of
-from tests.unit.app.tui.told_bench import BENCH
+from tests.unit.app.tui.scripted_bench import BENCH
 from tests.unit.app.tui.widgets.dots import dots_of
 
 LAYOUT: dict[str, Any] = BENCH["layout"]

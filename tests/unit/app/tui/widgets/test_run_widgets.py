@@ -4,7 +4,7 @@ from typing import Any
 
 import pytest
 
-from catseye.app.tui.run_picture import LiveValue, RunPicture, Seen
+from catseye.app.tui.run_state import LiveValue, RunPicture, Seen
 from catseye.app.tui.widgets.band_bar import band_bar, band_text, value_text
 from catseye.app.tui.widgets.progress_line import bar
 from catseye.app.tui.widgets.run_plots import _scale, _uncertainties, _values  # noqa: PLC2701  # drawing without a screen

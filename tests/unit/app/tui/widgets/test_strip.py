@@ -3,10 +3,10 @@
 from itertools import pairwise
 from typing import Any
 
-from catseye.app.tui.picture import STRIP_COLUMNS, Column, Picture
+from catseye.app.tui.engine_state import STRIP_COLUMNS, Column, Picture
 from catseye.app.tui.widgets.strip import Strip
 from tests.unit.app.tui.scripted import ScriptedLink, make_app, shown
-from tests.unit.app.tui.told_bench import BENCH, tell_strip
+from tests.unit.app.tui.scripted_bench import BENCH, tell_strip
 from tests.unit.app.tui.widgets.dots import dots_of
 
 

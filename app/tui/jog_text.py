@@ -5,7 +5,7 @@ from typing import Final
 
 from textual.content import Content
 
-from catseye.app.tui.picture import Picture
+from catseye.app.tui.engine_state import Picture
 from catseye.app.tui.widgets.status_bar import STALE_S, age_style
 
 STEPS: Final = (0.01, 0.1, 1.0, 5.0, 10.0)

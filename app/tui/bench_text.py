@@ -4,7 +4,7 @@ from typing import Any, Final
 
 from textual.content import Content
 
-from catseye.app.tui.picture import Picture
+from catseye.app.tui.engine_state import Picture
 from catseye.app.tui.session import EMULATED_BENCH
 from catseye.app.tui.widgets.status_bar import STALE_S, age_style
 from catseye.app.tui.words import bytes_text, duration_text

@@ -5,7 +5,7 @@ from textual.app import RenderResult
 from textual.events import Click
 from textual.widget import Widget
 
-from catseye.app.tui.places import PLACES
+from catseye.app.tui.main_screens import PLACES
 
 
 class PlaceBar(Widget):

@@ -5,7 +5,7 @@ from dataclasses import dataclass, field
 from datetime import UTC, datetime
 from typing import Any, Final
 
-from catseye.app.tui.run_picture import LogLine, RunPicture
+from catseye.app.tui.run_state import LogLine, RunPicture
 
 Event = dict[str, Any]
 """A message of the engine; docs/engine.md says what each carries."""

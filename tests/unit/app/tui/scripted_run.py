@@ -3,7 +3,7 @@
 import json
 from typing import Any, Final
 
-from catseye.app.tui.run_picture import SoFar
+from catseye.app.tui.run_state import SoFar
 from catseye.app.tui.work import Done
 from tests.unit.app.tui.scripted import ScriptedLink
 

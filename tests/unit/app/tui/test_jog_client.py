@@ -7,7 +7,7 @@ from typing import Any
 import pytest
 
 from catseye.app.service.errors import RefusedError
-from catseye.app.tui.hands import Hands, Step
+from catseye.app.tui.jog_client import Hands, Step
 from tests.unit.app.tui.scripted import ScriptedLink
 
 

@@ -4,7 +4,7 @@ from typing import Any
 
 import pytest
 
-from catseye.app.tui.bench_words import (
+from catseye.app.tui.bench_text import (
     air_lines,
     alarm_text,
     beam_lines,
@@ -17,8 +17,8 @@ from catseye.app.tui.bench_words import (
     troubles,
 )
 from catseye.app.tui.dialogs.error_dialog import split_remedy
-from catseye.app.tui.picture import Picture
-from tests.unit.app.tui.told_bench import BENCH, bench
+from catseye.app.tui.engine_state import Picture
+from tests.unit.app.tui.scripted_bench import BENCH, bench
 
 ALARM: dict[str, Any] = {
     "alarm_number": 2165,
