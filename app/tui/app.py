@@ -16,10 +16,10 @@ from catseye.app.tui.dialogs.error_dialog import ErrorDialog
 from catseye.app.tui.dialogs.motion_dialog import MotionDialog
 from catseye.app.tui.dialogs.quit_dialog import Choice, QuitDialog
 from catseye.app.tui.faults import fault_text
-from catseye.app.tui.main_screens import PLACES, make_screen
+from catseye.app.tui.main_screens import MAIN_SCREENS, make_screen
 from catseye.app.tui.screens.base import MainScreen
 from catseye.app.tui.session import Session
-from catseye.app.tui.start_checks import tell_what_is_wrong
+from catseye.app.tui.start_checks import check_settings
 from catseye.app.tui.stopping import StopOp
 from catseye.app.tui.themes import HIGH_CONTRAST, THEMES
 
@@ -68,7 +68,7 @@ class CatseyeApp(App[int]):
             Binding(
                 place.key, f"go('{name}')", place.title, show=False, id=f"go.{name}", tooltip=place.tooltip
             )
-            for name, place in PLACES.items()
+            for name, place in MAIN_SCREENS.items()
         ),
     ]
 
@@ -95,7 +95,7 @@ class CatseyeApp(App[int]):
         for theme in THEMES:
             self.register_theme(theme)
         self.theme = "catseye-dark"
-        for name in PLACES:
+        for name in MAIN_SCREENS:
             self.add_mode(name, partial(make_screen, name, session))
         if keymap:
             self.set_keymap(keymap)
@@ -106,13 +106,13 @@ class CatseyeApp(App[int]):
         self.keep(self.session.link.serve(self._note_change))
         self.set_interval(_REFRESH_S, self._show_changes)
         if self._trouble is not None:
-            self.tell_error(*self._trouble)
+            self.show_error(*self._trouble)
         self.set_timer(_LOOK_S, self._look_at_settings)
 
     def _look_at_settings(self) -> None:
         # The time may be over while the program ends.
         if not self._unmounted:
-            self.keep(tell_what_is_wrong(self, self._own_keys))
+            self.keep(check_settings(self, self._own_keys))
 
     async def on_unmount(self) -> None:
         """Let the engine go; without a word of release it does what `on_client_lost` says."""
@@ -128,7 +128,7 @@ class CatseyeApp(App[int]):
 
     def get_system_commands(self, screen: Screen[Any]) -> Iterable[SystemCommand]:
         """Put every action of the program and of the screen into the palette; what changes nothing comes first."""
-        for name, place in PLACES.items():
+        for name, place in MAIN_SCREENS.items():
             yield SystemCommand(f"Go to {place.title}", place.tooltip, partial(self.action_go, name))
         if isinstance(screen, MainScreen):
             yield from screen.commands()
@@ -162,11 +162,11 @@ class CatseyeApp(App[int]):
 
     def action_ask_to_go_on(self) -> None:
         """Let a held run go on once F8 confirms it: the palette is left by Enter, and a click is soon made."""
-        run = self.session.link.picture.run
-        if run is None or not self.session.link.picture.running:
+        run = self.session.link.engine.run
+        if run is None or not self.session.link.engine.running:
             self.notify("no run is held")
             return
-        robot = (self.session.link.picture.bench or {}).get("robot") or {}
+        robot = (self.session.link.engine.bench or {}).get("robot") or {}
         percent = robot.get("override_percent")
         speed = "" if percent is None else f" at {percent:g} % of the programmed speed"
         text = f"{run.name} goes on where it was held: the arm moves{speed}."
@@ -188,11 +188,11 @@ class CatseyeApp(App[int]):
 
     def action_take_control(self) -> None:
         """Take control; from somebody else only after a question, and by force: whoever has it is told."""
-        picture = self.session.link.picture
-        if picture.control is None or picture.in_control:
+        engine = self.session.link.engine
+        if engine.control is None or engine.in_control:
             self._take_control(force=False)
             return
-        holder = f"{picture.control.get('who')} ({picture.control.get('client')})"
+        holder = f"{engine.control.get('who')} ({engine.control.get('client')})"
         text = f"{holder} answers questions and lets the run go on until now, and is told that you do from now on."
 
         def answered(agreed: bool | None) -> None:
@@ -210,23 +210,23 @@ class CatseyeApp(App[int]):
 
     def action_ladder(self) -> None:
         """Hold, then stop, then abort, as Ctrl-C does under `catseye run`."""
-        picture = self.session.link.picture
-        if picture.jogging or picture.silent_since_s is not None or picture.run_out_of_sight:
+        engine = self.session.link.engine
+        if engine.jogging or engine.silent_since_s is not None or engine.run_out_of_sight:
             self.action_stop()
-        elif not picture.running:
+        elif not engine.running:
             self.notify("Ctrl-Q quits; F12 stops", title="nothing runs")
-        elif picture.state in {"HOLDING", "HELD", "SUSPENDED", "SUSPENDING", "UNSUSPENDING", "STARTING"}:
+        elif engine.state in {"HOLDING", "HELD", "SUSPENDED", "SUSPENDING", "UNSUSPENDING", "STARTING"}:
             self.action_stop()
-        elif picture.state in {"STOPPING", "ABORTING"}:
+        elif engine.state in {"STOPPING", "ABORTING"}:
             self.action_abort()
         else:
             self.action_hold()
 
     async def action_quit(self) -> None:
         """Quit; while a run is under way ask what becomes of it, and before a command is ended that works."""
-        picture = self.session.link.picture
-        if picture.running and picture.run is not None:
-            self.push_screen(QuitDialog(picture.run.name), self._quit_as_chosen)
+        engine = self.session.link.engine
+        if engine.running and engine.run is not None:
+            self.push_screen(QuitDialog(engine.run.name), self._quit_as_chosen)
         elif self.session.under_way:
             text = (
                 f"{', '.join(self.session.under_way)}: it ends with this program; what it has done is lost."
@@ -238,7 +238,7 @@ class CatseyeApp(App[int]):
             self._quit_if_agreed(True)
 
     def _quit_if_agreed(self, agreed: bool | None) -> None:
-        jogging = self.session.link.picture.jogging
+        jogging = self.session.link.engine.jogging
         if agreed:
             self.keep(self._stop_and_leave() if jogging else self._leave(end_engine=True))
 
@@ -277,17 +277,17 @@ class CatseyeApp(App[int]):
         del markup
         super().notify(message, title=title, severity=severity, timeout=timeout, markup=False)
 
-    def tell_error(self, title: str, text: str) -> None:
+    def show_error(self, title: str, text: str) -> None:
         """Show an error that can be copied; the same one is not shown twice over."""
-        if isinstance(self.screen, ErrorDialog) and self.screen.told == (title, text):
+        if isinstance(self.screen, ErrorDialog) and self.screen.shown == (title, text):
             return
         self.push_screen(ErrorDialog(title, text))
 
-    def tell_fault(self, error: BaseException) -> None:
+    def show_fault(self, error: BaseException) -> None:
         """Tell of a fault of this program, each once; everything else goes on."""
         if self.is_running and repr(error) not in self._faults:
             self._faults.add(repr(error))
-            self.tell_error("A fault of this program", fault_text(error))
+            self.show_error("A fault of this program", fault_text(error))
 
     def keep(self, action: Coroutine[Any, Any, None]) -> asyncio.Task[None]:
         """Have something go on until it is done or the program ends, whatever screen is shown."""
@@ -299,7 +299,7 @@ class CatseyeApp(App[int]):
     def _kept(self, task: asyncio.Task[None]) -> None:
         self._orders.discard(task)
         if not task.cancelled() and (error := task.exception()) is not None:
-            self.tell_fault(error)
+            self.show_fault(error)
 
     async def _stop(self, op: StopOp) -> None:
         from catseye.app.service.errors import RefusedError, ServiceError
@@ -308,9 +308,9 @@ class CatseyeApp(App[int]):
             await self.session.link.stop(op)
         except RefusedError as error:
             text = f"{error}: if the arm moves all the same, use the emergency stop"
-            self.tell_error(f"There is nothing to {op}", text)
+            self.show_error(f"There is nothing to {op}", text)
         except ServiceError as error:
-            self.tell_error(
+            self.show_error(
                 f"{op.upper()} IS NOT CONFIRMED: use the emergency stop if the arm moves", str(error)
             )
         self._note_change()
@@ -329,11 +329,11 @@ class CatseyeApp(App[int]):
 
         link = self.session.link
         try:
-            if control and link.picture.control is None:
+            if control and link.engine.control is None:
                 await link.request("control", take=True)
             answer = await link.request(op, **fields)
         except (RefusedError, ServiceError) as error:
-            self.tell_error(failure, str(error))
+            self.show_error(failure, str(error))
             return
         if done:
             self.notify(done)
@@ -357,10 +357,10 @@ class CatseyeApp(App[int]):
                 async with asyncio.timeout(_STANDSTILL_S):
                     await self._ended.wait()
         except (RefusedError, ServiceError) as error:
-            self.tell_error(f"The run could not be told to {choice}", str(error))
+            self.show_error(f"The run could not be told to {choice}", str(error))
             return
         except TimeoutError:
-            self.tell_error(
+            self.show_error(
                 "The run has not ended",
                 "STOP was given and the end of the run was not told: look at the arm, and use the emergency stop "
                 "if it moves",
@@ -374,7 +374,7 @@ class CatseyeApp(App[int]):
         try:
             await self.session.link.stop("stop")
         except ServiceError as error:
-            self.tell_error("The arm could not be stopped: USE THE EMERGENCY STOP if it moves", str(error))
+            self.show_error("The arm could not be stopped: USE THE EMERGENCY STOP if it moves", str(error))
             return
         except RefusedError:
             # It has ended meanwhile.
@@ -395,13 +395,13 @@ class CatseyeApp(App[int]):
         self._own_loop.call_soon_threadsafe(self.exit, 128 + number)
 
     def _note_change(self) -> None:
-        picture = self.session.link.picture
-        if picture.running:
+        engine = self.session.link.engine
+        if engine.running:
             self._ended.clear()
         else:
             self._ended.set()
-        if picture.connected and picture.facts is not self._known_facts:
-            self._known_facts = picture.facts
+        if engine.connected and engine.facts is not self._known_facts:
+            self._known_facts = engine.facts
             look_at_cell(self)
 
     def _show_changes(self) -> None:
@@ -412,13 +412,13 @@ class CatseyeApp(App[int]):
         screen = self.screen_stack[0]
         if isinstance(screen, MainScreen):
             screen.show_now()
-        picture = self.session.link.picture
-        if self._had_control and picture.control is not None and not picture.in_control:
+        engine = self.session.link.engine
+        if self._had_control and engine.control is not None and not engine.in_control:
             self.notify(
-                f"{picture.control.get('who')} ({picture.control.get('client')}) has taken control",
+                f"{engine.control.get('who')} ({engine.control.get('client')}) has taken control",
                 severity="warning",
             )
-        self._had_control = picture.in_control
-        if isinstance(self.screen, QuitDialog) and not picture.running:
+        self._had_control = engine.in_control
+        if isinstance(self.screen, QuitDialog) and not engine.running:
             self.screen.dismiss(None)
             self.notify("the run has ended meanwhile")

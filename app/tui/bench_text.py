@@ -4,7 +4,7 @@ from typing import Any, Final
 
 from textual.content import Content
 
-from catseye.app.tui.engine_state import Picture
+from catseye.app.tui.engine_state import EngineState
 from catseye.app.tui.session import EMULATED_BENCH
 from catseye.app.tui.widgets.status_bar import STALE_S, age_style
 from catseye.app.tui.words import bytes_text, duration_text
@@ -154,24 +154,24 @@ def air_lines(bench: Part, since_s: float) -> list[Content]:
     return [*_air(bench.get("air"), since_s), _surroundings(bench)]
 
 
-def engine_lines(picture: Picture, most: int) -> list[Content]:
+def engine_lines(engine: EngineState, most: int) -> list[Content]:
     """Return who is connected, who has control, how many messages newer ones replaced, and the last of the log.
 
     Args:
-        picture: what the engine has told.
+        engine: as far as it is known.
         most: lines of the log.
     """
-    if not picture.connected:
-        return [Content.styled(picture.trouble or "no engine yet", "$warning")]
-    people = ", ".join(str(each.get("who")) for each in picture.clients) or "—"
-    holder = picture.control
-    control = "nobody" if holder is None else f"{holder.get('who')}{' (you)' if picture.in_control else ''}"
+    if not engine.connected:
+        return [Content.styled(engine.trouble or "no engine yet", "$warning")]
+    people = ", ".join(str(each.get("who")) for each in engine.clients) or "—"
+    holder = engine.control
+    control = "nobody" if holder is None else f"{holder.get('who')}{' (you)' if engine.in_control else ''}"
     styles = {"warning": "$warning", "error": "$error"}
     log = [
         Content.styled(f"{line.t[11:19]} {line.text}", styles.get(line.level, "dim"))
-        for line in list(picture.log)[-most:]
+        for line in list(engine.log)[-most:]
     ]
-    skipped = picture.missed.get("bench", 0) + picture.missed.get("samples", 0)
+    skipped = engine.missed.get("bench", 0) + engine.missed.get("samples", 0)
     if skipped:
         log = [Content.styled(f"skipped    {skipped} older values; the newest are shown", "dim"), *log]
     return [Content(f"connected  {people}"), Content(f"control    {control}"), *log]

@@ -5,7 +5,7 @@ from dataclasses import dataclass, field
 from datetime import UTC, datetime
 from typing import Any, Final
 
-from catseye.app.tui.run_state import LogLine, RunPicture
+from catseye.app.tui.run_state import LogLine, RunState
 
 Event = dict[str, Any]
 """A message of the engine; docs/engine.md says what each carries."""
@@ -31,7 +31,7 @@ class Column:
 
 
 @dataclass
-class Picture:
+class EngineState:
     """Everything that is known of engine, bench and run. `take` is its only way in.
 
     Attributes:
@@ -70,7 +70,7 @@ class Picture:
     state: str = "IDLE"
     reason: str = ""
     aborted: str = ""
-    run: RunPicture | None = None
+    run: RunState | None = None
     bench: Event | None = None
     bench_at_s: float = 0.0
     strip: deque[Column] = field(default_factory=lambda: deque(maxlen=STRIP_COLUMNS))
@@ -133,7 +133,7 @@ class Picture:
         # Nobody knows how much time has passed unseen.
         self.strip.clear()
         if snapshot.get("run") is not None:
-            self.run = RunPicture.of_snapshot(snapshot, now_s)
+            self.run = RunState.of_snapshot(snapshot, now_s)
         elif self.run is not None and self.run.active:
             # It ended while nobody here was connected; how is in its record.
             self.run.lost_sight()
@@ -189,7 +189,7 @@ class Picture:
 
     def _of_run(self, event: Event, now_s: float) -> None:
         if event["event"] == "run-started":
-            self.run = RunPicture(str(event["run"]), str(event["procedure"]), str(event["title"]), now_s)
+            self.run = RunState(str(event["run"]), str(event["procedure"]), str(event["title"]), now_s)
         if event["event"] == "state" and "kind" not in event:
             self.state, self.reason = str(event["state"]), str(event.get("reason") or "")
             if self.state != "ABORTED":

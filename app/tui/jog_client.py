@@ -32,7 +32,7 @@ class Step:
     aim: str | None = None
 
 
-class Hands:
+class JogClient:
     """Asks the engine for motions by hand.
 
     Args:

@@ -5,7 +5,7 @@ from typing import Final
 
 from textual.content import Content
 
-from catseye.app.tui.engine_state import Picture
+from catseye.app.tui.engine_state import EngineState
 from catseye.app.tui.widgets.status_bar import STALE_S, age_style
 
 STEPS: Final = (0.01, 0.1, 1.0, 5.0, 10.0)
@@ -59,52 +59,52 @@ class Choices:
         self.aim = known[(place + 1) % len(known)]
 
 
-def entry_lines(picture: Picture, choices: Choices, said: str) -> list[Content]:
+def entry_lines(engine: EngineState, choices: Choices, said: str) -> list[Content]:
     """Return what has to be known before jogging: cell, real or not, speed, and who else is at it."""
-    bench = picture.bench or {}
-    cap = cap_percent(picture)
+    bench = engine.bench or {}
+    cap = cap_percent(engine)
     return [
         Content.assemble("cell    ", (str(bench.get("cell") or "not known"), "bold")),
-        Content.assemble("bench   ", _kind(picture)),
+        Content.assemble("bench   ", _kind(engine)),
         Content.assemble(
             "speed   ", (f"{min(choices.percent, cap):g} %", "bold"), f" (cap {cap:g} %)", ("   + −", "dim")
         ),
-        _left_low(picture, cap),
-        *_hindrance(picture),
+        _left_low(engine, cap),
+        *_hindrance(engine),
         Content.styled(said, "$warning") if said else Content(""),
     ]
 
 
-def _left_low(picture: Picture, cap: float) -> Content:
+def _left_low(engine: EngineState, cap: float) -> Content:
     """Return that the controller's override is below that of the cell, as a jog leaves it."""
-    percent = ((picture.bench or {}).get("robot") or {}).get("override_percent")
+    percent = ((engine.bench or {}).get("robot") or {}).get("override_percent")
     if percent is None or percent > cap - 1.0:
         return Content("")
     return Content.styled(f"override {percent:g} %, until raised at controller", "$warning")
 
 
-def is_simulated(picture: Picture) -> bool:
+def is_simulated(engine: EngineState) -> bool:
     """Return whether every device is known to be an emulator."""
-    return bool(picture.bench and picture.bench.get("simulated") is True)
+    return bool(engine.bench and engine.bench.get("simulated") is True)
 
 
-def fresh_joints(picture: Picture, now_s: float) -> list[float] | None:
+def fresh_joints(engine: EngineState, now_s: float) -> list[float] | None:
     """Return the joints as the engine told them just now, deg and mm; None when they are old or not known."""
-    robot = (picture.bench or {}).get("robot") or {}
+    robot = (engine.bench or {}).get("robot") or {}
     age_s = robot.get("age_s")
-    fresh = age_s is not None and age_s + now_s - picture.bench_at_s <= STALE_S
+    fresh = age_s is not None and age_s + now_s - engine.bench_at_s <= STALE_S
     return robot.get("joints") if fresh else None
 
 
-def cap_percent(picture: Picture) -> float:
+def cap_percent(engine: EngineState) -> float:
     """Return the cell's highest speed override; 100 while it is not known: the engine caps it then."""
-    robot = (picture.bench or {}).get("robot") or {}
+    robot = (engine.bench or {}).get("robot") or {}
     return float(robot.get("override_cap_percent") or 100.0)
 
 
-def jog_lines(picture: Picture, choices: Choices, now_s: float) -> list[Content]:
+def jog_lines(engine: EngineState, choices: Choices, now_s: float) -> list[Content]:
     """Return mode, step, aim, the table of keys with the joints beside them, and what happened last."""
-    jog = picture.jog or {}
+    jog = engine.jog or {}
     moving = jog.get("moving")
     state = Content.styled(f"MOVES {str(moving).upper()}", "$warning bold") if moving else Content("stands")
     return [
@@ -113,39 +113,37 @@ def jog_lines(picture: Picture, choices: Choices, now_s: float) -> list[Content]
         Content.assemble("1…5  ", *_steps(choices)),
         Content.assemble("t  ", *_aim(choices)),
         Content(""),
-        *_key_table(picture, choices, now_s),
+        *_key_table(engine, choices, now_s),
         Content(""),
         Content.assemble(("  F12  STOP  ", "bold $background on $error"), "   Esc ends the jog"),
         Content.styled(choices.said or str(jog.get("reason") or ""), "$warning"),
     ]
 
 
-def _kind(picture: Picture) -> tuple[str, str]:
-    if is_simulated(picture):
+def _kind(engine: EngineState) -> tuple[str, str]:
+    if is_simulated(engine):
         return "SIMULATION: emulators", "bold $warning"
-    if picture.bench and picture.bench.get("simulated") is False:
+    if engine.bench and engine.bench.get("simulated") is False:
         return "REAL ARM", "bold $error"
     return "not known yet: taken for a REAL ARM", "bold $error"
 
 
-def _hindrance(picture: Picture) -> list[Content]:
+def _hindrance(engine: EngineState) -> list[Content]:
     """Return why nobody may jog now; else the key that begins it."""
-    if not picture.connected:
-        return [Content.styled(f"no engine: {picture.trouble}", "$error")]
-    if picture.jogging and picture.jog is not None:
-        moving = f", moving {picture.jog['moving']}" if picture.jog.get("moving") else ""
+    if not engine.connected:
+        return [Content.styled(f"no engine: {engine.trouble}", "$error")]
+    if engine.jogging and engine.jog is not None:
+        moving = f", moving {engine.jog['moving']}" if engine.jog.get("moving") else ""
         return [
-            Content.styled(
-                f"{picture.jog.get('by')} jogs at {picture.jog.get('percent'):g} %{moving}", "bold"
-            ),
+            Content.styled(f"{engine.jog.get('by')} jogs at {engine.jog.get('percent'):g} %{moving}", "bold"),
             Content("F12 stops the arm"),
         ]
-    if picture.running:
+    if engine.running:
         return [Content.styled("a run is under way: jog when it has ended", "$warning")]
-    if picture.control is not None and not picture.in_control:
-        return [Content.styled(f"{picture.control.get('who')} holds control", "$warning")]
+    if engine.control is not None and not engine.in_control:
+        return [Content.styled(f"{engine.control.get('who')} holds control", "$warning")]
     begin = Content.assemble(("F8", "bold $success"), "  drives on, then the keys move the arm")
-    if is_simulated(picture):
+    if is_simulated(engine):
         return [begin]
     return [begin, Content("keep a hand on the emergency stop")]
 
@@ -170,11 +168,11 @@ def _option(text: str, *, chosen: bool) -> tuple[str, str]:
     return (f"[{text}]", "reverse") if chosen else (f" {text} ", "")
 
 
-def _key_table(picture: Picture, choices: Choices, now_s: float) -> list[Content]:
-    bench = picture.bench or {}
+def _key_table(engine: EngineState, choices: Choices, now_s: float) -> list[Content]:
+    bench = engine.bench or {}
     robot = bench.get("robot") or {}
     joints = robot.get("joints")
-    style, age = age_style(robot.get("age_s"), now_s - picture.bench_at_s)
+    style, age = age_style(robot.get("age_s"), now_s - engine.bench_at_s)
     lines = [Content.styled(f"{'':<6}{'+ ↺':<9}{'− ↻':<9}{age.strip()}", "dim")]
     for name, plus, minus, place in _KEYS:
         angle = f"{joints[place]:10.3f} deg" if joints else "         —"

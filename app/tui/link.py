@@ -9,7 +9,7 @@ from contextlib import AsyncExitStack, asynccontextmanager, suppress
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Protocol
 
-from catseye.app.tui.engine_state import Picture
+from catseye.app.tui.engine_state import EngineState
 from catseye.app.tui.engines import EngineProcess, engines_of_runs, find_engine
 from catseye.app.tui.run_state import LogLine
 from catseye.app.tui.stopping import StopOp, stop_by_every_way
@@ -51,11 +51,11 @@ class Link(Protocol):
     """What screens ask the engine by.
 
     Attributes:
-        picture: what it has told.
+        engine: what it has told.
         cell: cell file that an engine is started with; None while there is none.
     """
 
-    picture: Picture
+    engine: EngineState
     cell: Path | None
 
     async def serve(self, changed: Callable[[], None]) -> None:
@@ -95,7 +95,7 @@ class EngineLink:
     """
 
     def __init__(self, root: Path, cell: Path | None, clock: "Clock") -> None:
-        self.picture = Picture()
+        self.engine = EngineState()
         self.cell = cell
         self._root = root
         self._clock = clock
@@ -113,7 +113,7 @@ class EngineLink:
                 trouble = await self._converse(changed)
             except (ServiceError, RefusedError, OSError) as error:
                 trouble = str(error)
-            self.picture.lost(trouble)
+            self.engine.lost(trouble)
             changed()
             if not self._left:
                 await self._clock.sleep(_AGAIN_S)
@@ -123,8 +123,8 @@ class EngineLink:
         from catseye.app.service.errors import ServiceError
 
         if self._client is None:
-            raise ServiceError(f"no engine is connected: {self.picture.trouble or 'wait a moment'}")
-        limit_s = SILENT_S if self.picture.silent_since_s is not None else None
+            raise ServiceError(f"no engine is connected: {self.engine.trouble or 'wait a moment'}")
+        limit_s = SILENT_S if self.engine.silent_since_s is not None else None
         if limit_s is not None and _may_move(op, fields):
             raise ServiceError(
                 "the engine does not answer, and nothing was sent: it would be done whenever the engine wakes up, "
@@ -159,10 +159,10 @@ class EngineLink:
                 await self._say_goodbye(end_engine=end_engine)
 
     async def _say_goodbye(self, *, end_engine: bool) -> None:
-        if end_engine and not self.picture.running and len(self.picture.clients) <= 1:
+        if end_engine and not self.engine.running and len(self.engine.clients) <= 1:
             await self.request("control", take=True)
             await self.request("shutdown")
-        elif self.picture.in_control:
+        elif self.engine.in_control:
             await self.request("release")
 
     async def _converse(self, changed: Callable[[], None]) -> str:
@@ -171,7 +171,7 @@ class EngineLink:
 
         path = await asyncio.to_thread(find_engine, self._root) or await self._start_engine()
         async with self._connected(path) as client:
-            self.picture.met(client.snapshot, self._clock.monotonic_s())
+            self.engine.met(client.snapshot, self._clock.monotonic_s())
             self._meet_process(client.snapshot.get("pid"))
             changed()
             ends = [
@@ -187,7 +187,7 @@ class EngineLink:
                 await cancel(life, *ends)
             if client.closed is not None:
                 return "the engine is gone; looking for one"
-            if self.picture.in_control:
+            if self.engine.in_control:
                 await self.request("release")
             return "a run is under way in another process; joining it"
 
@@ -227,7 +227,7 @@ class EngineLink:
         from catseye.app.service.errors import ServiceError
 
         try:
-            self.picture.take(event, self._clock.monotonic_s())
+            self.engine.take(event, self._clock.monotonic_s())
         except (KeyError, TypeError, ValueError, AttributeError) as error:
             raise ServiceError(
                 f"the engine tells what this program does not understand ({event.get('event')}: {error!r}): engine "
@@ -245,12 +245,12 @@ class EngineLink:
                     async with asyncio.timeout(SILENT_S):
                         await client.request("ping")
                 except TimeoutError:
-                    self.picture.silent_since_s = self._clock.monotonic_s() - SILENT_S
+                    self.engine.silent_since_s = self._clock.monotonic_s() - SILENT_S
                     for wait in tuple(self._waits):
                         wait.reschedule(asyncio.get_running_loop().time())
                     changed()
                     await client.request("ping")
-                    self.picture.silent_since_s = None
+                    self.engine.silent_since_s = None
                     changed()
 
     async def _run_elsewhere(self, path: Path) -> None:
@@ -261,8 +261,8 @@ class EngineLink:
         seen: Path | None = None
         while True:
             await self._clock.sleep(_LOOK_S)
-            picture = self.picture
-            if picture.running or picture.jogging or picture.raw or self._waits:
+            engine = self.engine
+            if engine.running or engine.jogging or engine.raw or self._waits:
                 seen = None
                 continue
             found = await asyncio.to_thread(engines_of_runs, self._root)
@@ -281,7 +281,7 @@ class EngineLink:
         from catseye.app.errors import StorageError
         from catseye.app.tui.record import read_record
 
-        run = self.picture.run
+        run = self.engine.run
         if run is None or not run.active:
             return
         path = Path(run.path) if run.path else self._root / run.name
@@ -300,7 +300,7 @@ class EngineLink:
         with suppress(RefusedError):
             answer = await self.request("watch", on=True)
             if isinstance(answer.get("bench"), dict):
-                self.picture.take({"event": "bench", **answer["bench"]}, self._clock.monotonic_s())
+                self.engine.take({"event": "bench", **answer["bench"]}, self._clock.monotonic_s())
 
     async def _start_engine(self) -> Path:
         """Start an engine that outlives this program; return its socket.

@@ -10,7 +10,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True)
-class Place:
+class MainScreenEntry:
     """A main screen.
 
     Attributes:
@@ -26,22 +26,24 @@ class Place:
     where: str
 
 
-PLACES: Final = {
-    "bench": Place("f2", "Bench", "devices, arm, beam and air now", "bench:BenchScreen"),
-    "procedures": Place(
+MAIN_SCREENS: Final = {
+    "bench": MainScreenEntry("f2", "Bench", "devices, arm, beam and air now", "bench:BenchScreen"),
+    "procedures": MainScreenEntry(
         "f3", "Procedures", "what can be done, and what comes next", "procedures:ProceduresScreen"
     ),
-    "run": Place("f4", "Run", "the run under way: steps, questions, live values", "run:RunScreen"),
-    "jog": Place("f5", "Jog", "move joints and beam by hand", "jog:JogScreen"),
-    "results": Place("f6", "Results", "error maps, validation, residuals", "results:ResultsScreen"),
-    "runs": Place("f7", "Runs", "history: resume, verify, report", "runs:RunsScreen"),
-    "terminal": Place("f9", "Terminal", "raw traffic of each link", "terminal:TerminalScreen"),
-    "setup": Place("f10", "Set-up", "make or change the cell file by questions", "setup:SetupScreen"),
+    "run": MainScreenEntry("f4", "Run", "the run under way: steps, questions, live values", "run:RunScreen"),
+    "jog": MainScreenEntry("f5", "Jog", "move joints and beam by hand", "jog:JogScreen"),
+    "results": MainScreenEntry("f6", "Results", "error maps, validation, residuals", "results:ResultsScreen"),
+    "runs": MainScreenEntry("f7", "Runs", "history: resume, verify, report", "runs:RunsScreen"),
+    "terminal": MainScreenEntry("f9", "Terminal", "raw traffic of each link", "terminal:TerminalScreen"),
+    "setup": MainScreenEntry(
+        "f10", "Set-up", "make or change the cell file by questions", "setup:SetupScreen"
+    ),
 }
 
 
 def make_screen(name: str, session: "Session") -> "MainScreen":
     """Return a new screen."""
-    module, _, screen = PLACES[name].where.partition(":")
+    module, _, screen = MAIN_SCREENS[name].where.partition(":")
     made = getattr(import_module(f"catseye.app.tui.screens.{module}"), screen)
     return cast("MainScreen", made(session))

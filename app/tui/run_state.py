@@ -129,7 +129,7 @@ class LiveValue:
 
 
 @dataclass
-class RunPicture:
+class RunState:
     """One run.
 
     Attributes:
@@ -185,7 +185,7 @@ class RunPicture:
     speed: float | None = None
 
     @classmethod
-    def of_snapshot(cls, snapshot: Event, now_s: float) -> "RunPicture":
+    def of_snapshot(cls, snapshot: Event, now_s: float) -> "RunState":
         """Return a run that was under way when this client came."""
         run = cls(str(snapshot["run"]), str(snapshot["procedure"]), str(snapshot["title"]), now_s)
         run.path = str(snapshot.get("path") or "")

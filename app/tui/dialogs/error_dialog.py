@@ -28,7 +28,7 @@ class ErrorDialog(MessageDialog):
     """
 
     @property
-    def told(self) -> tuple[str, str]:
+    def shown(self) -> tuple[str, str]:
         """Title and text."""
         return self._title, self._text
 

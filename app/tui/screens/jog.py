@@ -10,8 +10,8 @@ from textual.containers import Horizontal, Vertical, VerticalScroll
 from textual.widgets import Input
 
 from catseye.app.tui.dialogs.motion_dialog import MotionDialog
-from catseye.app.tui.engine_state import Picture
-from catseye.app.tui.jog_client import Hands, Joint, Step, Way
+from catseye.app.tui.engine_state import EngineState
+from catseye.app.tui.jog_client import JogClient, Joint, Step, Way
 from catseye.app.tui.jog_text import (
     STEPS,
     Choices,
@@ -25,7 +25,7 @@ from catseye.app.tui.screens.base import MainScreen
 from catseye.app.tui.session import Session
 from catseye.app.tui.widgets.beam_panel import BeamPanel
 from catseye.app.tui.widgets.plan_view import PlanView
-from catseye.app.tui.widgets.static_text import Told, lines
+from catseye.app.tui.widgets.static_text import StaticText, lines
 
 _MOVES: Final[tuple[tuple[str, Joint, Way, str], ...]] = (
     ("left,a", "j1", 1, "J1 counter-clockwise"),
@@ -43,12 +43,12 @@ _SIGNS: Final = {1: "plus", -1: "minus"}
 class JogScreen(MainScreen):
     """Moves the arm by keys, after F8. Leaving the screen ends it; so does Esc."""
 
-    PLACE = "jog"
+    SCREEN = "jog"
     AUTO_FOCUS = ""
 
     DEFAULT_CSS = """
     JogScreen #jog { height: 1fr; }
-    JogScreen #hands { width: 46; height: 1fr; scrollbar-size-vertical: 1; }
+    JogScreen #keys { width: 46; height: 1fr; scrollbar-size-vertical: 1; }
     JogScreen #told { height: auto; }
     JogScreen #right { width: 1fr; }
     JogScreen #plan { height: 1.5fr; }
@@ -56,7 +56,7 @@ class JogScreen(MainScreen):
     JogScreen.-low.plan #plan { display: block; }
     JogScreen.-low.plan BeamPanel { display: none; }
     JogScreen.-narrow #jog { layout: vertical; }
-    JogScreen.-narrow #hands { width: 1fr; }
+    JogScreen.-narrow #keys { width: 1fr; }
     JogScreen.-narrow #right { height: 3; }
     JogScreen.-narrow.-high #right { height: 14; }
     """
@@ -109,16 +109,16 @@ class JogScreen(MainScreen):
         self.HORIZONTAL_BREAKPOINTS = [(0, "-narrow"), (76, "-wide")]
         self.VERTICAL_BREAKPOINTS = [(0, "-low"), (30, "-high")]
         self.choices = Choices()
-        self.hands = Hands(session.link, session.now_s, self._say)
+        self.jog_client = JogClient(session.link, session.now_s, self._say)
         self._beginning = False
         self._jogged = False
 
     def body(self) -> ComposeResult:
         """Keys at the left, what the beam does at the right."""
         with Horizontal(id="jog"):
-            with VerticalScroll(id="hands", classes="panel", can_focus=False) as panel:
+            with VerticalScroll(id="keys", classes="panel", can_focus=False) as panel:
                 panel.border_title = "Jog"
-                yield Told(id="told")
+                yield StaticText(id="told")
                 typed = Input(placeholder="type the cell's name, then F8", id="typed")
                 typed.display = False
                 yield typed
@@ -132,13 +132,13 @@ class JogScreen(MainScreen):
 
     def on_screen_suspend(self) -> None:
         """Another screen or a dialog covers this one: the arm stops; another screen ends the jog."""
-        self.hands.let_go()
-        if self.app.current_mode != self.PLACE:
+        self.jog_client.let_go()
+        if self.app.current_mode != self.SCREEN:
             self.action_end()
 
     def on_unmount(self) -> None:
         """The arm stops."""
-        self.hands.let_go()
+        self.jog_client.let_go()
 
     def commands(self) -> Iterable[SystemCommand]:
         """Return what this screen can do; what moves asks for F8 first, for the palette is left by Enter."""
@@ -158,35 +158,35 @@ class JogScreen(MainScreen):
                 f"One step: {text}", "asks first", partial(self._ask_to_step, joint, way, text)
             )
 
-    def show_picture(self, picture: Picture, now_s: float) -> None:
+    def show_state(self, engine: EngineState, now_s: float) -> None:
         """Show what the keys do, or what has to be known before they do anything."""
         jogs = self._jogs
         if self._jogged and not jogs:
-            self.hands.let_go()
-            self.choices.said = str((picture.jog or {}).get("reason") or picture.trouble or "the jog is over")
+            self.jog_client.let_go()
+            self.choices.said = str((engine.jog or {}).get("reason") or engine.trouble or "the jog is over")
         self._jogged = jogs
-        told = jog_lines(picture, self.choices, now_s) if jogs else self._entry(picture)
-        self.query_one("#told", Told).tell(lines(*told))
-        self._show_typed(needed=not jogs and picture.bench is not None and not is_simulated(picture))
-        self.query_one(BeamPanel).show(picture, now_s)
-        self.query_one(PlanView).show(picture, now_s)
+        told = jog_lines(engine, self.choices, now_s) if jogs else self._entry(engine)
+        self.query_one("#told", StaticText).set_text(lines(*told))
+        self._show_typed(needed=not jogs and engine.bench is not None and not is_simulated(engine))
+        self.query_one(BeamPanel).show(engine, now_s)
+        self.query_one(PlanView).show(engine, now_s)
 
     def action_begin(self) -> None:
         """Ask the engine for the arm; F8 and nothing else leads here by a key."""
-        picture = self.session.link.picture
-        if self._beginning or picture.jogging:
+        engine = self.session.link.engine
+        if self._beginning or engine.jogging:
             return
-        if picture.running:
+        if engine.running:
             self.notify("a run is under way: jog when it has ended", severity="warning")
             return
         self._beginning = True
-        percent = min(float(self.choices.percent), cap_percent(picture))
+        percent = min(float(self.choices.percent), cap_percent(engine))
         typed = self.query_one("#typed", Input).value.strip()
         self.run_worker(self._begin(percent, typed or None), group="jog", exit_on_error=False)
 
     def action_end(self) -> None:
         """Stop the arm and end the jog."""
-        self.hands.let_go()
+        self.jog_client.let_go()
         if self._jogs or self._beginning:
             self._beginning = False
             self.catseye.order(
@@ -198,7 +198,7 @@ class JogScreen(MainScreen):
         if not self._jogs:
             return
         if self.choices.holds and joint != "beam":
-            self.hands.press(joint, way)
+            self.jog_client.press(joint, way)
         elif joint == "beam" and self.choices.aim is None:
             self._say("the beam's mm are measured at a reflector: choose one with t")
         else:
@@ -206,7 +206,7 @@ class JogScreen(MainScreen):
 
     def action_mode(self) -> None:
         """Change between steps and holding."""
-        self.hands.let_go()
+        self.jog_client.let_go()
         self.choices.holds = not self.choices.holds
         self.show_now()
 
@@ -222,9 +222,9 @@ class JogScreen(MainScreen):
 
     def action_point(self) -> None:
         """Turn J4 until the beam points at the aim, once F8 confirms it."""
-        if not self._jogs or self.hands.busy:
+        if not self._jogs or self.jog_client.busy:
             return
-        joints, aim = fresh_joints(self.session.link.picture, self.session.now_s()), self.choices.aim
+        joints, aim = fresh_joints(self.session.link.engine, self.session.now_s()), self.choices.aim
         if aim is None:
             self._say("there is nothing to point at: choose a reflector with t")
             return
@@ -244,7 +244,7 @@ class JogScreen(MainScreen):
     def action_faster(self) -> None:
         """Choose a higher speed for the next jog."""
         if not self._jogs:
-            self.choices.faster(cap_percent(self.session.link.picture))
+            self.choices.faster(cap_percent(self.session.link.engine))
             self.show_now()
 
     def action_slower(self) -> None:
@@ -266,19 +266,19 @@ class JogScreen(MainScreen):
     @property
     def _jogs(self) -> bool:
         """The arm is this client's to move."""
-        picture = self.session.link.picture
-        return picture.jogging and picture.in_control
+        engine = self.session.link.engine
+        return engine.jogging and engine.in_control
 
     def _layout(self) -> dict[str, Any]:
-        return (self.session.link.picture.bench or {}).get("layout") or {}
+        return (self.session.link.engine.bench or {}).get("layout") or {}
 
     def _take(self, *steps: Step) -> None:
-        if self._jogs and self.hands.step(*steps):
+        if self._jogs and self.jog_client.step(*steps):
             self._say("")
 
     def _speed(self) -> str:
         """Return the speed of motions by hand in words."""
-        jog = self.session.link.picture.jog or {}
+        jog = self.session.link.engine.jog or {}
         return f"at {float(jog.get('percent') or 0.0):g} % of the programmed speed"
 
     def _ask(self, title: str, text: str, then: Callable[[], None]) -> None:
@@ -286,10 +286,10 @@ class JogScreen(MainScreen):
         self.app.push_screen(MotionDialog(title, text), lambda confirmed: then() if confirmed else None)
 
     def _ask_to_begin(self) -> None:
-        picture = self.session.link.picture
-        percent = min(float(self.choices.percent), cap_percent(picture))
+        engine = self.session.link.engine
+        percent = min(float(self.choices.percent), cap_percent(engine))
         kind = (
-            "emulators" if is_simulated(picture) else "a REAL ARM, whose cell has to be named on this screen"
+            "emulators" if is_simulated(engine) else "a REAL ARM, whose cell has to be named on this screen"
         )
         self._ask("Jog", f"The drives go on, at {percent:g} %; this is {kind}.", self.action_begin)
 
@@ -306,7 +306,7 @@ class JogScreen(MainScreen):
         link = self.session.link
         self._say("switching the drives on…")
         try:
-            if link.picture.control is None:
+            if link.engine.control is None:
                 await link.request("control", take=True)
             await link.request("jog", on=True, percent=percent, arm=arm)
             self._say("")
@@ -315,12 +315,12 @@ class JogScreen(MainScreen):
             if not self._beginning:
                 # It was ended before it had begun.
                 return
-            self.catseye.tell_error("The arm cannot be moved by hand", str(error))
+            self.catseye.show_error("The arm cannot be moved by hand", str(error))
         finally:
             self._beginning = False
 
-    def _entry(self, picture: Picture) -> list[Any]:
-        return entry_lines(picture, self.choices, self.choices.said)
+    def _entry(self, engine: EngineState) -> list[Any]:
+        return entry_lines(engine, self.choices, self.choices.said)
 
     def _show_typed(self, *, needed: bool) -> None:
         """Ask for the cell's name where the arm is real; a name is typed anew for each jog."""
@@ -333,7 +333,7 @@ class JogScreen(MainScreen):
 
     def _focus_changed(self, focus: bool) -> None:
         if not focus:
-            self.hands.let_go()
+            self.jog_client.let_go()
 
     def _say(self, text: str) -> None:
         self.choices.said = text

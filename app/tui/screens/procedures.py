@@ -14,13 +14,13 @@ from textual.widgets.option_list import Option
 
 from catseye.app.guidance.need import Need, links_need
 from catseye.app.tui.dialogs.start_dialog import Permission, StartDialog
-from catseye.app.tui.engine_state import Picture
+from catseye.app.tui.engine_state import EngineState
 from catseye.app.tui.procedure_facts import SIGNS, STAGE_SIGNS, STYLES, Catalogue, with_run_fields
 from catseye.app.tui.rehearsal import HEADER, Rehearsal
 from catseye.app.tui.screens.base import MainScreen
 from catseye.app.tui.session import Session
 from catseye.app.tui.widgets.parameter_form import ParameterForm
-from catseye.app.tui.widgets.static_text import Told, lines
+from catseye.app.tui.widgets.static_text import StaticText, lines
 
 _PROPER: Final = frozenset({"search", "speed"})
 """Fields of a start that are no parameters of the procedure."""
@@ -36,7 +36,7 @@ _WALK_LINES: Final = (
 class ProceduresScreen(MainScreen):
     """List at the left; at the right what the chosen one needs, its parameters, and a rehearsal."""
 
-    PLACE = "procedures"
+    SCREEN = "procedures"
     AUTO_FOCUS = "#list"
 
     DEFAULT_CSS = """
@@ -45,13 +45,13 @@ class ProceduresScreen(MainScreen):
     ProceduresScreen #list-panel { height: auto; max-height: 60%; }
     ProceduresScreen #way { height: 1fr; }
     ProceduresScreen #needs { height: auto; max-height: 50%; }
-    ProceduresScreen #needs Told { width: 1fr; }
+    ProceduresScreen #needs StaticText { width: 1fr; }
     ProceduresScreen #what { height: 1fr; min-height: 8; }
     ProceduresScreen ContentSwitcher, ProceduresScreen #form, ProceduresScreen #rehearsal { height: 1fr; }
     ProceduresScreen #described { height: 2; color: $text-muted; }
     ProceduresScreen #buttons { height: 1; }
     ProceduresScreen #buttons Button { height: 1; min-width: 13; border: none; margin-right: 1; }
-    ProceduresScreen #buttons Told { width: 1fr; color: $text-muted; }
+    ProceduresScreen #buttons StaticText { width: 1fr; color: $text-muted; }
     ProceduresScreen #totals { height: auto; max-height: 7; }
     ProceduresScreen #head-line { height: 1; color: $primary; }
     ProceduresScreen #table { height: 1fr; scrollbar-size: 1 1; background: $background; }
@@ -137,26 +137,26 @@ class ProceduresScreen(MainScreen):
                 with Vertical(id="list-panel", classes="panel") as panel:
                     panel.border_title = "Procedures"
                     yield OptionList(id="list", compact=True, markup=False)
-                way = Told(id="way", classes="panel")
+                way = StaticText(id="way", classes="panel")
                 way.border_title = "The way"
                 yield way
             with Vertical(id="right"):
                 with VerticalScroll(id="needs", classes="panel", can_focus=False):
-                    yield Told(id="needed")
+                    yield StaticText(id="needed")
                 with Vertical(id="what", classes="panel"):
                     with ContentSwitcher(initial="form"):
                         with Vertical(id="form"):
                             yield ParameterForm()
-                            yield Told(id="described")
+                            yield StaticText(id="described")
                         with Vertical(id="rehearsal"):
-                            yield Told(id="totals")
-                            yield Told(id="head-line")
+                            yield StaticText(id="totals")
+                            yield StaticText(id="head-line")
                             yield Log(id="table", auto_scroll=False)
                     with Horizontal(id="buttons"):
                         yield Button("Rehearse r", id="rehearse", action="screen.rehearse", compact=True)
                         yield Button("Walk … t", id="walk", action="screen.walk", compact=True)
                         yield Button("Start … s", id="start", action="screen.start", compact=True)
-                        yield Told(id="doing")
+                        yield StaticText(id="doing")
 
     def commands(self) -> Iterable[SystemCommand]:
         """Return what this screen can do."""
@@ -173,10 +173,10 @@ class ProceduresScreen(MainScreen):
         self.query_one("#what").border_title = "Parameters"
         self.action_update()
 
-    def show_picture(self, picture: Picture, now_s: float) -> None:
+    def show_state(self, engine: EngineState, now_s: float) -> None:
         """Show whether the devices are there; look again after the end of a run."""
         del now_s
-        bench = picture.bench
+        bench = engine.bench
         need = links_need(None if bench is None else bench.get("devices"))
         real = bench is not None and bench.get("simulated") is False
         if need != self._devices:
@@ -185,7 +185,7 @@ class ProceduresScreen(MainScreen):
         if real != self._real:
             self._real = real
             self._choose(self._chosen)
-        ended = picture.run.ended if picture.run is not None else None
+        ended = engine.run.ended if engine.run is not None else None
         if ended is not self._ended or self.session.cell != self._cell:
             self._ended = ended
             self.action_update()
@@ -241,8 +241,8 @@ class ProceduresScreen(MainScreen):
             self._show_start("Walk-through: ", [*_WALK_LINES, *self._start_lines()], walk=True)
 
     def _show_start(self, kind: str, told: list[str], *, walk: bool) -> None:
-        picture, facts = self.session.link.picture, self._catalogue.procedures[self._chosen]
-        simulated = None if picture.bench is None else picture.bench.get("simulated")
+        engine, facts = self.session.link.engine, self._catalogue.procedures[self._chosen]
+        simulated = None if engine.bench is None else engine.bench.get("simulated")
         title = f"{kind}{facts['title']}"
         dialog = StartDialog(title, "\n".join(told), self._catalogue.cell, simulated=simulated)
         words = self._words() | ({"walk": True} if walk else {})
@@ -268,7 +268,7 @@ class ProceduresScreen(MainScreen):
 
     def on_parameter_form_described(self, event: ParameterForm.Described) -> None:
         """Say what the field with the focus is."""
-        self.query_one("#described", Told).tell(Content(event.text))
+        self.query_one("#described", StaticText).set_text(Content(event.text))
 
     async def _update(self) -> None:
         cell = self.session.cell
@@ -282,7 +282,7 @@ class ProceduresScreen(MainScreen):
             # What was known before does not hold any more.
             self._catalogue, self._chosen = Catalogue(), ""
             self._show_list()
-            self.query_one("#needed", Told).tell(Content(f"✗ {done.fault}").stylize("$error"))
+            self.query_one("#needed", StaticText).set_text(Content(f"✗ {done.fault}").stylize("$error"))
             return
         told = done.data() if done.out.strip() else []
         self._catalogue = Catalogue.of(told if isinstance(told, list) else [told])
@@ -317,7 +317,7 @@ class ProceduresScreen(MainScreen):
         self._show_needs()
         if changed:
             self._show_part("form")
-            self.query_one("#described", Told).tell(Content(""))
+            self.query_one("#described", StaticText).set_text(Content(""))
         fields = with_run_fields(facts, self.session.speed, real=self._real)
         if not changed and fields == self._fields:
             # Somebody may be typing there.
@@ -333,7 +333,7 @@ class ProceduresScreen(MainScreen):
             )
             for stage in self._catalogue.stages
         ]
-        self.query_one("#way", Told).tell(lines(*way))
+        self.query_one("#way", StaticText).set_text(lines(*way))
 
     def _show_needs(self) -> None:
         facts = self._catalogue.procedures.get(self._chosen)
@@ -350,7 +350,9 @@ class ProceduresScreen(MainScreen):
         ]
         last = facts.get("last")
         text = "none on this cell" if last is None else f"{last['id']}: {last['status']}, {last['age']}"
-        self.query_one("#needed", Told).tell(lines(*told, Content.assemble(("  last run    ", "dim"), text)))
+        self.query_one("#needed", StaticText).set_text(
+            lines(*told, Content.assemble(("  last run    ", "dim"), text))
+        )
 
     def _show_part(self, part: str) -> None:
         self.query_one(ContentSwitcher).current = part
@@ -404,7 +406,7 @@ class ProceduresScreen(MainScreen):
 
     def _motion_lines(self, words: dict[str, Any]) -> list[str]:
         """Say where the arm goes first, how fast, at which override, as far as anybody knows."""
-        robot = (self.session.link.picture.bench or {}).get("robot") or {}
+        robot = (self.session.link.engine.bench or {}).get("robot") or {}
         told = (
             [f"  override {robot['override_percent']:g} %, at most {robot['override_cap_percent']:g} %"]
             if robot
@@ -441,12 +443,12 @@ class ProceduresScreen(MainScreen):
             arguments += ["--param", text]
         table, totals, head = (
             self.query_one(Log),
-            self.query_one("#totals", Told),
-            self.query_one("#head-line", Told),
+            self.query_one("#totals", StaticText),
+            self.query_one("#head-line", StaticText),
         )
         table.clear()
-        head.tell(Content(""))
-        totals.tell(Content("going through it …  Esc ends that"))
+        head.set_text(Content(""))
+        totals.set_text(Content("going through it …  Esc ends that"))
         self._rehearsing = True
         outcome = Content("ended; nothing was found")
         try:
@@ -457,14 +459,14 @@ class ProceduresScreen(MainScreen):
             rehearsal = Rehearsal(done.data())
             self._rehearsed = words, rehearsal
             outcome = _totals(rehearsal)
-            head.tell(Content(HEADER))
+            head.set_text(Content(HEADER))
             table.write_lines(rehearsal.table(), scroll_end=False)
         finally:
             self._rehearsing = False
-            totals.tell(outcome)
+            totals.set_text(outcome)
 
     def _say(self, text: str) -> None:
-        self.query_one("#doing", Told).tell(Content(text))
+        self.query_one("#doing", StaticText).set_text(Content(text))
         self.query_one("#list-panel").border_subtitle = "wait …" if text else ""
 
 

@@ -15,8 +15,8 @@ from catseye.app.guidance.after_run import CLEAR, Advice, after_run
 from catseye.app.tui.dialogs.motion_dialog import MotionDialog
 from catseye.app.tui.dialogs.override_dialog import OverrideDialog
 from catseye.app.tui.dialogs.start_dialog import Permission, StartDialog
-from catseye.app.tui.engine_state import Picture
-from catseye.app.tui.run_state import RunPicture
+from catseye.app.tui.engine_state import EngineState
+from catseye.app.tui.run_state import RunState
 from catseye.app.tui.screens.base import MainScreen
 from catseye.app.tui.screens.working import free_name
 from catseye.app.tui.session import Session
@@ -27,7 +27,7 @@ from catseye.app.tui.widgets.prompt_panel import PromptPanel
 from catseye.app.tui.widgets.run_end import RunEnd
 from catseye.app.tui.widgets.run_log import RunLog
 from catseye.app.tui.widgets.run_plots import MapPlot, ResidualPlot
-from catseye.app.tui.widgets.static_text import Told
+from catseye.app.tui.widgets.static_text import StaticText
 from catseye.app.tui.widgets.step_list import PlannedStep, StepList
 
 _PLOTS = ("residuals", "maps")
@@ -39,7 +39,7 @@ WALK: Final = "walk"
 class RunScreen(MainScreen):
     """What is under way, or how it ended."""
 
-    PLACE = "run"
+    SCREEN = "run"
     AUTO_FOCUS = ""
 
     DEFAULT_CSS = """
@@ -114,14 +114,14 @@ class RunScreen(MainScreen):
         self.HORIZONTAL_BREAKPOINTS = [(0, "-narrow"), (66, "-wide")]
         self.VERTICAL_BREAKPOINTS = [(0, "-low"), (36, "-high")]
         self._planned: list[PlannedStep] = []
-        self._planned_for: RunPicture | None = None
+        self._planned_for: RunState | None = None
         self._doing = ""
         self._feeder = WalkFeeder(session.link, session.now_s, self._not_fed)
 
     def body(self) -> ComposeResult:
         """Put the parts together."""
         yield ProgressLine()
-        yield Told(id="instruction")
+        yield StaticText(id="instruction")
         with Horizontal(id="middle"):
             yield StepList()
             with Vertical(id="right"):
@@ -172,36 +172,36 @@ class RunScreen(MainScreen):
         super().on_screen_resume()
         self._panel.come_up()
 
-    def show_picture(self, picture: Picture, now_s: float) -> None:
+    def show_state(self, engine: EngineState, now_s: float) -> None:
         """Show the run."""
-        run = picture.run
+        run = engine.run
         self._plan_of(run)
         asked = run is not None and run.prompt is not None
         ended = run is not None and not run.active
         self.set_class(asked, "asked")
         self.set_class(ended, "ended")
-        skipped = picture.missed.get("points and steps", 0)
+        skipped = engine.missed.get("points and steps", 0)
         # Until its record has told, a run is taken for one that began here.
         speed = self.session.speed if run is None or run.speed is None else run.speed
         self.query_one(ProgressLine).show(
-            run, len(self._planned), skipped, fast=picture.simulated and speed != 1.0
+            run, len(self._planned), skipped, fast=engine.simulated and speed != 1.0
         )
-        instruction = self.query_one("#instruction", Told)
-        instruction.tell(_instruction(picture))
+        instruction = self.query_one("#instruction", StaticText)
+        instruction.set_text(_instruction(engine))
         instruction.display = not ended
         self.query_one(StepList).show(run, self._planned)
         self.query_one(LivePanel).show(run, now_s)
         self.query_one(ResidualPlot).show(run)
         self.query_one(MapPlot).show(run)
-        self.query_one(RunLog).show(run, _holder(picture))
+        self.query_one(RunLog).show(run, _holder(engine))
         self.query_one(RunEnd).show(run, self._advice(run), self._doing)
         prompt, at_s = (None, 0.0) if run is None else (run.prompt, run.prompt_at_s)
         note = (
             ""
-            if picture.in_control or picture.control is None
-            else f"{_holder(picture)} answers; c takes control"
+            if engine.in_control or engine.control is None
+            else f"{_holder(engine)} answers; c takes control"
         )
-        layout = (picture.bench or {}).get("layout") or {}
+        layout = (engine.bench or {}).get("layout") or {}
         self.query_one(PromptPanel).show(prompt, at_s, now_s, speed, note, layout.get("reflectors", []))
 
     def action_move(self) -> None:
@@ -224,9 +224,9 @@ class RunScreen(MainScreen):
 
     def action_walk(self) -> None:
         """Keep a walk going for another moment; the key has to repeat."""
-        picture = self.session.link.picture
-        run = picture.run
-        if run is not None and run.active and run.procedure == WALK and picture.in_control:
+        engine = self.session.link.engine
+        run = engine.run
+        if run is not None and run.active and run.procedure == WALK and engine.in_control:
             self._feeder.press()
 
     def action_yes(self) -> None:
@@ -243,14 +243,14 @@ class RunScreen(MainScreen):
 
     def action_control(self) -> None:
         """Take control, or give it back."""
-        if self.session.link.picture.in_control:
+        if self.session.link.engine.in_control:
             self.catseye.action_release()
         else:
             self.catseye.action_take_control()
 
     def action_override(self) -> None:
         """Ask for a lower override."""
-        robot = (self.session.link.picture.bench or {}).get("robot") or {}
+        robot = (self.session.link.engine.bench or {}).get("robot") or {}
         self.app.push_screen(OverrideDialog(robot.get("override_percent")), self._lower)
 
     def action_view(self) -> None:
@@ -277,7 +277,7 @@ class RunScreen(MainScreen):
 
     def action_after(self, kind: str) -> None:
         """Do what is sensible after the end."""
-        run = self.session.link.picture.run
+        run = self.session.link.engine.run
         found = next((each for each in self._advice(run) if each.kind == kind), None)
         if found is None:
             self.notify(f"{kind}: not now", severity="warning")
@@ -315,7 +315,7 @@ class RunScreen(MainScreen):
                 each.scroll_relative(y=pages * each.size.height, animate=False)
                 return
         steps = self.query_one(StepList)
-        steps.move(pages * max(steps.size.height - 1, 1), self.session.link.picture.run)
+        steps.move(pages * max(steps.size.height - 1, 1), self.session.link.engine.run)
         self.show_now()
 
     async def _answer(self, prompt: str, text: str) -> None:
@@ -323,7 +323,7 @@ class RunScreen(MainScreen):
 
         link = self.session.link
         try:
-            if link.picture.control is None:
+            if link.engine.control is None:
                 await link.request("control", take=True)
             await link.request("answer", prompt=prompt, text=text)
         except (RefusedError, ServiceError) as error:
@@ -336,16 +336,16 @@ class RunScreen(MainScreen):
                 "override", "The override is not lowered", control=True, done=done, percent=percent
             )
 
-    def _advice(self, run: RunPicture | None) -> list[Advice]:
+    def _advice(self, run: RunState | None) -> list[Advice]:
         if run is not None and run.active:
             return []
-        first = [CLEAR] if self.session.link.picture.aborted else []
+        first = [CLEAR] if self.session.link.engine.aborted else []
         if run is None or run.ended is None:
             return first
         return [*first, *after_run(run.procedure, str(run.ended["status"]), run.name, self.session.root)]
 
-    def _ask_to_resume(self, run: RunPicture) -> None:
-        bench = self.session.link.picture.bench or {}
+    def _ask_to_resume(self, run: RunState) -> None:
+        bench = self.session.link.engine.bench or {}
         text = f"{run.name}\nSteps that are done are not repeated. What may have changed meanwhile is asked first."
         simulated = run.simulated if run.simulated is not None else bench.get("simulated")
         dialog = StartDialog(f"Go on: {run.title}", text, str(bench.get("cell") or ""), simulated=simulated)
@@ -370,12 +370,12 @@ class RunScreen(MainScreen):
         finally:
             self._doing = ""
         if done.code:
-            self.catseye.tell_error(f"{advice.kind} failed", done.fault)
+            self.catseye.show_error(f"{advice.kind} failed", done.fault)
         else:
             self._doing = f"written: {file}"
             self.notify(str(file), title=f"{advice.kind}: written", markup=False)
 
-    def _plan_of(self, run: RunPicture | None) -> None:
+    def _plan_of(self, run: RunState | None) -> None:
         """Rehearse the run that is shown, once, to know the steps to come."""
         if run is None or run is self._planned_for:
             return
@@ -387,7 +387,7 @@ class RunScreen(MainScreen):
         if run.active and run.command and not self._planned:
             self.run_worker(self._rehearse(run), group="plan", exclusive=True, exit_on_error=False)
 
-    async def _rehearse(self, run: RunPicture) -> None:
+    async def _rehearse(self, run: RunState) -> None:
         done = await self.session.work.do(*run.command)
         if done.code == 0:
             self._planned = _planned(done.data())
@@ -400,18 +400,18 @@ def _planned(facts: dict[str, Any]) -> list[PlannedStep]:
     ]
 
 
-def _holder(picture: Picture) -> str:
-    if picture.control is None:
+def _holder(engine: EngineState) -> str:
+    if engine.control is None:
         return "nobody"
-    return "you" if picture.in_control else f"{picture.control.get('who')} ({picture.control.get('client')})"
+    return "you" if engine.in_control else f"{engine.control.get('who')} ({engine.control.get('client')})"
 
 
-def _instruction(picture: Picture) -> Content:
+def _instruction(engine: EngineState) -> Content:
     """Return what to do now, in one sentence."""
-    run = picture.run
-    if run is None and picture.aborted:
+    run = engine.run
+    if run is None and engine.aborted:
         return Content.styled(
-            f"Look at the bench, then press x to clear the abort: {picture.aborted}", "$warning"
+            f"Look at the bench, then press x to clear the abort: {engine.aborted}", "$warning"
         )
     if run is None:
         return Content("Start a procedure on Procedures (F3).")

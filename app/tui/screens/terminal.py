@@ -14,10 +14,10 @@ from textual.widgets import Input
 
 from catseye.app.tui.dialogs.form_dialog import Answers, Field, FormDialog
 from catseye.app.tui.dialogs.start_dialog import Permission, StartDialog
-from catseye.app.tui.engine_state import Picture
+from catseye.app.tui.engine_state import EngineState
 from catseye.app.tui.screens.base import MainScreen
 from catseye.app.tui.session import Session
-from catseye.app.tui.widgets.static_text import Told
+from catseye.app.tui.widgets.static_text import StaticText
 from catseye.app.tui.widgets.wire_view import WireView
 from catseye.app.tui.wire_lines import saved_line
 
@@ -29,7 +29,7 @@ _GIVES_BACK: Final = "esc, then r: the driver has its link again"
 class TerminalScreen(MainScreen):
     """Shows what goes over the wires while it is shown; sends only between runs."""
 
-    PLACE = "terminal"
+    SCREEN = "terminal"
     AUTO_FOCUS = "WireView"
 
     DEFAULT_CSS = """
@@ -71,11 +71,11 @@ class TerminalScreen(MainScreen):
     def body(self) -> ComposeResult:
         """Put facts, lines and the line to send together."""
         with Horizontal(id="top"):
-            yield Told(id="facts")
+            yield StaticText(id="facts")
             yield Input(id="filter", compact=True, placeholder="/ filter: text or hex")
         yield WireView(id="wire")
         with Vertical(id="sender"):
-            yield Told(id="how")
+            yield StaticText(id="how")
             yield Input(id="line", compact=True, disabled=True)
 
     def commands(self) -> Iterable[SystemCommand]:
@@ -97,25 +97,25 @@ class TerminalScreen(MainScreen):
 
     def on_screen_suspend(self) -> None:
         """Give the link back and ask for no more traffic when another screen is shown; a dialog changes nothing."""
-        if self.app.current_mode == self.PLACE:
+        if self.app.current_mode == self.SCREEN:
             return
-        if self._is_mine(self.session.link.picture):
+        if self._is_mine(self.session.link.engine):
             self.catseye.order("raw", "The link was not given back", device=self._device, on=False)
             self.notify(f"{self._device} has its link again")
         if self._subscribed is not None:
             self._subscribed = None
             self.run_worker(self._ask_for_traffic(on=False), exit_on_error=False)
 
-    def show_picture(self, picture: Picture, now_s: float) -> None:
+    def show_state(self, engine: EngineState, now_s: float) -> None:
         """Show what is new, and whether something may be sent."""
         del now_s
-        self._subscribe(picture)
+        self._subscribe(engine)
         view = self.query_one(WireView)
-        view.take(picture.wire, picture.wire_seen)
-        self.query_one("#facts", Told).tell(self._facts(picture, view))
-        self.query_one("#how", Told).tell(self._how(picture))
+        view.take(engine.wire, engine.wire_seen)
+        self.query_one("#facts", StaticText).set_text(self._facts(engine, view))
+        self.query_one("#how", StaticText).set_text(self._how(engine))
         line = self.query_one("#line", Input)
-        line.disabled = not self._is_mine(picture)
+        line.disabled = not self._is_mine(engine)
         line.placeholder = "" if line.disabled else _GIVES_BACK
         if line.disabled and line.has_focus:
             view.focus()
@@ -178,13 +178,13 @@ class TerminalScreen(MainScreen):
 
     def action_link(self) -> None:
         """Take the device's link from its driver, or give it back."""
-        picture = self.session.link.picture
-        if self._is_mine(picture):
+        engine = self.session.link.engine
+        if self._is_mine(engine):
             self.catseye.order("raw", "The link was not given back", device=self._device, on=False)
         elif reason := self._why_not():
             self.notify(reason, severity="warning")
         elif self._moves(self._device):
-            self._ask_to_arm(picture)
+            self._ask_to_arm(engine)
         else:
             self._take(None)
 
@@ -222,12 +222,12 @@ class TerminalScreen(MainScreen):
         self.query_one(WireView).choose(self._device, self.query_one("#filter", Input).value)
         self.show_now()
 
-    def _subscribe(self, picture: Picture) -> None:
+    def _subscribe(self, engine: EngineState) -> None:
         """Ask for traffic; again when the connection is another."""
-        if not picture.connected:
+        if not engine.connected:
             self._subscribed = None
-        elif self._subscribed is not picture.facts and self.app.current_mode == self.PLACE:
-            self._subscribed = picture.facts
+        elif self._subscribed is not engine.facts and self.app.current_mode == self.SCREEN:
+            self._subscribed = engine.facts
             self.run_worker(self._ask_for_traffic(on=True), exit_on_error=False)
 
     async def _ask_for_traffic(self, *, on: bool) -> None:
@@ -238,7 +238,7 @@ class TerminalScreen(MainScreen):
             await self.session.link.request("traffic", on=on)
 
     def _bench_devices(self) -> list[dict[str, Any]]:
-        bench = self.session.link.picture.bench
+        bench = self.session.link.engine.bench
         return list(bench.get("devices") or []) if bench else []
 
     def _devices(self) -> list[str]:
@@ -251,26 +251,26 @@ class TerminalScreen(MainScreen):
         driver = next((str(d.get("driver")) for d in self._bench_devices() if d["name"] == name), "")
         return name == "robot" or driver.startswith("melfa-")
 
-    def _is_mine(self, picture: Picture) -> bool:
-        by = picture.raw.get(self._device)
-        return by is not None and by.endswith(f"({picture.you})")
+    def _is_mine(self, engine: EngineState) -> bool:
+        by = engine.raw.get(self._device)
+        return by is not None and by.endswith(f"({engine.you})")
 
     def _why_not(self) -> str:
         """Return why nothing can be sent now; empty when the link can be taken."""
-        picture = self.session.link.picture
-        if not picture.connected:
+        engine = self.session.link.engine
+        if not engine.connected:
             return "nothing can be sent: no engine is connected"
-        if picture.running:
+        if engine.running:
             return "nothing can be sent while a run is under way: its driver has the link"
-        if picture.jogging:
+        if engine.jogging:
             return "nothing can be sent during a jog: end it first (F5, Esc)"
         if not self._device:
             return "choose a device first: d"
-        by = picture.raw.get(self._device)
-        return f"{by} has the link of {self._device}" if by and not self._is_mine(picture) else ""
+        by = engine.raw.get(self._device)
+        return f"{by} has the link of {self._device}" if by and not self._is_mine(engine) else ""
 
-    def _facts(self, picture: Picture, view: WireView) -> Content:
-        missed = picture.missed.get("wire", 0)
+    def _facts(self, engine: EngineState, view: WireView) -> Content:
+        missed = engine.missed.get("wire", 0)
         state = "following" if view.following else f"PAUSED, {view.waiting} new"
         return Content.assemble(
             (f"{self._device or 'all devices'}  ", "bold"),
@@ -279,9 +279,9 @@ class TerminalScreen(MainScreen):
             ("UTC", "dim"),
         )
 
-    def _how(self, picture: Picture) -> Content:
+    def _how(self, engine: EngineState) -> Content:
         form = "hex bytes" if self._hex else r"text, \r \n \xNN"
-        if self._is_mine(picture):
+        if self._is_mine(engine):
             key = "F8 sends: it may move the arm" if self._moves(self._device) else "Enter sends"
             return Content.assemble(
                 (f"→ {self._device}  ", "bold $accent"),
@@ -293,8 +293,8 @@ class TerminalScreen(MainScreen):
             ("not sending  ", "dim"), reason or f"r takes the link of {self._device} from its driver"
         )
 
-    def _ask_to_arm(self, picture: Picture) -> None:
-        bench = picture.bench or {}
+    def _ask_to_arm(self, engine: EngineState) -> None:
+        bench = engine.bench or {}
         device = next(d for d in self._bench_devices() if d["name"] == self._device)
         simulated = (device.get("identity") or {}).get("simulated")
         text = (
@@ -368,6 +368,6 @@ class TerminalScreen(MainScreen):
                 raise UsageError(f"{path} exists already: choose another name")
             await asyncio.to_thread(write_atomically, path, text)
         except CatseyeError as error:
-            self.catseye.tell_error("The lines were not saved", str(error))
+            self.catseye.show_error("The lines were not saved", str(error))
             return
         self.notify(f"saved: {path}")

@@ -16,7 +16,7 @@ from catseye.app.cell.wizard.draft import Draft, default_text
 from catseye.app.cell.wizard.pages import PAGES, Page
 from catseye.app.tui.setup.question_row import Answered, Fault, QuestionRow
 from catseye.app.tui.setup.reflector_rows import HELP, ReflectorRows
-from catseye.app.tui.widgets.static_text import Told, lines
+from catseye.app.tui.widgets.static_text import StaticText, lines
 
 _PAUSE_S: Final = 0.15
 """After the last key, before the answers are judged."""
@@ -64,14 +64,14 @@ class Wizard(Horizontal):
 
     def compose(self) -> ComposeResult:
         """Pages to the left, questions to the right, help below."""
-        yield Told(id="pages")
+        yield StaticText(id="pages")
         with Vertical(id="asked"):
-            yield Told(id="intro")
+            yield StaticText(id="intro")
             # Not a scrollable widget of its own: page up and page down turn the pages.
             with Container(id="form"):
                 yield Vertical(id="rows")
                 yield Fault(id="page-fault")
-            yield Told(id="help")
+            yield StaticText(id="help")
 
     async def on_mount(self) -> None:
         """Show the first page."""
@@ -112,7 +112,7 @@ class Wizard(Horizontal):
         with self.app.batch_update():
             await rows.remove_children()
             if page.name == "summary":
-                await rows.mount(Told(id="summary"))
+                await rows.mount(StaticText(id="summary"))
             elif page.name == "reflector":
                 await rows.mount(ReflectorRows(self.draft.reflectors))
             else:
@@ -124,8 +124,8 @@ class Wizard(Horizontal):
                     )
                     for question in self.draft.questions(page)
                 )
-        self.query_one("#intro", Told).tell(Content(page.intro))
-        self.query_one("#help", Told).tell(Content(HELP if page.name == "reflector" else ""))
+        self.query_one("#intro", StaticText).set_text(Content(page.intro))
+        self.query_one("#help", StaticText).set_text(Content(HELP if page.name == "reflector" else ""))
         self._show_faults()
         self._focus(key)
 
@@ -167,7 +167,7 @@ class Wizard(Horizontal):
         told = [Content(question.help)]
         if question.find_out and not self.draft.answer(question.key):
             told.append(Content.assemble(("to find out: ", "$warning"), question.find_out))
-        self.query_one("#help", Told).tell(lines(*told))
+        self.query_one("#help", StaticText).set_text(lines(*told))
 
     def _focus(self, key: str) -> None:
         for row in self.query(QuestionRow):
@@ -191,13 +191,13 @@ class Wizard(Horizontal):
     def _show_faults(self) -> None:
         mine = self.draft.page_faults(self.page, self.faults)
         for row in self.query(QuestionRow):
-            row.tell_fault(mine.get(row.question.key, ""))
+            row.show_fault(mine.get(row.question.key, ""))
         for rows in self.query(ReflectorRows):
             rows.tell_faults(mine)
-        self.query_one("#page-fault", Fault).tell_fault(mine.get(self.page.name, ""))
-        self.query_one("#pages", Told).tell(lines(*(self._page_line(page) for page in PAGES)))
-        for summary in self.query("#summary").results(Told):
-            summary.tell(self._summary())
+        self.query_one("#page-fault", Fault).show_fault(mine.get(self.page.name, ""))
+        self.query_one("#pages", StaticText).set_text(lines(*(self._page_line(page) for page in PAGES)))
+        for summary in self.query("#summary").results(StaticText):
+            summary.set_text(self._summary())
 
     def _page_line(self, page: Page) -> Content:
         wrong = self.draft.page_faults(page, self.faults)

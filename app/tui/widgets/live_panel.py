@@ -7,9 +7,9 @@ from textual.containers import Horizontal
 from textual.content import Content
 from textual.widgets import Digits
 
-from catseye.app.tui.run_state import LiveValue, RunPicture
+from catseye.app.tui.run_state import LiveValue, RunState
 from catseye.app.tui.widgets.band_bar import band_bar, band_text, value_text
-from catseye.app.tui.widgets.static_text import Told, lines
+from catseye.app.tui.widgets.static_text import StaticText, lines
 from catseye.app.tui.widgets.status_bar import STALE_S, age_style
 
 _NUMBER_ROOM: Final = 28
@@ -33,9 +33,9 @@ class LivePanel(Horizontal):
     def compose(self) -> ComposeResult:
         """The number, then band and what to do."""
         yield Digits("")
-        yield Told(id="band")
+        yield StaticText(id="band")
 
-    def show(self, run: RunPicture | None, now_s: float) -> None:
+    def show(self, run: RunState | None, now_s: float) -> None:
         """Show the newest value.
 
         Args:
@@ -43,10 +43,10 @@ class LivePanel(Horizontal):
             now_s: monotonic time, s.
         """
         live = None if run is None else run.live.get(run.newest_live)
-        number, band = self.query_one(Digits), self.query_one("#band", Told)
+        number, band = self.query_one(Digits), self.query_one("#band", StaticText)
         if live is None or run is None:
             number.update("")
-            band.tell(Content.styled("nothing is watched now", "dim"))
+            band.set_text(Content.styled("nothing is watched now", "dim"))
             self.border_title = "Live value"
             return
         since_s = now_s - live.at_s
@@ -57,7 +57,7 @@ class LivePanel(Horizontal):
         number.set_class(stale, "stale")
         self.border_title = f"{live.name}{f' / {live.unit}' if live.unit else ''}"
         age = age_style(0.0, since_s)[1] if run.active else " (the last one)"
-        band.tell(_band(live, self.size.width - _NUMBER_ROOM, age, stale=stale))
+        band.set_text(_band(live, self.size.width - _NUMBER_ROOM, age, stale=stale))
 
 
 def _band(live: LiveValue, width: int, age: str, *, stale: bool) -> Content:

@@ -6,7 +6,7 @@ from textual.app import RenderResult
 from textual.content import Content
 from textual.widget import Widget
 
-from catseye.app.tui.engine_state import Picture
+from catseye.app.tui.engine_state import EngineState
 from catseye.app.tui.widgets.inks import painted
 from catseye.app.tui.widgets.status_bar import STALE_S
 
@@ -35,18 +35,18 @@ class PlanView(Widget):
         self.border_title = "From above"
         self._key: object = None
         self._shown = Content("")
-        self._last: tuple[Picture, float] | None = None
+        self._last: tuple[EngineState, float] | None = None
 
     @property
     def shown(self) -> Content:
         """What is painted."""
         return self._shown
 
-    def show(self, picture: Picture, now_s: float) -> None:
+    def show(self, engine: EngineState, now_s: float) -> None:
         """Show where everything is."""
-        self._last = picture, now_s
-        bench = picture.bench or {}
-        since_s = now_s - picture.bench_at_s
+        self._last = engine, now_s
+        bench = engine.bench or {}
+        since_s = now_s - engine.bench_at_s
         robot, beam = bench.get("robot"), bench.get("beam")
         stale = not _is_fresh(robot, since_s)
         beam_ok = bool(beam["beam_ok"]) if isinstance(beam, dict) and _is_fresh(beam, since_s) else None

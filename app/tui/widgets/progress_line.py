@@ -2,21 +2,21 @@
 
 from textual.content import Content
 
-from catseye.app.tui.run_state import RunPicture
-from catseye.app.tui.widgets.static_text import Told
+from catseye.app.tui.run_state import RunState
+from catseye.app.tui.widgets.static_text import StaticText
 from catseye.app.tui.words import duration_text
 
 _EIGHTHS = " ▏▎▍▌▋▊▉█"
 
 
-class ProgressLine(Told):
+class ProgressLine(StaticText):
     """One line."""
 
     DEFAULT_CSS = """
     ProgressLine { height: 1; padding: 0 1; text-wrap: nowrap; text-overflow: ellipsis; }
     """
 
-    def show(self, run: RunPicture | None, planned: int, skipped: int, *, fast: bool) -> None:
+    def show(self, run: RunState | None, planned: int, skipped: int, *, fast: bool) -> None:
         """Show what is known.
 
         Args:
@@ -26,7 +26,7 @@ class ProgressLine(Told):
             fast: bench time runs faster than real time.
         """
         if run is None:
-            self.tell(Content.styled("no run yet: start one on Procedures (F3)", "dim"))
+            self.set_text(Content.styled("no run yet: start one on Procedures (F3)", "dim"))
             return
         parts: list[Content | str | tuple[str, str]] = []
         if run.progress is not None and run.active:
@@ -45,7 +45,7 @@ class ProgressLine(Told):
                 parts.append((f"  {run.progress['text']}", "$text-muted"))
         if skipped:
             parts.append((f"  {skipped} updates skipped here, all are in the record", "dim"))
-        self.tell(Content.assemble(*parts))
+        self.set_text(Content.assemble(*parts))
 
 
 def bar(share: float, width: int) -> str:

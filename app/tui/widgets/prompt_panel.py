@@ -10,7 +10,7 @@ from textual.content import Content
 from textual.message import Message
 from textual.widgets import Button, Input, Label
 
-from catseye.app.tui.widgets.static_text import Told, lines
+from catseye.app.tui.widgets.static_text import StaticText, lines
 from catseye.app.tui.widgets.task_picture import task_picture
 from catseye.app.tui.words import duration_text
 
@@ -65,11 +65,11 @@ class PromptPanel(Vertical):
         """Question, task, motion, answers, refusal."""
         # However long a question is, the keys that answer it stay in sight.
         with VerticalScroll(id="asked", can_focus=False):
-            yield Told(id="question")
-        yield Told(id="task")
-        yield Told(id="motion")
+            yield StaticText(id="question")
+        yield StaticText(id="task")
+        yield StaticText(id="motion")
         yield Horizontal(id="answers")
-        yield Told(id="refused")
+        yield StaticText(id="refused")
 
     @property
     def prompt(self) -> Prompt | None:
@@ -220,8 +220,8 @@ class PromptPanel(Vertical):
 
     def _tell(self, name: str, text: Content) -> None:
         """Show a part; an empty one takes no room."""
-        part = self.query_one(f"#{name}", Told)
-        part.tell(text)
+        part = self.query_one(f"#{name}", StaticText)
+        part.set_text(text)
         part.display = bool(text.plain)
 
     def _say(self, text: str) -> None:

@@ -7,7 +7,7 @@ from textual.app import RenderResult
 from textual.content import Content
 from textual.widget import Widget
 
-from catseye.app.tui.run_state import LiveValue, RunPicture, Seen
+from catseye.app.tui.run_state import LiveValue, RunState, Seen
 from catseye.app.tui.widgets.inks import Line, painted
 
 if TYPE_CHECKING:
@@ -42,7 +42,7 @@ class RunPlot(Widget):
         self._of: tuple[object, ...] = ()
         self._shown = Content("")
 
-    def show(self, run: RunPicture | None) -> None:
+    def show(self, run: RunState | None) -> None:
         """Show what is known of a run."""
         key = (None if run is None else run.name, self.key_of(run), self.size)
         if key != self._of:
@@ -52,11 +52,11 @@ class RunPlot(Widget):
             self._shown = self.drawn(run)
             self.refresh()
 
-    def key_of(self, run: RunPicture | None) -> object:
+    def key_of(self, run: RunState | None) -> object:
         """Return what the drawing follows from, or a number that changes with it."""
         raise NotImplementedError
 
-    def drawn(self, run: RunPicture | None) -> Content:
+    def drawn(self, run: RunState | None) -> Content:
         """Return the drawing."""
         raise NotImplementedError
 
@@ -71,12 +71,12 @@ class ResidualPlot(RunPlot):
     def __init__(self) -> None:
         super().__init__("Innovation", id="residuals")
 
-    def key_of(self, run: RunPicture | None) -> object:
+    def key_of(self, run: RunState | None) -> object:
         """Return the newest value."""
         live = _watched(run)
         return None if live is None else live.history[-1]
 
-    def drawn(self, run: RunPicture | None) -> Content:
+    def drawn(self, run: RunState | None) -> Content:
         """Return the values that have room."""
         live = _watched(run)
         if live is None:
@@ -96,11 +96,11 @@ class MapPlot(RunPlot):
     def __init__(self) -> None:
         super().__init__("Largest u of the maps / mdeg", id="maps")
 
-    def key_of(self, run: RunPicture | None) -> object:
+    def key_of(self, run: RunState | None) -> object:
         """Return how often it was told, and the last."""
         return None if run is None or not run.map_known else (len(run.map_known), id(run.map_known[-1]))
 
-    def drawn(self, run: RunPicture | None) -> Content:
+    def drawn(self, run: RunState | None) -> Content:
         """Return both curves."""
         known = [] if run is None else list(run.map_known)
         if not known:
@@ -113,7 +113,7 @@ class MapPlot(RunPlot):
         return painted(drawn, _STYLES) if drawn else Content(str(last.get("text", "")))
 
 
-def _watched(run: RunPicture | None) -> LiveValue | None:
+def _watched(run: RunState | None) -> LiveValue | None:
     if run is None:
         return None
     return run.live.get(INNOVATION) or run.live.get(run.newest_live)

@@ -5,10 +5,10 @@ from textual.app import RenderResult
 from textual.events import Click
 from textual.widget import Widget
 
-from catseye.app.tui.main_screens import PLACES
+from catseye.app.tui.main_screens import MAIN_SCREENS
 
 
-class PlaceBar(Widget):
+class ScreenBar(Widget):
     """Names of the main screens.
 
     Args:
@@ -16,7 +16,7 @@ class PlaceBar(Widget):
     """
 
     DEFAULT_CSS = """
-    PlaceBar { height: 1; background: $surface; }
+    ScreenBar { height: 1; background: $surface; }
     """
 
     def __init__(self, current: str) -> None:
@@ -26,7 +26,7 @@ class PlaceBar(Widget):
     def render(self) -> RenderResult:
         """Return the line."""
         text = Text(no_wrap=True, overflow="ellipsis")
-        for name, place in PLACES.items():
+        for name, place in MAIN_SCREENS.items():
             shown = name == self._current
             text.append(place.key.upper(), "bold reverse" if shown else "bold")
             text.append(f" {place.title}", "reverse" if shown else "")
@@ -36,7 +36,7 @@ class PlaceBar(Widget):
     async def on_click(self, event: Click) -> None:
         """Show the screen that was clicked."""
         start = 0
-        for name, place in PLACES.items():
+        for name, place in MAIN_SCREENS.items():
             end = start + len(place.key) + 1 + len(place.title)
             if start <= event.x < end:
                 await self.run_action(f"app.go('{name}')")

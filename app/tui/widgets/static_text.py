@@ -4,22 +4,22 @@ from textual.content import Content
 from textual.widgets import Static
 
 
-class Told(Static):
+class StaticText(Static):
     """Lines of text with styles; nothing in them is markup."""
 
     def __init__(self, *, id: str | None = None, classes: str | None = None) -> None:
         super().__init__("", id=id, classes=classes, markup=False)
-        self._told = Content("")
+        self._text = Content("")
 
     @property
-    def told(self) -> Content:
+    def text(self) -> Content:
         """What is shown."""
-        return self._told
+        return self._text
 
-    def tell(self, text: Content) -> None:
+    def set_text(self, text: Content) -> None:
         """Show a text."""
-        if not text.is_same(self._told):
-            self._told = text
+        if not text.is_same(self._text):
+            self._text = text
             self.update(text)
 
 

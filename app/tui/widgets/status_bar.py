@@ -5,7 +5,7 @@ from textual.content import Content
 from textual.widget import Widget
 
 from catseye.app.commands.progress import duration_text as whole_duration_text
-from catseye.app.tui.engine_state import Picture
+from catseye.app.tui.engine_state import EngineState
 from catseye.app.tui.words import bytes_text, duration_text
 
 Part = tuple[str, str]
@@ -39,13 +39,13 @@ class StatusBar(Widget):
 
     def __init__(self) -> None:
         super().__init__()
-        self._picture = Picture()
+        self._engine = EngineState()
         self._now_s = 0.0
         self._lines: tuple[list[Part], ...] = ()
 
-    def show(self, picture: Picture, now_s: float) -> None:
+    def show(self, engine: EngineState, now_s: float) -> None:
         """Show what is known now; drawn anew only where it says something else, as a dialog is with it."""
-        self._picture, self._now_s = picture, now_s
+        self._engine, self._now_s = engine, now_s
         lines = (self._first_line(), self._second_line())
         if lines != self._lines:
             self._lines = lines
@@ -56,59 +56,59 @@ class StatusBar(Widget):
         return Content("\n").join([Content.assemble(*line) for line in self._lines])
 
     def _first_line(self) -> list[Part]:
-        picture = self._picture
+        engine = self._engine
         text: list[Part] = []
-        if picture.simulated:
+        if engine.simulated:
             text.append((" SIMULATION ", _BANNER))
             text.append((" ", ""))
-        if not picture.connected:
+        if not engine.connected:
             text.append(("no engine ", "$error bold"))
-            if picture.run_out_of_sight and picture.run is not None:
-                text.append((f"{picture.run.name} is out of sight ", "$error bold"))
+            if engine.run_out_of_sight and engine.run is not None:
+                text.append((f"{engine.run.name} is out of sight ", "$error bold"))
             # An engine that did not start says it in several lines.
-            text.append((" ".join(picture.trouble.split()), ""))
+            text.append((" ".join(engine.trouble.split()), ""))
             return text
-        if picture.silent_since_s is not None:
-            silent = duration_text(self._now_s - picture.silent_since_s)
+        if engine.silent_since_s is not None:
+            silent = duration_text(self._now_s - engine.silent_since_s)
             text.append((f"THE ENGINE HAS NOT ANSWERED FOR {silent}", _ALARM))
-            text.append((f" before: {picture.state}; F12 tries every way", "dim"))
+            text.append((f" before: {engine.state}; F12 tries every way", "dim"))
             return text
-        text.append((f"{picture.state} ", _STATES.get(picture.state, "bold")))
-        if picture.jogging:
+        text.append((f"{engine.state} ", _STATES.get(engine.state, "bold")))
+        if engine.jogging:
             text.append(("JOG ", "$secondary bold"))
-        if picture.run is not None and picture.run.prompt is not None:
+        if engine.run is not None and engine.run.prompt is not None:
             text.append(("QUESTION: F4", _BANNER))
             text.append((" ", ""))
-        if picture.run is not None:
-            text.append((f"{picture.run.name} ", "" if picture.run.active else "dim"))
+        if engine.run is not None:
+            text.append((f"{engine.run.name} ", "" if engine.run.active else "dim"))
         # "aborted" stands before its reason, below.
-        if picture.run is not None and not picture.run.active and not picture.aborted:
-            ended = picture.run.ended
+        if engine.run is not None and not engine.run.active and not engine.aborted:
+            ended = engine.run.ended
             word = str(ended["status"]) if ended else "ended unseen"
             text.append((f"{word} ", "$success bold" if word == "complete" else "$error bold"))
-        if picture.aborted:
-            text.append((f"aborted: {picture.aborted} ", "$error"))
-        elif picture.reason and picture.state not in {"EXECUTE", "COMPLETE"}:
-            text.append((picture.reason, ""))
+        if engine.aborted:
+            text.append((f"aborted: {engine.aborted} ", "$error"))
+        elif engine.reason and engine.state not in {"EXECUTE", "COMPLETE"}:
+            text.append((engine.reason, ""))
         return text
 
     def _second_line(self) -> list[Part]:
-        picture = self._picture
+        engine = self._engine
         text: list[Part] = []
-        if picture.drives_off_at_s is not None:
-            left_s = max(0.0, picture.drives_off_at_s - self._now_s)
+        if engine.drives_off_at_s is not None:
+            left_s = max(0.0, engine.drives_off_at_s - self._now_s)
             text.append((f"DRIVES ON, off in {whole_duration_text(left_s)} ", _BANNER))
             text.append((" ", ""))
-        bench = picture.bench
+        bench = engine.bench
         if bench is None:
-            text.append(("bench: no sample yet" if picture.connected else "", "dim"))
+            text.append(("bench: no sample yet" if engine.connected else "", "dim"))
             return text
-        since_s = self._now_s - picture.bench_at_s
+        since_s = self._now_s - engine.bench_at_s
         for part, style in _bench_parts(bench, since_s):
             text.append((part, style))
             text.append(("  ", ""))
-        holder = picture.control
-        if holder is not None and not picture.in_control:
+        holder = engine.control
+        if holder is not None and not engine.in_control:
             text.append((f"control: {holder.get('who')}", "$warning"))
         return text
 

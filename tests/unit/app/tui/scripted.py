@@ -10,7 +10,7 @@ from textual.pilot import Pilot
 
 from catseye.app.service.errors import RefusedError
 from catseye.app.tui.app import CatseyeApp
-from catseye.app.tui.engine_state import Picture
+from catseye.app.tui.engine_state import EngineState
 from catseye.app.tui.session import Session
 from catseye.app.tui.stopping import StopOp
 from catseye.app.tui.work import Done
@@ -45,7 +45,7 @@ class ScriptedLink:
     """Implements `catseye.app.tui.link.Link`: nothing comes but what a test tells.
 
     Attributes:
-        picture: what was told.
+        engine: what was told.
         cell: cell file of the next engine.
         asked: requests, in order.
         refusals: text by request; such a request is refused.
@@ -54,7 +54,7 @@ class ScriptedLink:
     """
 
     def __init__(self, snapshot: dict[str, Any] | None = None) -> None:
-        self.picture = Picture()
+        self.engine = EngineState()
         self.cell: Path | None = Path("/bench/cell.toml")
         self.asked: list[dict[str, Any]] = []
         self.refusals: dict[str, str] = {}
@@ -62,7 +62,7 @@ class ScriptedLink:
         self.now_s = 100.0
         self.left: list[bool] = []
         self._changed: Callable[[], None] = lambda: None
-        self.picture.met({**SNAPSHOT, **(snapshot or {})}, self.now_s)
+        self.engine.met({**SNAPSHOT, **(snapshot or {})}, self.now_s)
 
     async def serve(self, changed: Callable[[], None]) -> None:
         """Wait for ever."""
@@ -76,7 +76,7 @@ class ScriptedLink:
         if op in self.refusals:
             raise RefusedError(self.refusals[op])
         if op == "control":
-            self.picture.control = {"client": self.picture.you, "who": "Ada"}
+            self.engine.control = {"client": self.engine.you, "who": "Ada"}
         return self.answers.get(op, {})
 
     async def stop(self, op: StopOp) -> None:
@@ -89,7 +89,7 @@ class ScriptedLink:
 
     def tell(self, event: str, **fields: Any) -> None:
         """Have the engine tell something."""
-        self.picture.take(
+        self.engine.take(
             {"t": "2026-11-21T09:00:00+00:00", "event": event, "run": None, **fields}, self.now_s
         )
         self._changed()

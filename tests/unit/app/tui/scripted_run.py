@@ -92,7 +92,7 @@ def show_value(
 
 def measure(link: ScriptedLink) -> None:
     """Tell four steps of a measurement, the last one under way."""
-    run = link.picture.run
+    run = link.engine.run
     assert run is not None
     run.take_record(SoFar([], [], 0, [], [], ("run", "open-loop", "--dry-run", "--json")))
     for number in range(4):

@@ -12,7 +12,7 @@ from catseye.app.service.errors import ServiceError
 from catseye.app.tui.dialogs.confirm_dialog import ConfirmDialog
 from catseye.app.tui.dialogs.error_dialog import ErrorDialog
 from catseye.app.tui.dialogs.quit_dialog import QuitDialog
-from catseye.app.tui.main_screens import PLACES
+from catseye.app.tui.main_screens import MAIN_SCREENS
 from catseye.app.tui.screens.base import MainScreen
 from catseye.app.tui.stopping import StopOp
 from tests.unit.app.tui.scripted import ScriptedLink, make_app, shown
@@ -173,11 +173,11 @@ async def test_ctrl_c_stops_at_once_when_the_engine_does_not_answer_or_is_out_of
     link = ScriptedLink(RUN)
     app = make_app(link)
     async with app.run_test(size=(80, 24)) as pilot:
-        link.picture.silent_since_s = link.now_s - 4.0
+        link.engine.silent_since_s = link.now_s - 4.0
         text = await shown(app, pilot)
         assert "THE ENGINE HAS NOT ANSWERED FOR 4.0 s" in text
         await pilot.press("ctrl+c")
-        link.picture.lost("the engine is gone")
+        link.engine.lost("the engine is gone")
         text = await shown(app, pilot)
         assert f"{RUN['run']} is out of sight" in text
         await pilot.press("ctrl+c")
@@ -201,7 +201,7 @@ async def test_a_panel_that_fails_is_told_once_and_everything_else_goes_on(
     def fail(*_: object) -> None:
         raise ZeroDivisionError("a reflector at the axis")
 
-    monkeypatch.setattr("catseye.app.tui.screens.bench.BenchScreen.show_picture", fail)
+    monkeypatch.setattr("catseye.app.tui.screens.bench.BenchScreen.show_state", fail)
     link = ScriptedLink(RUN)
     app = make_app(link)
     async with app.run_test(size=(80, 24)) as pilot:
@@ -243,7 +243,7 @@ async def test_each_place_has_stop_in_sight_and_every_action_in_the_palette() ->
     async with app.run_test(size=(80, 24)) as pilot:
         for size in ((80, 24), (120, 40)):
             await pilot.resize_terminal(*size)
-            for name, place in PLACES.items():
+            for name, place in MAIN_SCREENS.items():
                 await pilot.press(place.key)
                 text = await shown(app, pilot)
                 assert app.current_mode == name
@@ -264,7 +264,7 @@ def _look_at_palette(screen: Screen[Any]) -> None:
             BY_ANOTHER_NAME.get(action),
             ALIKE.get(action),
             f"action_ask_to{action[6:]}",
-        }, (screen.PLACE, action)
+        }, (screen.SCREEN, action)
 
 
 def _name_of(callback: Any) -> str:

@@ -17,7 +17,7 @@ from catseye.app.tui.bench_text import (
     troubles,
 )
 from catseye.app.tui.dialogs.error_dialog import split_remedy
-from catseye.app.tui.engine_state import Picture
+from catseye.app.tui.engine_state import EngineState
 from tests.unit.app.tui.scripted_bench import BENCH, bench
 
 ALARM: dict[str, Any] = {
@@ -158,13 +158,13 @@ def test_device_in_a_line_and_in_full() -> None:
 
 
 def test_engine() -> None:
-    picture = Picture()
-    picture.lost("no engine here: start one")
-    assert said(engine_lines(picture, 3)) == "no engine here: start one"
-    picture.met({"clients": [{"client": "tui-1", "who": "Ada"}], "control": None, "you": "tui-1"}, 0.0)
+    engine = EngineState()
+    engine.lost("no engine here: start one")
+    assert said(engine_lines(engine, 3)) == "no engine here: start one"
+    engine.met({"clients": [{"client": "tui-1", "who": "Ada"}], "control": None, "you": "tui-1"}, 0.0)
     for number in range(5):
-        picture.take({"event": "error", "t": "2026-11-21T09:00:00+00:00", "text": f"fault {number}"}, 0.0)
-    text = said(engine_lines(picture, 2))
+        engine.take({"event": "error", "t": "2026-11-21T09:00:00+00:00", "text": f"fault {number}"}, 0.0)
+    text = said(engine_lines(engine, 2))
     assert "Ada" in text
     assert "nobody" in text
     assert "09:00:00 fault 4" in text

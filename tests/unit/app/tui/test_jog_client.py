@@ -7,12 +7,12 @@ from typing import Any
 import pytest
 
 from catseye.app.service.errors import RefusedError
-from catseye.app.tui.jog_client import Hands, Step
+from catseye.app.tui.jog_client import JogClient, Step
 from tests.unit.app.tui.scripted import ScriptedLink
 
 
 class Rig:
-    """Hands on a scripted engine, on a clock that a test moves."""
+    """JogClient on a scripted engine, on a clock that a test moves."""
 
     def __init__(self, *, answers_steps: bool = True) -> None:
         self.link = ScriptedLink()
@@ -21,7 +21,7 @@ class Rig:
         self.naps = asyncio.Event()
         if not answers_steps:
             self.link.request = self._request  # type: ignore[method-assign]  # an arm that is on its way
-        self.hands = Hands(self.link, lambda: self.link.now_s, self.told.append, self._nap)
+        self.jog_client = JogClient(self.link, lambda: self.link.now_s, self.told.append, self._nap)
 
     @property
     def asked(self) -> list[dict[str, Any]]:
@@ -59,7 +59,7 @@ class Rig:
 async def rig() -> AsyncIterator[Rig]:
     made = Rig()
     yield made
-    made.hands.let_go()
+    made.jog_client.let_go()
     await made.settle()
 
 
@@ -67,7 +67,7 @@ async def rig() -> AsyncIterator[Rig]:
 async def moving_rig() -> AsyncIterator[Rig]:
     made = Rig(answers_steps=False)
     yield made
-    made.hands.let_go()
+    made.jog_client.let_go()
     await made.settle()
 
 
@@ -76,11 +76,11 @@ STOP = {"op": "jog-hold", "joint": "j1", "direction": 0}
 
 
 async def held(rig: Rig) -> None:
-    rig.hands.press("j1", 1)
+    rig.jog_client.press("j1", 1)
     await rig.settle()
     assert rig.asked == []
     rig.link.now_s += 0.5
-    rig.hands.press("j1", 1)
+    rig.jog_client.press("j1", 1)
     await rig.settle()
     assert rig.asked == [HOLD]
 
@@ -89,7 +89,7 @@ async def test_a_held_key_feeds_until_it_repeats_no_more_then_stops(rig: Rig) ->
     await held(rig)
     for _ in range(4):
         await rig.pass_time(0.05)
-        rig.hands.press("j1", 1)
+        rig.jog_client.press("j1", 1)
     assert rig.asked == [HOLD] * 5
     for _ in range(7):
         await rig.pass_time(0.05)
@@ -97,25 +97,25 @@ async def test_a_held_key_feeds_until_it_repeats_no_more_then_stops(rig: Rig) ->
     assert rig.asked.count(STOP) == 1
     assert rig.asked[:-1] == [HOLD] * (len(rig.asked) - 1)
     assert len(rig.asked) <= 5 + 6 + 1
-    assert not rig.hands.busy
+    assert not rig.jog_client.busy
 
 
 async def test_letting_go_stops_at_once(rig: Rig) -> None:
     await held(rig)
-    rig.hands.let_go()
+    rig.jog_client.let_go()
     await rig.settle()
     assert rig.asked == [HOLD, STOP]
-    rig.hands.press("j1", 1)
+    rig.jog_client.press("j1", 1)
     await rig.settle()
     assert rig.asked == [HOLD, STOP]
 
 
 async def test_the_other_way_stops_first(rig: Rig) -> None:
     await held(rig)
-    rig.hands.press("j1", -1)
+    rig.jog_client.press("j1", -1)
     await rig.pass_time(0.05)
     assert rig.asked[-1] == STOP
-    rig.hands.press("j1", -1)
+    rig.jog_client.press("j1", -1)
     await rig.settle()
     assert rig.asked[-1] == {**HOLD, "direction": -1}
 
@@ -131,37 +131,37 @@ async def test_a_refusal_ends_the_hold_and_is_told_once(rig: Rig) -> None:
 
 async def test_a_step_is_kept_alive_until_the_arm_stands_and_no_other_begins(moving_rig: Rig) -> None:
     rig = moving_rig
-    assert rig.hands.step(Step("j2", -0.1, "P1"))
+    assert rig.jog_client.step(Step("j2", -0.1, "P1"))
     await rig.settle()
-    assert not rig.hands.step(Step("j1", 5.0))
+    assert not rig.jog_client.step(Step("j1", 5.0))
     for _ in range(3):
         await rig.pass_time(0.05)
     asked = {"op": "jog-step", "joint": "j2", "by": -0.1, "aim": "P1"}
     assert rig.asked == [asked, *[{"op": "ping"}] * 3]
     rig.stands.set()
-    await rig.until(lambda: not rig.hands.busy)
+    await rig.until(lambda: not rig.jog_client.busy)
     await rig.pass_time(0.05)
     assert len(rig.asked) == 4
-    assert rig.hands.step(Step("j1", 5.0))
+    assert rig.jog_client.step(Step("j1", 5.0))
 
 
 async def test_steps_follow_one_another_and_end_at_a_refusal(rig: Rig) -> None:
-    rig.hands.step(Step("j4", 80.0), Step("j4", 80.0))
-    await rig.until(lambda: not rig.hands.busy)
+    rig.jog_client.step(Step("j4", 80.0), Step("j4", 80.0))
+    await rig.until(lambda: not rig.jog_client.busy)
     assert [each["by"] for each in rig.asked if each["op"] == "jog-step"] == [80.0, 80.0]
     rig.asked.clear()
     rig.link.refusals["jog-step"] = "J4 would leave its range"
-    rig.hands.step(Step("j4", 80.0), Step("j4", 80.0))
-    await rig.until(lambda: not rig.hands.busy)
+    rig.jog_client.step(Step("j4", 80.0), Step("j4", 80.0))
+    await rig.until(lambda: not rig.jog_client.busy)
     assert [each["op"] for each in rig.asked] == ["jog-step"]
     assert rig.told == ["J4 would leave its range"]
 
 
 async def test_letting_go_stops_a_step(moving_rig: Rig) -> None:
     rig = moving_rig
-    rig.hands.step(Step("j1", 10.0), Step("j1", 10.0))
+    rig.jog_client.step(Step("j1", 10.0), Step("j1", 10.0))
     await rig.settle()
-    rig.hands.let_go()
+    rig.jog_client.let_go()
     await rig.settle()
     assert [each["op"] for each in rig.asked] == ["jog-step", "jog-hold"]
     assert rig.asked[-1]["direction"] == 0
@@ -178,11 +178,11 @@ async def test_an_engine_that_answers_nothing_is_fed_no_longer(rig: Rig) -> None
     rig.link.request = no_answer  # type: ignore[method-assign]  # an engine that hangs
     await held(rig)
     for _ in range(100):
-        rig.hands.press("j1", 1)
+        rig.jog_client.press("j1", 1)
         await rig.pass_time(0.02)
-        if not rig.hands.busy:
+        if not rig.jog_client.busy:
             break
-    assert not rig.hands.busy
+    assert not rig.jog_client.busy
     assert rig.asked[-1] == STOP
     assert "does not answer" in rig.told[0]
     silent.set()

@@ -3,12 +3,12 @@
 import pytest
 from textual.command import CommandPalette
 
-from catseye.app.tui.main_screens import PLACES
+from catseye.app.tui.main_screens import MAIN_SCREENS
 from tests.unit.app.tui.scripted import ScriptedLink, make_app, shown
 from tests.unit.app.tui.scripted_run import MOTION, SNAPSHOT, ask
 
 
-@pytest.mark.parametrize("place", PLACES)
+@pytest.mark.parametrize("place", MAIN_SCREENS)
 async def test_enter_alone_changes_nothing(place: str) -> None:
     link = ScriptedLink(SNAPSHOT)
     app = make_app(link, place)

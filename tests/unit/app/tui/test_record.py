@@ -6,17 +6,17 @@ from typing import Any
 
 from catseye.app.store.run_store import RunStore
 from catseye.app.tui.record import POINTS_KEPT, read_record, rehearsal_of
-from catseye.app.tui.run_state import LogLine, RunPicture, SoFar
+from catseye.app.tui.run_state import LogLine, RunState, SoFar
 from tests.unit.app.engine.fakes import ManualClock, point
 
 RUN = "20261121T090000Z_open-loop_abc123"
 
 
-def picture() -> RunPicture:
-    return RunPicture(RUN, "open-loop", "Open loop", 0.0)
+def run_state() -> RunState:
+    return RunState(RUN, "open-loop", "Open loop", 0.0)
 
 
-def tell(run: RunPicture, event: str, **fields: Any) -> None:
+def tell(run: RunState, event: str, **fields: Any) -> None:
     run.take({"event": event, "t": "2026-11-21T09:30:00+00:00", "run": RUN, **fields}, 1.0)
 
 
@@ -90,7 +90,7 @@ def test_a_parameter_too_long_for_a_command_is_not_rehearsed() -> None:
 
 
 def test_what_was_told_meanwhile_stands_behind_the_record() -> None:
-    run = picture()
+    run = run_state()
     tell(run, "step-done", step="b", title="second", stored=False)
     tell(run, "step-started", step="c", title="third")
     tell(run, "point", step="b", point={"theta1_deg": 2.0})
@@ -121,14 +121,14 @@ def test_what_was_told_meanwhile_stands_behind_the_record() -> None:
 
 
 def test_steps_that_a_resumed_run_passes_are_marked_as_stored() -> None:
-    run = picture()
+    run = run_state()
     run.take_record(so_far(steps=[("a", "first")]))
     tell(run, "step-done", step="a", title="first", stored=True)
     assert run.steps["a"].stored
 
 
 def test_a_live_value_remembers_its_band() -> None:
-    run = picture()
+    run = run_state()
     for value in (1.0, 9.0):
         data = {"name": "innovation", "value": value, "unit": "µm", "low": -5.0, "high": 5.0, "text": ""}
         tell(run, "state", kind="live", data=json.loads(json.dumps(data)))
@@ -138,7 +138,7 @@ def test_a_live_value_remembers_its_band() -> None:
 def test_a_client_that_comes_later_knows_the_step_under_way() -> None:
     step = {"event": "step-started", "run": RUN, "t": "", "step": "P1/0003", "title": "third"}
     snapshot = {"run": RUN, "procedure": "open-loop", "title": "Open loop", "state": "EXECUTE", "step": step}
-    run = RunPicture.of_snapshot(snapshot, 5.0)
+    run = RunState.of_snapshot(snapshot, 5.0)
     run.take_record(so_far(steps=[("P1/0002", "second")]))
     assert run.current is not None
     assert run.current.title == "third"
@@ -146,6 +146,6 @@ def test_a_client_that_comes_later_knows_the_step_under_way() -> None:
 
 
 def test_an_answer_of_somebody_else_does_not_command_the_terminal() -> None:
-    run = picture()
+    run = run_state()
     tell(run, "answer", id="note", answer="\x1b[2J", who="Bob")
     assert run.log[-1].text == r"note: \x1b[2J (Bob)"

@@ -31,7 +31,7 @@ def asked() -> Asked:
 def link(asked: Asked, tmp_path: Path) -> EngineLink:
     link = EngineLink(tmp_path, None, ManualClock())
     link._client = cast(EngineClient, asked)  # noqa: SLF001  # as if it were connected
-    link.picture.silent_since_s = 1.0
+    link.engine.silent_since_s = 1.0
     return link
 
 
@@ -73,6 +73,6 @@ async def test_what_ends_motion_is_sent_all_the_same(
 
 
 async def test_an_engine_that_answers_again_takes_orders(link: EngineLink, asked: Asked) -> None:
-    link.picture.silent_since_s = None
+    link.engine.silent_since_s = None
     await link.request("unhold")
     assert asked.ops == ["unhold"]

@@ -121,7 +121,7 @@ async def test_what_is_old_is_greyed_and_without_an_engine_the_reason_is_told() 
         assert all("dim" in str(span.style) for span in app.screen.query_one(PlanView).shown.spans)
         link.tell("bench", **BENCH)
         assert "BEAM OK" in await shown(app, pilot)
-        link.picture.lost("the engine is gone; looking for it")
+        link.engine.lost("the engine is gone; looking for it")
         text = await shown(app, pilot)
         assert "the engine is gone; looking for it" in text
         assert "no robot answers" in text

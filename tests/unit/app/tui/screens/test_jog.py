@@ -59,7 +59,7 @@ async def jogging(
     async with app.run_test(size=size) as pilot:
         link.tell("bench", **told)
         tell_strip(link)
-        link.picture.control = {"client": "tui-1", "who": "Ada"}
+        link.engine.control = {"client": "tui-1", "who": "Ada"}
         link.tell("jog", **MINE)
         await shown(app, pilot)
         await script(Play(app, link, pilot))
@@ -275,7 +275,7 @@ async def another_screen(play: Play) -> None:
 
 
 async def a_dialog(play: Play) -> None:
-    play.app.tell_error("Something", "happened")
+    play.app.show_error("Something", "happened")
 
 
 async def the_palette(play: Play) -> None:
@@ -295,7 +295,7 @@ async def jog_over(play: Play) -> None:
 
 
 async def link_lost(play: Play) -> None:
-    play.link.picture.lost("the engine is gone")
+    play.link.engine.lost("the engine is gone")
 
 
 async def another_key(play: Play) -> None:
@@ -328,11 +328,11 @@ async def test_what_lets_the_arm_go() -> None:
             fed = play.link.asked.count(HOLD)
             await play.pilot.pause()
             assert play.link.asked.count(HOLD) == fed, end
-            assert not jog_screen_of(play.app).hands.busy, end
+            assert not jog_screen_of(play.app).jog_client.busy, end
             if end is escape:
                 assert {"op": "jog", "on": False} in play.link.asked
             await jog_again(play, end)
-        play.link.picture.met({**SNAPSHOT, "control": {"client": "tui-1", "who": "Ada"}}, play.link.now_s)
+        play.link.engine.met({**SNAPSHOT, "control": {"client": "tui-1", "who": "Ada"}}, play.link.now_s)
         await jog_again(play, link_lost)
         play.link.asked.clear()
         await hold_j1(play)
@@ -399,7 +399,7 @@ async def test_who_else_jogs_is_told_and_keys_do_nothing() -> None:
     app = make_app(link, "jog")
     async with app.run_test(size=(80, 24)) as pilot:
         link.tell("bench", **BENCH)
-        link.picture.control = {"client": "tui-2", "who": "Bob"}
+        link.engine.control = {"client": "tui-2", "who": "Bob"}
         link.tell("jog", on=True, by="Bob (tui-2)", percent=10.0, moving="j4")
         text = await shown(app, pilot)
         assert "Bob (tui-2) jogs at 10 %, moving j4" in text

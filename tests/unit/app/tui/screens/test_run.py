@@ -182,7 +182,7 @@ async def test_before_a_run_and_after_one_that_was_interrupted() -> None:
     app = app_of(link)
     async with app.run_test(size=(80, 24)) as pilot:
         compare("run-nothing-80x24", await shown(app, pilot))
-        link.picture.control = SNAPSHOT["control"]
+        link.engine.control = SNAPSHOT["control"]
         link.tell("run-started", procedure="open-loop", title=SNAPSHOT["title"], run=RUN)
         link.tell("bench", **BENCH)
         end(link, "stopped", "Ada stopped the run")

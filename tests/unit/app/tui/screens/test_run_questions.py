@@ -197,7 +197,7 @@ async def test_the_time_to_answer_and_the_clock_are_those_of_the_run_not_of_this
     link = ScriptedLink({**SNAPSHOT, "simulated": True, "prompt": question, "prompt_open_s": 15.0})
     app = app_of(link)
     async with app.run_test(size=(120, 40)) as pilot:
-        run = link.picture.run
+        run = link.engine.run
         assert run is not None
         measure(link)
         run.take_record(SoFar([], [], 0, [], [], speed=20.0))

@@ -219,7 +219,7 @@ async def test_resume_is_asked_of_the_engine_after_f8(root: Path) -> None:
         await settle(app, pilot)
         assert link.asked[-1] == {"op": "resume", "run": REAL, "arm": "lab-1"}
         link.asked.clear()
-        link.picture.control = None
+        link.engine.control = None
         await pilot.press("f7")
         await go_to(app, pilot, STOPPED)
         await pilot.press("r")

@@ -37,7 +37,7 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
 def first_start() -> tuple[CatseyeApp, ScriptedLink]:
     link = ScriptedLink()
-    link.picture.lost("there is no cell file yet: set one up (F10), or try the demo")
+    link.engine.lost("there is no cell file yet: set one up (F10), or try the demo")
     link.cell = None
     app = make_app(link, "setup")
     app.session.cell = None

@@ -99,9 +99,9 @@ async def test_traffic_is_asked_for_while_it_is_shown_and_anew_of_another_engine
         await pilot.press("f9")
         await shown(app, pilot)
         assert asked(link, "traffic")[2:] == [{"on": True}]
-        link.picture.lost("gone")
+        link.engine.lost("gone")
         await shown(app, pilot)
-        link.picture.met(dict(link.picture.facts), 0.0)
+        link.engine.met(dict(link.engine.facts), 0.0)
         await shown(app, pilot)
         assert asked(link, "traffic")[3:] == [{"on": True}]
 

@@ -4,7 +4,7 @@ from typing import Any
 
 import pytest
 
-from catseye.app.tui.run_state import LiveValue, RunPicture, Seen
+from catseye.app.tui.run_state import LiveValue, RunState, Seen
 from catseye.app.tui.widgets.band_bar import band_bar, band_text, value_text
 from catseye.app.tui.widgets.progress_line import bar
 from catseye.app.tui.widgets.run_plots import _scale, _uncertainties, _values  # noqa: PLC2701  # drawing without a screen
@@ -98,4 +98,4 @@ def test_both_maps_are_drawn_where_they_are_known() -> None:
 
 
 def test_a_run_that_is_not_known_has_no_current_step() -> None:
-    assert RunPicture("a", "b", "c", 0.0).current is None
+    assert RunState("a", "b", "c", 0.0).current is None
