@@ -8,15 +8,15 @@ from catseye.app.analysis.result_comparison import (
     MapDifference,
     ResultComparison,
     compare_results,
+    map_places,
+    verdict,
 )
 from catseye.app.commands.output import emit, emit_json, say, table
 from catseye.app.files.result_json import read_result
 
-_SIGNS = ("+", "−")
-
 
 def compare_command(first: Path, second: Path, as_json: bool) -> None:
-    """Compare and tell.
+    """Print how two results compare.
 
     Raises:
         UsageError: a file is no result, or both have nothing in common.
@@ -29,28 +29,6 @@ def compare_command(first: Path, second: Path, as_json: bool) -> None:
     for text in found.remarks:
         say(f"note: {text}")
     say(verdict(found))
-
-
-def verdict(found: ResultComparison) -> str:
-    """Return in a sentence how many differences their uncertainties let expect."""
-    within, count = found.within
-    if not count:
-        return "no uncertainty is stated that the differences could be compared with"
-    name, size = largest(found)
-    return (
-        f"{within} of {count} differences lie within 2 combined standard uncertainties "
-        f"({100.0 * within / count:.0f} %, 95 % expected); the largest is {size:+.1f} u, {name}"
-    )
-
-
-def largest(found: ResultComparison) -> tuple[str, float]:
-    """Return the difference that is largest in combined standard uncertainties: name and size."""
-    sizes = {one.name: one.normalised for one in (*found.values, *found.reflectors)}
-    for one in found.maps:
-        for name, row, column in _places(one):
-            sizes[name] = float(one.normalised[row, column])
-    stated = {name: size for name, size in sizes.items() if size is not None and size == size}
-    return max(stated.items(), key=lambda item: abs(item[1]))
 
 
 def comparison_facts(found: ResultComparison) -> dict[str, Any]:
@@ -93,14 +71,6 @@ def _map_facts(one: MapDifference) -> dict[str, Any]:
     return facts
 
 
-def _places(one: MapDifference) -> list[tuple[str, int, int]]:
-    return [
-        (f"Δθ{one.joint}({node:g}°, {sign})", row, column)
-        for row, sign in enumerate(_SIGNS)
-        for column, node in enumerate(one.node_deg.tolist())
-    ]
-
-
 def _table(found: ResultComparison) -> str:
     rows = [_row(one) for one in found.values]
     for one in found.maps:
@@ -114,7 +84,7 @@ def _table(found: ResultComparison) -> str:
                     float(one.u_mdeg[row, column]),
                 )
             )
-            for name, row, column in _places(one)
+            for name, row, column in map_places(one)
         ]
     rows += [_row(one) for one in found.reflectors]
     return table(["quantity", "unit", "first", "second", "difference", "u of difference (k=1)", "in u"], rows)

@@ -8,7 +8,7 @@ from catseye.app.analysis.design_commands import CommandChoice
 from catseye.app.analysis.design_layouts import Layout
 from catseye.app.analysis.designing import Design, NodeUncertainty, node_uncertainties, weakest
 from catseye.app.commands.output import emit, emit_json, say, table
-from catseye.app.commands.progress import duration_text
+from catseye.app.results.numbers import duration_text
 from catseye.calibration.design.criteria import CriterionName
 from catseye.procedures.kit.context import Json
 
@@ -137,8 +137,9 @@ def _plan_remark(layout: Layout) -> str:
     if cost.refused:
         return f"warning: the plan of open-loop refuses this layout: {cost.refused}"
     return (
-        f"planned: {cost.points} distances in about {duration_text(cost.duration_s)} (estimate of the plan, without "
-        f"search and set-up), {cost.breaks} planned breaks of the beam, {cost.blind} blind commands"
+        f"planned: {cost.points} distances in about {duration_text(cost.duration_s, whole=True)} "
+        f"(estimate of the plan, without search and set-up), {cost.breaks} planned breaks of the "
+        f"beam, {cost.blind} blind commands"
     )
 
 

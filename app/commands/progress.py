@@ -5,21 +5,11 @@ import sys
 import time
 from collections.abc import Callable
 
+from catseye.app.results.numbers import duration_text
+
 _BAR = 30
 _REDRAW_S = 0.1
 _PLAIN_EVERY = 0.1
-
-
-def duration_text(seconds: float) -> str:
-    """Return a duration as people read it."""
-    whole = max(0, round(seconds))
-    if whole < 60:
-        return f"{whole} s"
-    minutes, rest = divmod(whole, 60)
-    if minutes < 60:
-        return f"{minutes} min {rest:02d} s"
-    hours, minutes = divmod(minutes, 60)
-    return f"{hours} h {minutes:02d} min"
 
 
 class ProgressBar:
@@ -44,8 +34,8 @@ class ProgressBar:
         share = min(1.0, done / total) if total > 0.0 else 1.0
         now = self._clock()
         elapsed_s = now - self._start_s
-        left = duration_text(elapsed_s / share - elapsed_s) if share > 0.01 else "?"
-        line = f"{share:4.0%}  {duration_text(elapsed_s)} gone, {left} left  {text}"
+        left = duration_text(elapsed_s / share - elapsed_s, whole=True) if share > 0.01 else "?"
+        line = f"{share:4.0%}  {duration_text(elapsed_s, whole=True)} gone, {left} left  {text}"
         if self._live and (now - self._drawn_s > _REDRAW_S or share == 1.0):
             filled = round(_BAR * share)
             sys.stderr.write(f"\r\x1b[K{self._title} [{'#' * filled}{'.' * (_BAR - filled)}] {line}")

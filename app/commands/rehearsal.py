@@ -1,9 +1,9 @@
 """What a rehearsal found, as a step table or as data."""
 
 from catseye.app.commands.output import emit, emit_json, say, table
-from catseye.app.commands.progress import duration_text
 from catseye.app.engine.arm_model import AT_REST, Speeds
 from catseye.app.engine.dry_run import DryRunContext, DryStep
+from catseye.app.results.numbers import duration_text
 from catseye.app.running import PlannedRun
 from catseye.procedures.kit.bench import Arm
 from catseye.procedures.kit.context import Json
@@ -126,9 +126,10 @@ def _totals(planned: PlannedRun, context: DryRunContext) -> str:
         else "every limit of the cell file holds"
     )
     return (
-        f"{len(context.steps)} steps, {moves} moves, {points} distances, about {duration_text(context.total_s)} at "
-        f"{_speed_limit(planned.bench.arm)}; fastest joint {speeds.joint_deg_s:.1f} deg/s, tool "
-        f"{speeds.tool_mm_s:.0f} mm/s{missing}; {limits}; nothing was moved"
+        f"{len(context.steps)} steps, {moves} moves, {points} distances, "
+        f"about {duration_text(context.total_s, whole=True)} at {_speed_limit(planned.bench.arm)}; "
+        f"fastest joint {speeds.joint_deg_s:.1f} deg/s, tool {speeds.tool_mm_s:.0f} mm/s{missing}; "
+        f"{limits}; nothing was moved"
     )
 
 

@@ -4,14 +4,13 @@ import asyncio
 import contextlib
 import difflib
 import os
-import re
 import sys
 import threading
 from collections.abc import AsyncIterator, Callable
 from contextlib import AbstractAsyncContextManager, asynccontextmanager
 from functools import partial
 from pathlib import Path
-from typing import BinaryIO, Literal
+from typing import BinaryIO
 
 from catseye.app.bench.raw_door import RawDoor, raw_door
 from catseye.app.cell.bench import may_move_an_arm
@@ -22,16 +21,12 @@ from catseye.app.engine.interlock import RemoteIo
 from catseye.app.errors import SafetyError, UsageError
 from catseye.app.guard.raw import plain_connection, raw_connection, raw_guard
 from catseye.app.instruments import device_builder, stop_request
+from catseye.app.protocol.raw_text import LineEnd, encoded
 from catseye.app.runs_folder import runs_folder
 from catseye.drivers.links.record import Direction
 from catseye.drivers.links.transport import Transport
 from catseye.drivers.roles.clock import SystemClock
 
-LineEnd = Literal["cr", "lf", "crlf", "none"]
-
-_ENDS: dict[LineEnd, bytes] = {"cr": b"\r", "lf": b"\n", "crlf": b"\r\n", "none": b""}
-_ESCAPES = {"r": "\r", "n": "\n", "t": "\t", "e": "\x1b", "\\": "\\"}
-_ESCAPE = re.compile(r"\\(?:x(?P<code>[0-9A-Fa-f]{2})|(?P<letter>.)|$)")
 _PRINTABLE = bytes(byte if 32 <= byte < 127 else ord(".") for byte in range(256))
 _BYTES_A_LINE = 16
 
@@ -85,36 +80,6 @@ def endpoint_of(cell: Cell, device: str) -> str:
     near = difflib.get_close_matches(device, places, n=1, cutoff=0.5)
     meant = f"did you mean {near[0]}? " if near else ""
     raise UsageError(f"the cell has no device {device!r}: {meant}there are {', '.join(places)}")
-
-
-def encoded(line: str, end: LineEnd, *, as_hex: bool) -> bytes:
-    r"""Return the bytes that a line of input stands for.
-
-    Args:
-        line: hex digits, or text with the escapes \r \n \t \e \\ and \xNN.
-        end: what is put behind it.
-        as_hex: which of both.
-
-    Raises:
-        ValueError: it is neither; the text says what is wrong.
-    """
-    if as_hex:
-        try:
-            return bytes.fromhex(line) + _ENDS[end]
-        except ValueError:
-            raise ValueError(f"{line!r} is no row of hex bytes such as 31 3b 0d") from None
-    try:
-        return _ESCAPE.sub(_unescaped, line).encode("latin-1") + _ENDS[end]
-    except UnicodeEncodeError as error:
-        raise ValueError(f"{error.object[error.start]!r} is no single byte; write it as \\xNN") from None
-
-
-def _unescaped(match: re.Match[str]) -> str:
-    if match["code"]:
-        return chr(int(match["code"], 16))
-    if match["letter"] not in _ESCAPES:
-        raise ValueError(f"{match[0]!r} is no escape; there are \\r \\n \\t \\e \\xNN and \\\\")
-    return _ESCAPES[match["letter"]]
 
 
 def _may_send(cell: Cell, device: str, arm: str | None) -> bool:

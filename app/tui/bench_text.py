@@ -1,15 +1,18 @@
-"""What the engine tells of the bench, as lines that people read."""
+"""The bench as lines that people read."""
 
-from typing import Any, Final
+from typing import TYPE_CHECKING, Final
 
 from textual.content import Content
 
+from catseye.app.results.numbers import duration_text
 from catseye.app.tui.engine_state import EngineState
 from catseye.app.tui.session import EMULATED_BENCH
-from catseye.app.tui.widgets.status_bar import STALE_S, age_style
-from catseye.app.tui.words import bytes_text, duration_text
+from catseye.app.tui.widgets.status_bar import LITTLE_BYTES, STALE_S, age_style, override_text
+from catseye.app.tui.words import bytes_text
 
-Part = dict[str, Any]
+if TYPE_CHECKING:
+    # The first screen is painted before this is imported.
+    from catseye.app.protocol.bench import AirStatus, BeamStatus, BenchStatus, DeviceStatus, RobotStatus
 
 _SLOW_STALE_S: Final = {"environment": 6.0, "material": 6.0, "tracker": 15.0}
 """Devices that the engine asks every few seconds only: three times that is old."""
@@ -21,137 +24,143 @@ _LINKS: Final = {
     "closed": ("○", "dim"),
     "raw": ("≡", "$accent"),
 }
-_LITTLE_BYTES: Final = 1_000_000_000
 _BLOCKS: Final = " ▏▎▍▌▋▊▉█"
 _BAR_CELLS: Final = 14
 _OFTEN: Final = 20.0
-"""Ages below are told to a tenth of a second."""
+"""Ages below are given to a tenth of a second."""
 
 
-def device_line(device: Part, since_s: float) -> Content:
+def device_line(device: "DeviceStatus", since_s: float) -> Content:
     """Return a device in one line: name, link, identity, age of the last answer.
 
     Args:
-        device: of the message about the bench.
-        since_s: time since that message, s.
+        device: as it was last.
+        since_s: time since then, s.
     """
-    sign, style = _LINKS.get(str(device["link"]), ("?", ""))
+    sign, style = _LINKS[device.link]
     return Content.assemble(
         (f"{sign} ", style),
-        f"{device['name']:<15} ",
-        (f"{device['link']:<10} ", style),
-        (f"{_age_text(device.get('age_s'), since_s):>8}  ", "dim" if _is_old(device, since_s) else ""),
+        f"{device.name:<15} ",
+        (f"{device.link:<10} ", style),
+        (f"{_age_text(device.age_s, since_s):>8}  ", "dim" if _is_old(device, since_s) else ""),
         device_identity(device),
     )
 
 
-def device_identity(device: Part) -> str:
+def device_identity(device: "DeviceStatus") -> str:
     """Return who answers, or where somebody should."""
-    identity = device.get("identity")
-    if not identity:
-        return f"{device['driver']} at {device['endpoint']}"
-    number = f" s/n {identity['serial']}" if identity.get("serial") else ""
-    simulated = "  simulated" if identity.get("simulated") else ""
-    return f"{identity['model']} {identity['firmware']}{number}{simulated}"
+    identity = device.identity
+    if identity is None:
+        return f"{device.driver} at {device.endpoint}"
+    number = f" s/n {identity.serial}" if identity.serial else ""
+    simulated = "  simulated" if identity.simulated else ""
+    return f"{identity.model} {identity.firmware}{number}{simulated}"
 
 
-def device_text(device: Part, alarm: str, since_s: float) -> str:
+def device_text(device: "DeviceStatus", alarm: str, since_s: float) -> str:
     """Return everything about a device, to be read and copied."""
-    identity = device.get("identity") or {}
+    identity = device.identity
+    model, firmware, serial, simulated = (
+        ("", "", "", None)
+        if identity is None
+        else (identity.model, identity.firmware, identity.serial, identity.simulated)
+    )
     rows = [
-        ("link", str(device["link"])),
-        ("endpoint", str(device["endpoint"])),
-        ("driver", str(device["driver"])),
-        ("model", str(identity.get("model") or "not known")),
-        ("firmware", str(identity.get("firmware") or "not known")),
-        ("serial", str(identity.get("serial") or "not known")),
-        ("simulated", _yes_no(identity.get("simulated"))),
-        ("last answer", _age_text(device.get("age_s"), since_s)),
+        ("link", device.link),
+        ("endpoint", device.endpoint),
+        ("driver", device.driver),
+        ("model", model or "not known"),
+        ("firmware", firmware or "not known"),
+        ("serial", serial or "not known"),
+        ("simulated", _yes_no(simulated)),
+        ("last answer", _age_text(device.age_s, since_s)),
     ]
-    told = "\n".join(f"{name:<12} {value}" for name, value in rows)
-    troubles = [text for text in (device.get("error"), alarm) if text]
-    return "\n\n".join([told, *map(str, troubles)])
+    facts = "\n".join(f"{name:<12} {value}" for name, value in rows)
+    return "\n\n".join(text for text in (facts, device.error, alarm) if text)
 
 
-def troubles(bench: Part) -> list[tuple[str, str]]:
+def troubles(bench: "BenchStatus") -> list[tuple[str, str]]:
     """Return what is wrong, what forbids motion first: name of the device, and the text with its remedy."""
     found: list[tuple[str, str]] = []
-    robot, beam = bench.get("robot") or {}, bench.get("beam") or {}
-    if robot.get("emergency_stop"):
+    robot, beam = bench.robot, bench.beam
+    if robot is not None and robot.emergency_stop:
         found.append(
             ("robot", "the emergency stop is pressed; remove the danger, release it, reset the alarm")
         )
-    if robot.get("alarm_number"):
+    if robot is not None and robot.alarm_number:
         found.append(("robot", alarm_text(robot)))
-    if bench.get("door_closed") is False:
+    if bench.door_closed is False:
         found.append(("door", "it is open and nothing may move; close it when nobody is inside"))
     if remedy := _without_emulators(bench):
         found.append(("emulators", remedy))
-    found += [
-        (str(each["name"]), str(each["error"])) for each in bench.get("devices", ()) if each.get("error")
-    ]
-    if beam and not beam.get("laser_ready", True):
+    found += [(device.name, device.error) for device in bench.devices if device.error]
+    if beam is not None and not beam.laser_ready:
         found.append(("interferometer", "the laser is not ready; wait until it has warmed up"))
-    if beam.get("overspeed"):
+    if beam is not None and beam.overspeed:
         found.append(
             ("interferometer", "the beam was moved too fast and counts are lost; zero it, go slower")
         )
     return found
 
 
-def _without_emulators(bench: Part) -> str:
+def _without_emulators(bench: "BenchStatus") -> str:
     """Return how to start the emulators where every device should answer on this machine and none does."""
-    devices = bench.get("devices") or ()
-    here = all("://127.0.0.1:" in str(each["endpoint"]) for each in devices)
-    if not devices or not here or any(each["link"] != "lost" for each in devices):
+    devices = bench.devices
+    here = all("://127.0.0.1:" in device.endpoint for device in devices)
+    if not devices or not here or any(device.link != "lost" for device in devices):
         return ""
-    if bench.get("cell") == EMULATED_BENCH:
+    if bench.cell == EMULATED_BENCH:
         return "nobody answers on this machine; F10 and e start the emulators again"
     return "nobody answers on this machine; where this cell is emulated, start them: catseye emulate CELL"
 
 
-def alarm_text(robot: Part) -> str:
+def alarm_text(robot: "RobotStatus") -> str:
     """Return a controller's alarm with its remedy; empty when there is none."""
-    if not robot.get("alarm_number"):
+    if not robot.alarm_number:
         return ""
-    return str(robot.get("alarm_text") or f"alarm {robot['alarm_number']}; see the controller's manual")
+    return robot.alarm_text or f"alarm {robot.alarm_number}; see the controller's manual"
 
 
-def robot_lines(bench: Part, since_s: float) -> list[Content]:
+def robot_lines(bench: "BenchStatus | None", since_s: float) -> list[Content]:
     """Return joints, place, drives and speed of the arm.
 
     Args:
-        bench: message about the bench.
-        since_s: time since it came, s.
+        bench: as it was last; None while nothing is known of it.
+        since_s: time since then, s.
     """
-    robot = bench.get("robot")
-    if not robot:
+    if bench is None or bench.robot is None:
         return [Content.styled("no robot answers", "dim")]
-    style, age = age_style(robot.get("age_s"), since_s)
+    robot = bench.robot
+    style, age = age_style(robot.age_s, since_s)
     return [
-        *(Content.styled(line, style) for line in _joint_lines(robot.get("joints"), bench.get("layout"))),
+        *(Content.styled(line, style) for line in _joint_lines(bench, robot)),
         Content.styled(_drives_text(robot), style),
         _alarm_line(robot, age),
     ]
 
 
-def beam_lines(bench: Part, since_s: float) -> list[Content]:
+def beam_lines(bench: "BenchStatus | None", since_s: float) -> list[Content]:
     """Return signal, state and length of the beam.
 
     Args:
-        bench: message about the bench.
-        since_s: time since it came, s.
+        bench: as it was last; None while nothing is known of it.
+        since_s: time since then, s.
     """
-    beam = bench.get("beam")
-    if not beam:
+    if bench is None or bench.beam is None:
         return [Content.styled("no interferometer answers", "dim")]
-    style, age = age_style(beam.get("age_s"), since_s)
-    return [_signal_line(beam, style), _state_line(bench, beam, style, age), *_length_lines(beam, style)]
+    beam = bench.beam
+    style, age = age_style(beam.age_s, since_s)
+    return [
+        _signal_line(beam, style),
+        _state_line(bench.layout.aim, beam, style, age),
+        *_length_lines(beam, style),
+    ]
 
 
-def air_lines(bench: Part, since_s: float) -> list[Content]:
+def air_lines(bench: "BenchStatus | None", since_s: float) -> list[Content]:
     """Return state and refractive index of the air, door and disk."""
-    return [*_air(bench.get("air"), since_s), _surroundings(bench)]
+    air = None if bench is None else bench.air
+    return [*_air(air, since_s), Content("") if bench is None else _surroundings(bench)]
 
 
 def engine_lines(engine: EngineState, most: int) -> list[Content]:
@@ -163,9 +172,9 @@ def engine_lines(engine: EngineState, most: int) -> list[Content]:
     """
     if not engine.connected:
         return [Content.styled(engine.trouble or "no engine yet", "$warning")]
-    people = ", ".join(str(each.get("who")) for each in engine.clients) or "—"
+    people = ", ".join(client.who for client in engine.clients) or "—"
     holder = engine.control
-    control = "nobody" if holder is None else f"{holder.get('who')}{' (you)' if engine.in_control else ''}"
+    control = "nobody" if holder is None else f"{holder.who}{' (you)' if engine.in_control else ''}"
     styles = {"warning": "$warning", "error": "$error"}
     log = [
         Content.styled(f"{line.t[11:19]} {line.text}", styles.get(line.level, "dim"))
@@ -190,95 +199,89 @@ def length_text(length_mm: float) -> str:
     return f"{whole}.{part[:3]} {part[3:]} mm"
 
 
-def _joint_lines(joints: list[float] | None, layout: Part | None) -> list[str]:
-    if joints is None:
+def _joint_lines(bench: "BenchStatus", robot: "RobotStatus") -> list[str]:
+    if robot.joints is None:
         return ["joints not known"]
-    from catseye.app.tui.widgets.plan_drawing import pose_of
+    one, two, three, four = (_joint_text(value) for value in robot.joints)
+    found = [f"J1 {one} deg   J2 {two} deg", f"J3 {three} mm    J4 {four} deg"]
+    if (known := robot.known_joints) is not None:
+        from catseye.app.tui.widgets.plan_drawing import pose_of
 
-    one, two, three, four = joints
-    lines = [f"J1 {one:9.3f} deg   J2 {two:9.3f} deg", f"J3 {three:9.3f} mm    J4 {four:9.3f} deg"]
-    if layout:
-        x_mm, y_mm = pose_of(layout, joints).place_mm
-        lines.append(f"X  {x_mm:9.3f} mm    Y  {y_mm:9.3f} mm")
-    return lines
-
-
-def _drives_text(robot: Part) -> str:
-    servo = "on" if robot.get("servo_on") else "off"
-    moving = "MOVES" if robot.get("moving") else "stands"
-    cap = robot.get("override_cap_percent")
-    capped = f" (cap {cap:g})" if cap is not None else ""
-    return f"servo {servo} · {moving} · {robot.get('override_percent', 0):g} %{capped}"
+        x_mm, y_mm = pose_of(bench.layout, known).place_mm
+        found.append(f"X  {x_mm:9.3f} mm    Y  {y_mm:9.3f} mm")
+    return found
 
 
-def _alarm_line(robot: Part, age: str) -> Content:
-    teach = " · TEACH mode" if robot.get("teach_mode") else ""
-    if robot.get("emergency_stop"):
+def _joint_text(value: float | None) -> str:
+    return f"{'—':>9}" if value is None else f"{value:9.3f}"
+
+
+def _drives_text(robot: "RobotStatus") -> str:
+    servo = "on" if robot.servo_on else "off"
+    moving = "MOVES" if robot.moving else "stands"
+    return f"servo {servo} · {moving} · {override_text(robot)} (cap {robot.override_cap_percent:g})"
+
+
+def _alarm_line(robot: "RobotStatus", age: str) -> Content:
+    teach = " · TEACH mode" if robot.teach_mode else ""
+    if robot.emergency_stop:
         return Content.styled(f"✗ E-STOP pressed{teach}{age}", "$error bold")
-    if robot.get("alarm_number"):
-        return Content.styled(f"✗ ALARM {robot['alarm_number']}{teach}{age}", "$error bold")
+    if robot.alarm_number:
+        return Content.styled(f"✗ ALARM {robot.alarm_number}{teach}{age}", "$error bold")
     return Content.styled(f"no alarm{teach}{age}", "$warning bold" if teach else "dim")
 
 
-def _signal_line(beam: Part, style: str) -> Content:
-    signal = float(beam.get("signal") or 0.0)
-    colour = style or ("$success" if beam.get("beam_ok") else "$error")
-    native = f"  {beam['signal_native']}" if beam.get("signal_native") else ""
+def _signal_line(beam: "BeamStatus", style: str) -> Content:
+    signal = beam.signal or 0.0
+    colour = style or ("$success" if beam.beam_ok else "$error")
+    native = f"  {beam.signal_native}" if beam.signal_native else ""
     return Content.assemble(
         ("signal ", style), (signal_bar(signal), colour), (f" {100.0 * signal:3.0f} %{native}", style)
     )
 
 
-def _state_line(bench: Part, beam: Part, style: str, age: str) -> Content:
-    if beam.get("beam_ok"):
+def _state_line(aim: str | None, beam: "BeamStatus", style: str, age: str) -> Content:
+    if beam.beam_ok:
         word, colour = "● BEAM OK", style or "$success bold"
     else:
         word, colour = "✗ NO BEAM", style or "$error bold"
-    latched = "  lost since the zero" if beam.get("beam_lost") else ""
-    aim = (bench.get("layout") or {}).get("aim")
+    latched = "  lost since the zero" if beam.beam_lost else ""
     return Content.assemble(
         (word, colour), (f" → {aim}" if aim else "", style), (latched, style or "$warning"), (age, style)
     )
 
 
-def _length_lines(beam: Part, style: str) -> list[Content]:
-    length_mm, spread_um, mean_mm = (beam.get(name) for name in ("displacement_mm", "spread_um", "mean_mm"))
-    if length_mm is None:
+def _length_lines(beam: "BeamStatus", style: str) -> list[Content]:
+    if beam.displacement_mm is None:
         return [Content.styled("displacement not known", "dim")]
-    spread = "—" if spread_um is None else f"{spread_um:.2f} µm"
-    lines = [Content.styled(f"{length_text(length_mm):<20}σ {spread}", style)]
-    if mean_mm is not None:
-        lines.append(Content.styled(f"{length_text(mean_mm):<20}mean, 1 s", style))
-    return lines
+    spread = "—" if beam.spread_um is None else f"{beam.spread_um:.2f} µm"
+    found = [Content.styled(f"{length_text(beam.displacement_mm):<20}σ {spread}", style)]
+    if beam.mean_mm is not None:
+        found.append(Content.styled(f"{length_text(beam.mean_mm):<20}mean, 1 s", style))
+    return found
 
 
-def _air(air: Part | None, since_s: float) -> list[Content]:
-    if not air:
+def _air(air: "AirStatus | None", since_s: float) -> list[Content]:
+    if air is None:
         return [Content.styled("no air sensor answers", "dim")]
-    style, age = age_style(air.get("age_s"), since_s, _SLOW_STALE_S["environment"])
+    style, age = age_style(air.age_s, since_s, _SLOW_STALE_S["environment"])
     quantities = (
-        ("temperature_c", ".2f", "°C"),
-        ("pressure_hpa", ".1f", "hPa"),
-        ("humidity_percent", ".1f", "%RH"),
+        (air.temperature_c, ".2f", "°C"),
+        (air.pressure_hpa, ".1f", "hPa"),
+        (air.humidity_percent, ".1f", "%RH"),
     )
     state = "  ".join(
-        f"{air[name]:{form}} {unit}" if air.get(name) is not None else f"— {unit}"
-        for name, form, unit in quantities
+        f"— {unit}" if value is None else f"{value:{form}} {unit}" for value, form, unit in quantities
     )
-    index = air.get("refractive_index")
-    told = f"n = {index:.8f}" if index is not None else "n not known"
-    return [
-        Content.styled(f"{state}{age}", style),
-        Content.styled(f"{told}  {air.get('formula') or ''}", style),
-    ]
+    index = "n not known" if air.refractive_index is None else f"n = {air.refractive_index:.8f}"
+    return [Content.styled(f"{state}{age}", style), Content.styled(f"{index}  {air.formula}", style)]
 
 
-def _surroundings(bench: Part) -> Content:
-    closed = bench.get("door_closed")
+def _surroundings(bench: "BenchStatus") -> Content:
+    closed, free = bench.door_closed, bench.disk_free_bytes
     door = "" if closed is None else "door closed  " if closed else "DOOR OPEN  "
-    free = bench.get("disk_free_bytes")
-    disk = f"disk {bytes_text(free)} free" if isinstance(free, (int, float)) else ""
-    little = isinstance(free, (int, float)) and free < _LITTLE_BYTES
+    disk = "" if free is None else f"disk {bytes_text(free)} free"
+    little = free is not None and free < LITTLE_BYTES
     return Content.assemble(
         (door, "$error bold" if closed is False else ""),
         (f"✗ {disk}" if little else disk, "$error bold" if little else ""),
@@ -289,9 +292,8 @@ def _yes_no(flag: bool | None) -> str:
     return "not known" if flag is None else "yes" if flag else "no"
 
 
-def _is_old(device: Part, since_s: float) -> bool:
-    age_s = device.get("age_s")
-    return age_s is None or age_s + since_s > _SLOW_STALE_S.get(str(device.get("name")), STALE_S)
+def _is_old(device: "DeviceStatus", since_s: float) -> bool:
+    return device.age_s is None or device.age_s + since_s > _SLOW_STALE_S.get(device.name, STALE_S)
 
 
 def _age_text(age_s: float | None, since_s: float) -> str:

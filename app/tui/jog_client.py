@@ -38,7 +38,7 @@ class JogClient:
     Args:
         link: to the engine.
         now_s: monotonic time, s.
-        failed: is told why something did not move.
+        failed: called with why something did not move.
         sleep: waits, real s.
     """
 
@@ -85,7 +85,9 @@ class JogClient:
             self._motion.cancel()
 
     async def _keep_moving(self) -> None:
-        """Feed the engine while the key is held; however this ends, the arm is told to stop."""
+        """Feed the engine while the key is held; however this ends, the arm is stopped."""
+        from catseye.app.protocol.requests import JogHold
+
         joint: HoldJoint = "j1"
         try:
             while (held := self._key.held(self._now_s())) is not None and not self._requests.refused:
@@ -93,31 +95,34 @@ class JogClient:
                 if self._requests.unanswered:
                     self._failed("the engine does not answer any more: the arm stops by itself; look at it")
                     break
-                self._requests.send("jog-hold", joint=joint, direction=way)
+                self._requests.send(JogHold(joint=joint, direction=way))
                 await self._sleep(FEED_S)
         finally:
             if self._key.held(self._now_s()) is not None:
                 # It ended although the key is held: the key has to be let go first.
                 self._key.let_go()
-            self._requests.send("jog-hold", joint=joint, direction=0)
+            self._requests.send(JogHold(joint=joint, direction=0))
 
     async def _take(self, steps: Sequence[Step]) -> None:
+        from catseye.app.protocol.requests import JogHold, JogStep
         from catseye.app.service.errors import RefusedError, ServiceError
 
         alive = asyncio.create_task(self._show_life())
         try:
             for step in steps:
-                await self._link.request("jog-step", joint=step.joint, by=step.by, aim=step.aim)
+                await self._link.request(JogStep(joint=step.joint, by=step.by, aim=step.aim))
         except (RefusedError, ServiceError) as error:
             self._failed(str(error))
         except asyncio.CancelledError:
-            self._requests.send("jog-hold", joint="j4", direction=0)
+            self._requests.send(JogHold(joint="j4", direction=0))
             raise
         finally:
             alive.cancel()
 
     async def _show_life(self) -> None:
         """Ping while a step is under way: the engine stops the arm of a client that is silent."""
+        from catseye.app.protocol.requests import Plain
+
         while not self._requests.unanswered:
             await self._sleep(FEED_S)
-            self._requests.send("ping")
+            self._requests.send(Plain(op="ping"))

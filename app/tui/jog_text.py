@@ -61,10 +61,9 @@ class Choices:
 
 def entry_lines(engine: EngineState, choices: Choices, said: str) -> list[Content]:
     """Return what has to be known before jogging: cell, real or not, speed, and who else is at it."""
-    bench = engine.bench or {}
     cap = cap_percent(engine)
     return [
-        Content.assemble("cell    ", (str(bench.get("cell") or "not known"), "bold")),
+        Content.assemble("cell    ", (engine.cell_name or "not known", "bold")),
         Content.assemble("bench   ", _kind(engine)),
         Content.assemble(
             "speed   ", (f"{min(choices.percent, cap):g} %", "bold"), f" (cap {cap:g} %)", ("   + −", "dim")
@@ -77,38 +76,31 @@ def entry_lines(engine: EngineState, choices: Choices, said: str) -> list[Conten
 
 def _left_low(engine: EngineState, cap: float) -> Content:
     """Return that the controller's override is below that of the cell, as a jog leaves it."""
-    percent = ((engine.bench or {}).get("robot") or {}).get("override_percent")
+    percent = None if engine.robot is None else engine.robot.override_percent
     if percent is None or percent > cap - 1.0:
         return Content("")
     return Content.styled(f"override {percent:g} %, until raised at controller", "$warning")
 
 
-def is_simulated(engine: EngineState) -> bool:
-    """Return whether every device is known to be an emulator."""
-    return bool(engine.bench and engine.bench.get("simulated") is True)
-
-
-def fresh_joints(engine: EngineState, now_s: float) -> list[float] | None:
-    """Return the joints as the engine told them just now, deg and mm; None when they are old or not known."""
-    robot = (engine.bench or {}).get("robot") or {}
-    age_s = robot.get("age_s")
-    fresh = age_s is not None and age_s + now_s - engine.bench_at_s <= STALE_S
-    return robot.get("joints") if fresh else None
+def fresh_joints(engine: EngineState, now_s: float) -> tuple[float, ...] | None:
+    """Return the joints as they were just now, deg and mm; None when they are old or not known."""
+    robot = engine.robot
+    if robot is None or robot.age_s + now_s - engine.bench_at_s > STALE_S:
+        return None
+    return robot.known_joints
 
 
 def cap_percent(engine: EngineState) -> float:
     """Return the cell's highest speed override; 100 while it is not known: the engine caps it then."""
-    robot = (engine.bench or {}).get("robot") or {}
-    return float(robot.get("override_cap_percent") or 100.0)
+    return 100.0 if engine.robot is None else engine.robot.override_cap_percent
 
 
 def jog_lines(engine: EngineState, choices: Choices, now_s: float) -> list[Content]:
     """Return mode, step, aim, the table of keys with the joints beside them, and what happened last."""
-    jog = engine.jog or {}
-    moving = jog.get("moving")
-    state = Content.styled(f"MOVES {str(moving).upper()}", "$warning bold") if moving else Content("stands")
+    moving = None if engine.jog is None else engine.jog.moving
+    state = Content.styled(f"MOVES {moving.upper()}", "$warning bold") if moving else Content("stands")
     return [
-        Content.assemble((f"JOG {float(jog.get('percent') or 0.0):g} %", "bold $accent"), "  ", state),
+        Content.assemble((f"JOG {jog_percent_text(engine)}", "bold $accent"), "  ", state),
         Content.assemble("m  ", _mode(choices.holds)),
         Content.assemble("1…5  ", *_steps(choices)),
         Content.assemble("t  ", *_aim(choices)),
@@ -116,14 +108,25 @@ def jog_lines(engine: EngineState, choices: Choices, now_s: float) -> list[Conte
         *_key_table(engine, choices, now_s),
         Content(""),
         Content.assemble(("  F12  STOP  ", "bold $background on $error"), "   Esc ends the jog"),
-        Content.styled(choices.said or str(jog.get("reason") or ""), "$warning"),
+        Content.styled(choices.said or jog_reason(engine), "$warning"),
     ]
 
 
+def jog_percent_text(engine: EngineState) -> str:
+    """Return the speed override of the jog under way, as read back; a dash before that."""
+    percent = None if engine.jog is None else engine.jog.percent
+    return "—" if percent is None else f"{percent:g} %"
+
+
+def jog_reason(engine: EngineState) -> str:
+    """Return why the arm stands, or why the jog is over; empty where nothing is said of it."""
+    return "" if engine.jog is None else engine.jog.reason or ""
+
+
 def _kind(engine: EngineState) -> tuple[str, str]:
-    if is_simulated(engine):
+    if engine.bench_simulated:
         return "SIMULATION: emulators", "bold $warning"
-    if engine.bench and engine.bench.get("simulated") is False:
+    if engine.bench_simulated is False:
         return "REAL ARM", "bold $error"
     return "not known yet: taken for a REAL ARM", "bold $error"
 
@@ -133,17 +136,17 @@ def _hindrance(engine: EngineState) -> list[Content]:
     if not engine.connected:
         return [Content.styled(f"no engine: {engine.trouble}", "$error")]
     if engine.jogging and engine.jog is not None:
-        moving = f", moving {engine.jog['moving']}" if engine.jog.get("moving") else ""
+        moving = f", moving {engine.jog.moving}" if engine.jog.moving else ""
         return [
-            Content.styled(f"{engine.jog.get('by')} jogs at {engine.jog.get('percent'):g} %{moving}", "bold"),
+            Content.styled(f"{engine.jog.by} jogs at {jog_percent_text(engine)}{moving}", "bold"),
             Content("F12 stops the arm"),
         ]
     if engine.running:
         return [Content.styled("a run is under way: jog when it has ended", "$warning")]
     if engine.control is not None and not engine.in_control:
-        return [Content.styled(f"{engine.control.get('who')} holds control", "$warning")]
+        return [Content.styled(f"{engine.control.who} holds control", "$warning")]
     begin = Content.assemble(("F8", "bold $success"), "  drives on, then the keys move the arm")
-    if is_simulated(engine):
+    if engine.bench_simulated:
         return [begin]
     return [begin, Content("keep a hand on the emergency stop")]
 
@@ -169,13 +172,13 @@ def _option(text: str, *, chosen: bool) -> tuple[str, str]:
 
 
 def _key_table(engine: EngineState, choices: Choices, now_s: float) -> list[Content]:
-    bench = engine.bench or {}
-    robot = bench.get("robot") or {}
-    joints = robot.get("joints")
-    style, age = age_style(robot.get("age_s"), now_s - engine.bench_at_s)
+    joints = None if engine.robot is None else engine.robot.joints
+    age_s = None if engine.robot is None else engine.robot.age_s
+    style, age = age_style(age_s, now_s - engine.bench_at_s)
     lines = [Content.styled(f"{'':<6}{'+ ↺':<9}{'− ↻':<9}{age.strip()}", "dim")]
     for name, plus, minus, place in _KEYS:
-        angle = f"{joints[place]:10.3f} deg" if joints else "         —"
+        value = None if joints is None else joints[place]
+        angle = "         —" if value is None else f"{value:10.3f} deg"
         lines.append(Content.assemble(f"{name:<6}{plus:<9}{minus:<9}", (angle, style)))
     aside = "left   right" if choices.aim else "needs an aim"
     lines.append(Content.assemble(f"{'beam':<6}{'z':<9}{'x':<9}", (f"{aside:>14}", "dim")))

@@ -13,9 +13,11 @@ from catseye.app.tui.engine_state import EngineState
 from catseye.app.tui.engines import EngineProcess, engines_of_runs, find_engine
 from catseye.app.tui.run_state import LogLine
 from catseye.app.tui.stopping import StopOp, stop_by_every_way
+from catseye.app.tui.typed_messages import typed_bench, typed_event, typed_snapshot
 
 if TYPE_CHECKING:
     # The first screen is painted before these are imported.
+    from catseye.app.protocol.requests import AnyRequest
     from catseye.app.service.client import EngineClient
     from catseye.drivers.roles.clock import Clock
 
@@ -35,23 +37,15 @@ _START_S = 15.0
 SILENT_S = 3.0
 """An engine that has not answered for so long is said not to answer; orders wait no longer for it."""
 
-_MOVING = frozenset({"answer", "unhold", "start", "resume", "jog", "jog-step", "jog-hold", "raw", "send"})
-"""Orders after which the arm may move, or bytes may reach it."""
-
 _LEAVE_S = 2.0
 """An engine that does not answer keeps nobody here."""
-
-
-def _may_move(op: str, fields: dict[str, Any]) -> bool:
-    """Return whether the arm may move after an order; what ends a jog, a raw link or a hold lets nothing move."""
-    return op in _MOVING and fields.get("on") is not False and fields.get("direction") != 0
 
 
 class Link(Protocol):
     """What screens ask the engine by.
 
     Attributes:
-        engine: what it has told.
+        engine: what it has sent.
         cell: cell file that an engine is started with; None while there is none.
     """
 
@@ -62,8 +56,8 @@ class Link(Protocol):
         """Keep the connection until cancelled; `changed` is called after each message."""
         ...
 
-    async def request(self, op: str, **fields: Any) -> dict[str, Any]:
-        """Ask, and return what the answer carries.
+    async def request(self, request: "AnyRequest") -> None:
+        """Ask, and return when it is done.
 
         Raises:
             RefusedError: the engine does not do it; the text says why.
@@ -118,14 +112,17 @@ class EngineLink:
             if not self._left:
                 await self._clock.sleep(_AGAIN_S)
 
-    async def request(self, op: str, **fields: Any) -> dict[str, Any]:
-        """Ask, and return what the answer carries."""
+    async def request(self, request: "AnyRequest") -> None:
+        """Ask, and return when it is done."""
+        await self._ask(request)
+
+    async def _ask(self, request: "AnyRequest") -> dict[str, Any]:
         from catseye.app.service.errors import ServiceError
 
         if self._client is None:
             raise ServiceError(f"no engine is connected: {self.engine.trouble or 'wait a moment'}")
         limit_s = SILENT_S if self.engine.silent_since_s is not None else None
-        if limit_s is not None and _may_move(op, fields):
+        if limit_s is not None and request.may_move:
             raise ServiceError(
                 "the engine does not answer, and nothing was sent: it would be done whenever the engine wakes up, "
                 "and the arm would move unexpectedly; wait until it answers; F12 stops by every way"
@@ -134,7 +131,7 @@ class EngineLink:
             async with asyncio.timeout(limit_s) as wait:
                 self._waits.add(wait)
                 try:
-                    return await self._client.request(op, **fields)
+                    return await self._client.request(**request.model_dump(mode="json"))
                 finally:
                     self._waits.discard(wait)
         except TimeoutError as error:
@@ -159,20 +156,24 @@ class EngineLink:
                 await self._say_goodbye(end_engine=end_engine)
 
     async def _say_goodbye(self, *, end_engine: bool) -> None:
+        from catseye.app.protocol.requests import Control, Plain
+
         if end_engine and not self.engine.running and len(self.engine.clients) <= 1:
-            await self.request("control", take=True)
-            await self.request("shutdown")
+            await self.request(Control())
+            await self.request(Plain(op="shutdown"))
         elif self.engine.in_control:
-            await self.request("release")
+            await self.request(Plain(op="release"))
 
     async def _converse(self, changed: Callable[[], None]) -> str:
         """Be a client of an engine until it is gone, or until a run begins at another one; return which it is."""
         from catseye.app.engine.waiting import cancel
+        from catseye.app.protocol.requests import Plain
 
         path = await asyncio.to_thread(find_engine, self._root) or await self._start_engine()
         async with self._connected(path) as client:
-            self.engine.met(client.snapshot, self._clock.monotonic_s())
-            self._meet_process(client.snapshot.get("pid"))
+            snapshot = typed_snapshot(client.snapshot)
+            self.engine.met(snapshot, self._clock.monotonic_s())
+            self._meet_process(snapshot.pid)
             changed()
             ends = [
                 asyncio.create_task(self._take_events(client, changed)),
@@ -188,7 +189,7 @@ class EngineLink:
             if client.closed is not None:
                 return "the engine is gone; looking for one"
             if self.engine.in_control:
-                await self.request("release")
+                await self.request(Plain(op="release"))
             return "a run is under way in another process; joining it"
 
     @asynccontextmanager
@@ -209,13 +210,16 @@ class EngineLink:
                 self._client = None
 
     async def _take_events(self, client: "EngineClient", changed: Callable[[], None]) -> None:
-        await self._take_what_is_free()
+        from catseye.app.protocol.events import RunStarted
+
+        await self._watch_bench()
         changed()
         catching_up = asyncio.create_task(self._catch_up(changed))
         try:
-            async for event in client.events():
-                self._take(event)
-                if event["event"] == "run-started":
+            async for message in client.events():
+                event = typed_event(message)
+                self.engine.take(event, self._clock.monotonic_s())
+                if isinstance(event, RunStarted):
                     # It may go on after an interruption.
                     catching_up.cancel()
                     catching_up = asyncio.create_task(self._catch_up(changed))
@@ -223,19 +227,8 @@ class EngineLink:
         finally:
             catching_up.cancel()
 
-    def _take(self, event: dict[str, Any]) -> None:
-        from catseye.app.service.errors import ServiceError
-
-        try:
-            self.engine.take(event, self._clock.monotonic_s())
-        except (KeyError, TypeError, ValueError, AttributeError) as error:
-            raise ServiceError(
-                f"the engine tells what this program does not understand ({event.get('event')}: {error!r}): engine "
-                "and catseye tui have to be of the same version"
-            ) from error
-
     async def _watch_life(self, client: "EngineClient", changed: Callable[[], None]) -> None:
-        """Tell when the engine does not answer any more, and when it does again."""
+        """Note when the engine does not answer any more, and when it does again."""
         from catseye.app.service.errors import RefusedError, ServiceError
 
         with suppress(RefusedError, ServiceError):
@@ -271,7 +264,7 @@ class EngineLink:
                 return
             seen = newest
 
-    def _meet_process(self, pid: object) -> None:
+    def _meet_process(self, pid: int) -> None:
         if self._process is not None:
             self._process.forget()
         self._process = EngineProcess(pid)
@@ -293,14 +286,14 @@ class EngineLink:
             run.take_record(so_far)
         changed()
 
-    async def _take_what_is_free(self) -> None:
-        """Ask to be told about the bench; control is taken by whoever wants to do something."""
+    async def _watch_bench(self) -> None:
+        """Ask for the bench; control is taken by whoever wants to do something."""
+        from catseye.app.protocol.requests import Watch
         from catseye.app.service.errors import RefusedError
 
         with suppress(RefusedError):
-            answer = await self.request("watch", on=True)
-            if isinstance(answer.get("bench"), dict):
-                self.engine.take({"event": "bench", **answer["bench"]}, self._clock.monotonic_s())
+            if bench := (await self._ask(Watch(op="watch"))).get("bench"):
+                self.engine.take_bench(typed_bench(bench), self._clock.monotonic_s())
 
     async def _start_engine(self) -> Path:
         """Start an engine that outlives this program; return its socket.

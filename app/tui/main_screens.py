@@ -1,12 +1,7 @@
 """The main screens: name, key, title; each is imported when it is shown for the first time."""
 
 from dataclasses import dataclass
-from importlib import import_module
-from typing import TYPE_CHECKING, Final, cast
-
-if TYPE_CHECKING:
-    from catseye.app.tui.screens.base import MainScreen
-    from catseye.app.tui.session import Session
+from typing import Final
 
 
 @dataclass(frozen=True)
@@ -40,10 +35,3 @@ MAIN_SCREENS: Final = {
         "f10", "Set-up", "make or change the cell file by questions", "setup:SetupScreen"
     ),
 }
-
-
-def make_screen(name: str, session: "Session") -> "MainScreen":
-    """Return a new screen."""
-    module, _, screen = MAIN_SCREENS[name].where.partition(":")
-    made = getattr(import_module(f"catseye.app.tui.screens.{module}"), screen)
-    return cast("MainScreen", made(session))

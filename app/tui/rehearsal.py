@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 from typing import Any, Final
 
-from catseye.app.tui.words import duration_text
+from catseye.app.results.numbers import duration_text
 
 HEADER: Final = (
     f"{'step':<22} {'moves':>5} {'pts':>4} {'time':>9}  "

@@ -1,20 +1,36 @@
-"""A run as the engine's events tell it."""
+"""A run as far as the engine's events and its record have shown it."""
 
 from collections import deque
+from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import Any, Final, Literal
+from typing import TYPE_CHECKING, Final, Literal
 
+from catseye.app.protocol.state import ENDED, ControlState
 from catseye.drivers.roles.text import harmless_lines
 
-Event = dict[str, Any]
+if TYPE_CHECKING:
+    # The first screen is painted before these are imported.
+    from catseye.app.protocol.events import (
+        AnyEvent,
+        DrivesLeft,
+        Event,
+        FirstMotionShown,
+        Happened,
+        LiveData,
+        Progressed,
+        PromptAsked,
+        RunEnded,
+    )
+    from catseye.app.protocol.snapshot import Snapshot
 
 LOG_LINES: Final = 2000
 VALUES_KEPT: Final = 600
 
-UNTOLD: Final = frozenset({"map-known", "devices", "asked"})
-"""Kinds of events that are shown elsewhere than in the log."""
+MAP_KNOWN: Final = "map-known"
+"""Kind of the event that says how well the maps are known."""
 
-_ENDED: Final = frozenset({"COMPLETE", "STOPPED", "ABORTED"})
+NOT_LOGGED: Final = frozenset({MAP_KNOWN, "devices", "asked"})
+"""Kinds of events that are shown elsewhere than in the log."""
 
 
 @dataclass(frozen=True)
@@ -54,25 +70,34 @@ class Step:
 
 
 @dataclass(frozen=True)
-class Seen:
-    """A value as it was told once.
+class MapKnowledge:
+    """How well the maps were known when a row of J2 was done.
 
     Attributes:
-        at_s: when it came, monotonic s.
-        value: then.
-        low: smallest accepted then; None for no limit.
-        high: largest accepted then; None for no limit.
+        row: which row it was.
+        u_theta1_mdeg: largest standard uncertainty of the map of J1; None where it is not known yet.
+        u_theta2_mdeg: the same of J2.
+        text: why nothing is known.
     """
 
-    at_s: float
-    value: float
-    low: float | None
-    high: float | None
+    row: tuple[object, ...]
+    u_theta1_mdeg: float | None
+    u_theta2_mdeg: float | None
+    text: str
 
-    @property
-    def accepted(self) -> bool:
-        """The value lies inside its band."""
-        return (self.low is None or self.value >= self.low) and (self.high is None or self.value <= self.high)
+    @classmethod
+    def of(cls, data: Mapping[str, object]) -> "MapKnowledge":
+        """Return what an event of the kind "map-known" holds, as it is sent and stored."""
+        return cls(
+            tuple(data.get(name) for name in ("reflector", "theta1_deg", "direction1")),
+            _number(data.get("u_theta1_mdeg")),
+            _number(data.get("u_theta2_mdeg")),
+            str(data.get("text") or ""),
+        )
+
+
+def _number(value: object) -> float | None:
+    return float(value) if isinstance(value, int | float) else None
 
 
 @dataclass(frozen=True)
@@ -81,8 +106,7 @@ class SoFar:
 
     Attributes:
         steps: id and title of the steps that are done, in order.
-        points: last rows of distances, oldest first.
-        point_count: of all rows.
+        points: how many rows of distances.
         map_known: how well the maps were known, oldest first.
         log: what happened, oldest first.
         command: words of `catseye` that rehearse the same run; empty where they are not known.
@@ -90,9 +114,8 @@ class SoFar:
     """
 
     steps: list[tuple[str, str]]
-    points: list[Event]
-    point_count: int
-    map_known: list[Event]
+    points: int
+    map_known: list[MapKnowledge]
     log: list[LogLine]
     command: tuple[str, ...] = ()
     speed: float | None = None
@@ -103,29 +126,14 @@ class LiveValue:
     """A value that is watched while it changes.
 
     Attributes:
-        name: of the quantity.
-        value: now.
-        unit: of value and band.
-        low: smallest accepted; None for no limit.
-        high: largest accepted; None for no limit.
-        text: what to do about it.
+        data: the value now, with its acceptance band.
         at_s: when it came, monotonic s.
-        history: as it was told, oldest first.
+        history: all of its values, oldest first, this one included.
     """
 
-    name: str
-    value: float
-    unit: str
-    low: float | None
-    high: float | None
-    text: str
+    data: "LiveData"
     at_s: float
-    history: deque[Seen] = field(default_factory=lambda: deque(maxlen=VALUES_KEPT))
-
-    @property
-    def accepted(self) -> bool:
-        """The value lies inside its band."""
-        return Seen(self.at_s, self.value, self.low, self.high).accepted
+    history: "deque[LiveData]" = field(default_factory=lambda: deque(maxlen=VALUES_KEPT))
 
 
 @dataclass
@@ -140,17 +148,15 @@ class RunState:
         path: of its directory; empty until it is known.
         simulated: None until the devices are known.
         active: it has not ended.
-        state: in PackML words.
+        state: where it stands.
         reason: why it is in that state.
         steps: that were begun, oldest first.
         progress: last event about progress.
-        progress_at_s: when it came.
         live: values by name.
         newest_live: name of the value that came last.
         prompt: the open question.
         prompt_at_s: when it came.
-        points: last rows, oldest first.
-        points_seen: how many points were told.
+        points_seen: how many distances were measured.
         map_known: how well the maps were known, oldest first.
         log: lines, oldest first.
         ended: the event of its end.
@@ -166,37 +172,35 @@ class RunState:
     path: str = ""
     simulated: bool | None = None
     active: bool = True
-    state: str = "IDLE"
+    state: ControlState = ControlState.IDLE
     reason: str = ""
     steps: dict[str, Step] = field(default_factory=dict)
-    progress: Event | None = None
-    progress_at_s: float = 0.0
+    progress: "Progressed | None" = None
     live: dict[str, LiveValue] = field(default_factory=dict)
     newest_live: str = ""
-    prompt: Event | None = None
+    prompt: "PromptAsked | None" = None
     prompt_at_s: float = 0.0
-    points: deque[Event] = field(default_factory=lambda: deque(maxlen=5000))
     points_seen: int = 0
-    map_known: deque[Event] = field(default_factory=lambda: deque(maxlen=2000))
+    map_known: deque[MapKnowledge] = field(default_factory=lambda: deque(maxlen=2000))
     log: deque[LogLine] = field(default_factory=lambda: deque(maxlen=LOG_LINES))
-    ended: Event | None = None
+    ended: "RunEnded | None" = None
     recorded: bool = False
     command: tuple[str, ...] = ()
     speed: float | None = None
 
     @classmethod
-    def of_snapshot(cls, snapshot: Event, now_s: float) -> "RunState":
+    def of_snapshot(cls, snapshot: "Snapshot", now_s: float) -> "RunState":
         """Return a run that was under way when this client came."""
-        run = cls(str(snapshot["run"]), str(snapshot["procedure"]), str(snapshot["title"]), now_s)
-        run.path = str(snapshot.get("path") or "")
-        run.simulated = snapshot.get("simulated")
-        run.state, run.reason = str(snapshot["state"]), str(snapshot.get("reason") or "")
-        run.active = run.state not in _ENDED
-        run.prompt = snapshot.get("prompt")
-        run.prompt_at_s = now_s - float(snapshot.get("prompt_open_s") or 0.0)
-        for part in ("step", "progress", "live"):
-            if isinstance(seen := snapshot.get(part), dict):
-                run.take(seen, now_s)
+        run = cls(snapshot.run or "", snapshot.procedure or "", snapshot.title or "", now_s)
+        run.path = snapshot.path or ""
+        run.simulated = snapshot.simulated
+        run.state, run.reason = snapshot.state, snapshot.reason or ""
+        run.active = run.state not in ENDED
+        run.prompt = snapshot.prompt
+        run.prompt_at_s = now_s - (snapshot.prompt_open_s or 0.0)
+        for event in (snapshot.step, snapshot.progress, snapshot.live):
+            if event is not None:
+                run.take(event, now_s)
         return run
 
     @property
@@ -204,17 +208,20 @@ class RunState:
         """The step under way."""
         return next((step for step in reversed(self.steps.values()) if step.status == "current"), None)
 
+    @property
+    def newest(self) -> LiveValue | None:
+        """The live value that came last."""
+        return self.live.get(self.newest_live)
+
     def take_record(self, so_far: SoFar) -> None:
-        """Take what the record holds; what was told meanwhile stays, behind it."""
-        told, self.steps = self.steps, {}
+        """Take what the record holds; what has come meanwhile stays, behind it."""
+        come, self.steps = self.steps, {}
         for step_id, title in so_far.steps:
             self.steps[step_id] = Step(step_id, title, "done")
-        for step_id, step in told.items():
+        for step_id, step in come.items():
             if step_id not in self.steps or step.stored:
                 self.steps[step_id] = step
-        seen = {row["step"] for row in self.points}
-        self.points.extendleft(row for row in reversed(so_far.points) if row["step"] not in seen)
-        self.points_seen = max(self.points_seen, so_far.point_count)
+        self.points_seen = max(self.points_seen, so_far.points)
         known = [each for each in so_far.map_known if each not in self.map_known]
         self.map_known.extendleft(reversed(known))
         first = self.log[0].t if self.log else ""
@@ -227,76 +234,76 @@ class RunState:
         """It ended unseen."""
         self.active, self.prompt = False, None
 
-    def take(self, event: Event, now_s: float) -> None:
-        """Take an event of this run."""
-        match event["event"]:
-            case "state" if event.get("kind") == "live":
-                self._live(event["data"], now_s)
-            case "state" if "kind" in event:
+    def take(self, event: "AnyEvent", now_s: float) -> None:
+        """Take an event of this run.
+
+        Args:
+            event: of the engine.
+            now_s: monotonic time of its arrival, s.
+        """
+        from catseye.app.protocol import events
+
+        match event:
+            case events.LiveShown():
+                self._live(event.data, now_s)
+            case events.FirstMotionShown() | events.DrivesLeft() | events.Happened():
                 self._happened(event)
-            case "state":
-                self.state, self.reason = str(event["state"]), str(event.get("reason") or "")
-                self._say(event, "info", f"{self.state}: {self.reason}" if self.reason else self.state)
-            case "step-started":
+            case events.StateChanged():
+                self.state, self.reason = event.state, event.reason
+                self._note(event, "info", f"{event.state}: {event.reason}" if event.reason else event.state)
+            case events.StepStarted():
                 # Begun anew it stands at the end again.
-                self.steps.pop(str(event["step"]), None)
-                self.steps[str(event["step"])] = Step(str(event["step"]), str(event["title"]), "current")
-            case "step-done":
-                step = self.steps.setdefault(
-                    str(event["step"]), Step(str(event["step"]), str(event["title"]), "current")
-                )
-                step.status, step.stored = "done", bool(event.get("stored"))
-            case "point":
-                self.points.append({"step": event["step"], **event["point"]})
+                self.steps.pop(event.step, None)
+                self.steps[event.step] = Step(event.step, event.title, "current")
+            case events.StepDone():
+                step = self.steps.setdefault(event.step, Step(event.step, event.title, "current"))
+                step.status, step.stored = "done", event.stored
+            case events.PointMeasured():
                 self.points_seen += 1
-            case "progress":
-                self.progress, self.progress_at_s = event, now_s
-            case "prompt":
+            case events.Progressed():
+                self.progress = event
+            case events.PromptAsked():
                 self.prompt, self.prompt_at_s = event, now_s
-            case "answer":
+            case events.PromptAnswered():
                 self.prompt = None
-                self._say(event, "info", f"{event['id']}: {event['answer']} ({event['who']})")
-            case "warning" | "error":
-                self._warning(event)
-            case "run-ended":
+                self._note(event, "info", f"{event.id}: {event.answer} ({event.who})")
+            case events.WarningTold():
+                if event.data.simulated:
+                    self.simulated = True
+                self._note(event, "warning", event.text)
+            case events.ErrorTold():
+                self._note(event, "error", event.text)
+            case events.RunEnded():
                 self._ended(event)
 
-    def _live(self, data: Event, now_s: float) -> None:
-        name = str(data["name"])
-        known = self.live.get(name)
-        value = LiveValue(
-            name, float(data["value"]), str(data["unit"]), data["low"], data["high"], str(data["text"]), now_s
-        )
-        if known is not None:
+    def _live(self, data: "LiveData", now_s: float) -> None:
+        value = LiveValue(data, now_s)
+        if (known := self.live.get(data.name)) is not None:
             value.history = known.history
-        value.history.append(Seen(now_s, value.value, value.low, value.high))
-        self.live[name], self.newest_live = value, name
+        value.history.append(data)
+        self.live[data.name], self.newest_live = value, data.name
 
-    def _happened(self, event: Event) -> None:
-        data = event.get("data") or {}
-        if event["kind"] == "map-known":
-            self.map_known.append(data)
-        if event["kind"] in UNTOLD:
+    def _happened(self, event: "FirstMotionShown | DrivesLeft | Happened") -> None:
+        data = event.json_object()["data"]
+        if not isinstance(data, dict):
+            return
+        if event.kind == MAP_KNOWN:
+            self.map_known.append(MapKnowledge.of(data))
+        if event.kind in NOT_LOGGED:
             return
         # The first screen is painted before this is imported.
         from catseye.app.store.reader import StoredEvent
         from catseye.app.story.words import event_text
 
-        text = event_text(StoredEvent(0, str(event.get("t") or ""), str(event["kind"]), data))
+        text = event_text(StoredEvent(0, event.t, event.kind, data))
         if text:
-            self._say(event, "info", text)
+            self._note(event, "info", text)
 
-    def _warning(self, event: Event) -> None:
-        if isinstance(data := event.get("data"), dict) and data.get("simulated"):
-            self.simulated = True
-        self._say(event, str(event["event"]), str(event["text"]))
-
-    def _ended(self, event: Event) -> None:
+    def _ended(self, event: "RunEnded") -> None:
         self.ended, self.active, self.prompt = event, False, None
-        self.path = str(event.get("path") or self.path)
-        level = "info" if event.get("status") == "complete" else "error"
-        text = str(event.get("text") or "")
-        self._say(event, level, f"run {event['status']}" + (f": {text}" if text else ""))
+        self.path = event.path or self.path
+        level = "info" if event.status == "complete" else "error"
+        self._note(event, level, f"run {event.status}" + (f": {event.text}" if event.text else ""))
 
-    def _say(self, event: Event, level: str, text: str) -> None:
-        self.log.append(LogLine(str(event.get("t") or ""), level, text))
+    def _note(self, event: "Event", level: str, text: str) -> None:
+        self.log.append(LogLine(event.t, level, text))

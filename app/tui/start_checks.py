@@ -3,14 +3,12 @@
 import asyncio
 import difflib
 from pathlib import Path
-from typing import TYPE_CHECKING
 
-if TYPE_CHECKING:
-    from catseye.app.tui.app import CatseyeApp
+from catseye.app.tui.program import Program
 
 
-async def check_settings(app: "CatseyeApp", keymap: dict[str, str]) -> None:
-    """Tell of names in `keys.toml` that nothing has, of keys that two things have, and of a cell file of no use.
+async def check_settings(app: Program, keymap: dict[str, str]) -> None:
+    """Show names in `keys.toml` that nothing has, of keys that two things have, and of a cell file of no use.
 
     Args:
         app: the program.

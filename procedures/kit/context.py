@@ -111,6 +111,11 @@ Table = Literal["points", "search", "path", "records"]
 """Where a row is kept: distances, sightings of reflectors, points of a path, and anything else that was observed."""
 
 
+def in_band(value: float, low: float | None, high: float | None) -> bool:
+    """Return whether a value is accepted; None is no limit on that side."""
+    return (low is None or value >= low) and (high is None or value <= high)
+
+
 @dataclass(frozen=True)
 class Live:
     """A value that a technician watches while it changes.
@@ -134,7 +139,7 @@ class Live:
     @property
     def accepted(self) -> bool:
         """The value lies inside its band."""
-        return (self.low is None or self.value >= self.low) and (self.high is None or self.value <= self.high)
+        return in_band(self.value, self.low, self.high)
 
 
 @dataclass(frozen=True)

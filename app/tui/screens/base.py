@@ -1,7 +1,7 @@
 """What all main screens share: status above, stop bar and keys below, a body that shows the engine's state."""
 
 from collections.abc import Iterable
-from typing import TYPE_CHECKING, ClassVar, cast
+from typing import ClassVar, cast
 
 from textual.app import ComposeResult, SystemCommand
 from textual.containers import Vertical
@@ -9,14 +9,12 @@ from textual.screen import Screen
 from textual.worker import Worker, WorkerState
 
 from catseye.app.tui.engine_state import EngineState
+from catseye.app.tui.program import Program
 from catseye.app.tui.session import Session
 from catseye.app.tui.widgets.key_line import KeyLine
 from catseye.app.tui.widgets.screen_bar import ScreenBar
 from catseye.app.tui.widgets.status_bar import StatusBar
 from catseye.app.tui.widgets.stop_bar import StopBar
-
-if TYPE_CHECKING:
-    from catseye.app.tui.app import CatseyeApp
 
 
 class MainScreen(Screen[None]):
@@ -34,9 +32,9 @@ class MainScreen(Screen[None]):
         self.session = session
 
     @property
-    def catseye(self) -> "CatseyeApp":
+    def catseye(self) -> Program:
         """The program: it gives orders to the engine and shows errors."""
-        return cast("CatseyeApp", self.app)
+        return cast("Program", self.app)
 
     def compose(self) -> ComposeResult:
         """Put status, body, stop bar and keys together."""

@@ -1,7 +1,7 @@
 """The screen Bench: devices, arm, beam and air as they are now."""
 
 from collections.abc import Iterable
-from typing import Any, ClassVar, Final
+from typing import TYPE_CHECKING, ClassVar, Final
 
 from textual.app import ComposeResult, SystemCommand
 from textual.binding import Binding, BindingType
@@ -16,6 +16,10 @@ from catseye.app.tui.widgets.beam_panel import BeamPanel
 from catseye.app.tui.widgets.device_list import DeviceList
 from catseye.app.tui.widgets.plan_view import PlanView
 from catseye.app.tui.widgets.static_text import StaticText, lines
+
+if TYPE_CHECKING:
+    # The first screen is painted before this is imported.
+    from catseye.app.protocol.bench import BenchStatus
 
 _LOG_LINES: Final = 8
 _TROUBLES: Final = 4
@@ -82,7 +86,7 @@ class BenchScreen(MainScreen):
 
     def show_state(self, engine: EngineState, now_s: float) -> None:
         """Show the bench."""
-        bench, since_s = engine.bench or {}, now_s - engine.bench_at_s
+        bench, since_s = engine.bench, now_s - engine.bench_at_s
         self.query_one(DeviceList).show(bench, since_s)
         self._show_troubles(bench)
         self.query_one("#robot", StaticText).set_text(lines(*robot_lines(bench, since_s)))
@@ -101,19 +105,16 @@ class BenchScreen(MainScreen):
         self.query_one(BeamPanel).next_window()
         self.show_now()
 
-    def _show_troubles(self, bench: dict[str, Any]) -> None:
-        found = troubles(bench)
+    def _show_troubles(self, bench: "BenchStatus | None") -> None:
+        found = [] if bench is None else troubles(bench)
         most = _TROUBLES_LOW if self.has_class("-low") else _TROUBLES
-        told = [_trouble_line(*each) for each in (found if len(found) <= most else found[: most - 1])]
+        listed = [_trouble_line(*each) for each in (found if len(found) <= most else found[: most - 1])]
         if len(found) > most:
-            told.append(
-                Content.styled(
-                    f"✗ and {len(found) - len(told)} more: Enter tells all about a device", "$error"
-                )
-            )
+            more = f"✗ and {len(found) - len(listed)} more: Enter tells all about a device"
+            listed.append(Content.styled(more, "$error"))
         shown = self.query_one("#troubles", StaticText)
-        shown.display = bool(told)
-        shown.set_text(lines(*told))
+        shown.display = bool(listed)
+        shown.set_text(lines(*listed))
 
 
 def _trouble_line(name: str, text: str) -> Content:

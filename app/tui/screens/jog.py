@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Iterable
 from functools import partial
-from typing import Any, ClassVar, Final
+from typing import ClassVar, Final
 
 from textual.app import ComposeResult, SystemCommand
 from textual.binding import Binding, BindingType
@@ -18,8 +18,9 @@ from catseye.app.tui.jog_text import (
     cap_percent,
     entry_lines,
     fresh_joints,
-    is_simulated,
     jog_lines,
+    jog_percent_text,
+    jog_reason,
 )
 from catseye.app.tui.screens.base import MainScreen
 from catseye.app.tui.session import Session
@@ -49,7 +50,7 @@ class JogScreen(MainScreen):
     DEFAULT_CSS = """
     JogScreen #jog { height: 1fr; }
     JogScreen #keys { width: 46; height: 1fr; scrollbar-size-vertical: 1; }
-    JogScreen #told { height: auto; }
+    JogScreen #text { height: auto; }
     JogScreen #right { width: 1fr; }
     JogScreen #plan { height: 1.5fr; }
     JogScreen.-low #plan { display: none; }
@@ -118,7 +119,7 @@ class JogScreen(MainScreen):
         with Horizontal(id="jog"):
             with VerticalScroll(id="keys", classes="panel", can_focus=False) as panel:
                 panel.border_title = "Jog"
-                yield StaticText(id="told")
+                yield StaticText(id="text")
                 typed = Input(placeholder="type the cell's name, then F8", id="typed")
                 typed.display = False
                 yield typed
@@ -163,11 +164,12 @@ class JogScreen(MainScreen):
         jogs = self._jogs
         if self._jogged and not jogs:
             self.jog_client.let_go()
-            self.choices.said = str((engine.jog or {}).get("reason") or engine.trouble or "the jog is over")
+            self.choices.said = jog_reason(engine) or engine.trouble or "the jog is over"
         self._jogged = jogs
-        told = jog_lines(engine, self.choices, now_s) if jogs else self._entry(engine)
-        self.query_one("#told", StaticText).set_text(lines(*told))
-        self._show_typed(needed=not jogs and engine.bench is not None and not is_simulated(engine))
+        said = self.choices.said
+        shown = jog_lines(engine, self.choices, now_s) if jogs else entry_lines(engine, self.choices, said)
+        self.query_one("#text", StaticText).set_text(lines(*shown))
+        self._show_typed(needed=not jogs and engine.bench is not None and not engine.bench_simulated)
         self.query_one(BeamPanel).show(engine, now_s)
         self.query_one(PlanView).show(engine, now_s)
 
@@ -188,9 +190,11 @@ class JogScreen(MainScreen):
         """Stop the arm and end the jog."""
         self.jog_client.let_go()
         if self._jogs or self._beginning:
+            from catseye.app.protocol.requests import JogMode
+
             self._beginning = False
             self.catseye.order(
-                "jog", "The jog is not ended: USE THE EMERGENCY STOP if the arm moves", on=False
+                JogMode(on=False), "The jog is not ended: USE THE EMERGENCY STOP if the arm moves"
             )
 
     def action_move(self, joint: Joint, way: Way) -> None:
@@ -217,23 +221,24 @@ class JogScreen(MainScreen):
 
     def action_aim(self) -> None:
         """Choose the next reflector."""
-        self.choices.next_aim([str(each["name"]) for each in self._layout().get("reflectors", ())])
+        self.choices.next_aim([each.name for each in self.session.link.engine.reflectors])
         self.show_now()
 
     def action_point(self) -> None:
         """Turn J4 until the beam points at the aim, once F8 confirms it."""
         if not self._jogs or self.jog_client.busy:
             return
-        joints, aim = fresh_joints(self.session.link.engine, self.session.now_s()), self.choices.aim
+        engine, aim = self.session.link.engine, self.choices.aim
+        joints = fresh_joints(engine, self.session.now_s())
         if aim is None:
             self._say("there is nothing to point at: choose a reflector with t")
             return
-        if joints is None:
-            self._say("the joints that were told are too old")
+        if joints is None or engine.bench is None:
+            self._say("the joints that are known are too old")
             return
         from catseye.app.tui.pointing import pointing_j4_deg, turn_of_j4
 
-        target_deg = pointing_j4_deg(self._layout(), joints, aim)
+        target_deg = pointing_j4_deg(engine.bench.layout, joints, aim)
         if target_deg is None:
             self._say(f"J4 cannot point at {aim} within its limits")
             return
@@ -269,17 +274,13 @@ class JogScreen(MainScreen):
         engine = self.session.link.engine
         return engine.jogging and engine.in_control
 
-    def _layout(self) -> dict[str, Any]:
-        return (self.session.link.engine.bench or {}).get("layout") or {}
-
     def _take(self, *steps: Step) -> None:
         if self._jogs and self.jog_client.step(*steps):
             self._say("")
 
     def _speed(self) -> str:
         """Return the speed of motions by hand in words."""
-        jog = self.session.link.engine.jog or {}
-        return f"at {float(jog.get('percent') or 0.0):g} % of the programmed speed"
+        return f"at {jog_percent_text(self.session.link.engine)} of the programmed speed"
 
     def _ask(self, title: str, text: str, then: Callable[[], None]) -> None:
         """Say what will move, and have it done when F8 confirms it."""
@@ -289,7 +290,7 @@ class JogScreen(MainScreen):
         engine = self.session.link.engine
         percent = min(float(self.choices.percent), cap_percent(engine))
         kind = (
-            "emulators" if is_simulated(engine) else "a REAL ARM, whose cell has to be named on this screen"
+            "emulators" if engine.bench_simulated else "a REAL ARM, whose cell has to be named on this screen"
         )
         self._ask("Jog", f"The drives go on, at {percent:g} %; this is {kind}.", self.action_begin)
 
@@ -297,20 +298,22 @@ class JogScreen(MainScreen):
         unit = "mm" if joint == "beam" else "deg"
         if self._jogs and (joint != "beam" or self.choices.aim is not None):
             step = Step(joint, way * self.choices.by, self.choices.aim)
-            told = f"{text} by {self.choices.by:g} {unit}, {self._speed()}."
-            self._ask("One step", told, partial(self._take, step))
+            what = f"{text} by {self.choices.by:g} {unit}, {self._speed()}."
+            self._ask("One step", what, partial(self._take, step))
 
     async def _begin(self, percent: float, arm: str | None) -> None:
+        from catseye.app.protocol.message import MessageError
+        from catseye.app.protocol.requests import request_of
         from catseye.app.service.errors import RefusedError, ServiceError
 
-        link = self.session.link
         self._say("switching the drives on…")
         try:
-            if link.engine.control is None:
-                await link.request("control", take=True)
-            await link.request("jog", on=True, percent=percent, arm=arm)
+            # Nobody has looked at what is typed as the arm's name.
+            begin = request_of({"op": "jog", "on": True, "percent": percent, "arm": arm})
+            await self.session.take_free_control()
+            await self.session.link.request(begin)
             self._say("")
-        except (RefusedError, ServiceError) as error:
+        except (MessageError, RefusedError, ServiceError) as error:
             self._say("")
             if not self._beginning:
                 # It was ended before it had begun.
@@ -318,9 +321,6 @@ class JogScreen(MainScreen):
             self.catseye.show_error("The arm cannot be moved by hand", str(error))
         finally:
             self._beginning = False
-
-    def _entry(self, engine: EngineState) -> list[Any]:
-        return entry_lines(engine, self.choices, self.choices.said)
 
     def _show_typed(self, *, needed: bool) -> None:
         """Ask for the cell's name where the arm is real; a name is typed anew for each jog."""

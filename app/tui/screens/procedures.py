@@ -3,7 +3,7 @@
 from collections.abc import Iterable
 from functools import partial
 from pathlib import Path
-from typing import Any, ClassVar, Final
+from typing import TYPE_CHECKING, Any, ClassVar, Final
 
 from textual.app import ComposeResult, SystemCommand
 from textual.binding import Binding, BindingType
@@ -21,9 +21,11 @@ from catseye.app.tui.screens.base import MainScreen
 from catseye.app.tui.session import Session
 from catseye.app.tui.widgets.parameter_form import ParameterForm
 from catseye.app.tui.widgets.static_text import StaticText, lines
+from catseye.app.tui.widgets.status_bar import override_text
 
-_PROPER: Final = frozenset({"search", "speed"})
-"""Fields of a start that are no parameters of the procedure."""
+if TYPE_CHECKING:
+    # The first screen is painted before this is imported.
+    from catseye.app.protocol.requests import Start
 
 _WALK_LINES: Final = (
     "Its motions at 10 % and 250 mm/s at most; nothing is measured.",
@@ -124,7 +126,7 @@ class ProceduresScreen(MainScreen):
         self._devices: Need | None = None
         self._real = False
         self._rehearsing = False
-        self._rehearsed: tuple[dict[str, Any], Rehearsal] | None = None
+        self._rehearsed: tuple[Start, Rehearsal] | None = None
         self._ended: object = None
         self._cell: Path | None = None
         self._looking = False
@@ -176,9 +178,8 @@ class ProceduresScreen(MainScreen):
     def show_state(self, engine: EngineState, now_s: float) -> None:
         """Show whether the devices are there; look again after the end of a run."""
         del now_s
-        bench = engine.bench
-        need = links_need(None if bench is None else bench.get("devices"))
-        real = bench is not None and bench.get("simulated") is False
+        need = links_need(None if engine.bench is None else engine.bench.devices)
+        real = engine.bench_simulated is False
         if need != self._devices:
             self._devices = need
             self._show_needs()
@@ -240,13 +241,12 @@ class ProceduresScreen(MainScreen):
         if self._ready_to_go():
             self._show_start("Walk-through: ", [*_WALK_LINES, *self._start_lines()], walk=True)
 
-    def _show_start(self, kind: str, told: list[str], *, walk: bool) -> None:
-        engine, facts = self.session.link.engine, self._catalogue.procedures[self._chosen]
-        simulated = None if engine.bench is None else engine.bench.get("simulated")
-        title = f"{kind}{facts['title']}"
-        dialog = StartDialog(title, "\n".join(told), self._catalogue.cell, simulated=simulated)
-        words = self._words() | ({"walk": True} if walk else {})
-        self.app.push_screen(dialog, partial(self._begin, self._chosen, words))
+    def _show_start(self, kind: str, shown: list[str], *, walk: bool) -> None:
+        title = f"{kind}{self._catalogue.procedures[self._chosen]['title']}"
+        simulated = self.session.link.engine.bench_simulated
+        dialog = StartDialog(title, "\n".join(shown), self._catalogue.cell, simulated=simulated)
+        request = self._request().model_copy(update={"walk": walk})
+        self.app.push_screen(dialog, partial(self._begin, request))
 
     def on_option_list_option_highlighted(self, event: OptionList.OptionHighlighted) -> None:
         """Show another procedure."""
@@ -371,31 +371,44 @@ class ProceduresScreen(MainScreen):
         elif form.faults:
             self.notify("\n".join(form.faults), title="not possible", severity="error", markup=False)
         else:
-            return True
+            return self._fits_a_request()
         return False
 
-    def _words(self) -> dict[str, Any]:
-        """Return what a request to start carries."""
-        form, facts = self.query_one(ParameterForm), self._catalogue.procedures[self._chosen]
-        typed, cell = form.typed, self.session.cell
-        return {
-            "procedure": self._chosen,
+    def _fits_a_request(self) -> bool:
+        try:
+            self._request()
+        except ValueError as error:
+            self.notify(str(error), title="not possible", severity="error", markup=False)
+            return False
+        return True
+
+    def _request(self) -> "Start":
+        """Return the request that starts what is chosen, as it is shown before it is sent."""
+        from catseye.app.protocol.requests import Start
+
+        typed, cell = self.query_one(ParameterForm).typed, self.session.cell
+        return Start(
+            procedure=self._chosen,
             # The engine may have been started in another folder.
-            "cell": "" if cell is None else str(cell.absolute()),
-            "params": form.params(set(facts["params"])),
-            "search": typed.get("search", "auto"),
-            "speed": 1.0 if self._real else float(typed.get("speed", self.session.speed)),
-        }
+            cell=None if cell is None else str(cell.absolute()),
+            params=self._params(),
+            search=typed.get("search", "auto"),
+            speed=1.0 if self._real else float(typed.get("speed", self.session.speed)),
+        )
+
+    def _params(self) -> list[str]:
+        facts = self._catalogue.procedures[self._chosen]
+        return self.query_one(ParameterForm).params(set(facts["params"]))
 
     def _start_lines(self) -> list[str]:
-        words = self._words()
+        request = self._request()
         told = [f"{self._chosen} on cell {self._catalogue.cell} ({self.session.cell})"]
-        told += [f"  {text}" for text in words["params"]] or ["  every parameter at its default"]
+        told += [f"  {text}" for text in self._params()] or ["  every parameter at its default"]
         if self._catalogue.procedures[self._chosen]["needs_aim"]:
-            told.append(f"  aim: {words['search']}")
-        told += self._motion_lines(words)
-        if words["speed"] != 1.0:
-            told.append(f"  {words['speed']:g} bench seconds in one real second")
+            told.append(f"  aim: {request.search}")
+        told += self._motion_lines(request)
+        if request.speed != 1.0:
+            told.append(f"  {request.speed:g} bench seconds in one real second")
         needs = self._catalogue.procedures[self._chosen].get("needs", [])
         told += [
             f"{SIGNS[need['met']]} {need['what']}: {need['text']}" for need in needs if need["met"] != "met"
@@ -404,30 +417,26 @@ class ProceduresScreen(MainScreen):
             told.append(f"{SIGNS[self._devices.met]} {self._devices.what}: {self._devices.text}")
         return told
 
-    def _motion_lines(self, words: dict[str, Any]) -> list[str]:
+    def _motion_lines(self, request: "Start") -> list[str]:
         """Say where the arm goes first, how fast, at which override, as far as anybody knows."""
-        robot = (self.session.link.engine.bench or {}).get("robot") or {}
-        told = (
-            [f"  override {robot['override_percent']:g} %, at most {robot['override_cap_percent']:g} %"]
-            if robot
-            else []
-        )
-        if self._rehearsed is None or self._rehearsed[0] != words:
+        robot, told = self.session.link.engine.robot, list[str]()
+        if robot is not None:
+            told = [f"  override {override_text(robot)}, at most {robot.override_cap_percent:g} %"]
+        if self._rehearsed is None or self._rehearsed[0] != request:
             return [*told, "! not rehearsed with these parameters: r does that"]
         return [*told, f"  {self._rehearsed[1].first}", f"  {self._rehearsed[1].totals}"]
 
-    def _begin(self, name: str, words: dict[str, Any], permission: Permission | None) -> None:
+    def _begin(self, request: "Start", permission: Permission | None) -> None:
         if permission is None:
             return
-        self._say(f"{name} is being planned …")
+        self._say(f"{request.procedure} is being planned …")
         order = self.catseye.order(
-            "start", f"{name} does not begin", control=True, then=self._begun, arm=permission.arm, **words
+            request.model_copy(update={"arm": permission.arm}),
+            f"{request.procedure} does not begin",
+            control=True,
+            then=lambda: self.catseye.action_go("run"),
         )
         order.add_done_callback(self._planned)
-
-    def _begun(self, answer: dict[str, Any]) -> None:
-        del answer
-        self.catseye.action_go("run")
 
     def _planned(self, order: object) -> None:
         """Say no more that a run is being planned, whether it has begun or was refused."""
@@ -436,10 +445,10 @@ class ProceduresScreen(MainScreen):
             self._say("")
 
     async def _rehearse(self) -> None:
-        words = self._words()
-        arguments = ["run", words["procedure"], "--cell", words["cell"], "--runs", str(self.session.root)]
-        arguments += ["--search", words["search"], "--dry-run", "--json"]
-        for text in words["params"]:
+        request = self._request()
+        arguments = ["run", request.procedure, "--cell", request.cell or "", "--runs", str(self.session.root)]
+        arguments += ["--search", request.search, "--dry-run", "--json"]
+        for text in self._params():
             arguments += ["--param", text]
         table, totals, head = (
             self.query_one(Log),
@@ -457,7 +466,7 @@ class ProceduresScreen(MainScreen):
                 outcome = Content.styled(f"✗ {done.fault}", "$error")
                 return
             rehearsal = Rehearsal(done.data())
-            self._rehearsed = words, rehearsal
+            self._rehearsed = request, rehearsal
             outcome = _totals(rehearsal)
             head.set_text(Content(HEADER))
             table.write_lines(rehearsal.table(), scroll_end=False)

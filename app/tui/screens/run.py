@@ -12,6 +12,7 @@ from textual.containers import Horizontal, Vertical
 from textual.content import Content
 
 from catseye.app.guidance.after_run import CLEAR, Advice, after_run
+from catseye.app.protocol.state import ENDING, ControlState
 from catseye.app.tui.dialogs.motion_dialog import MotionDialog
 from catseye.app.tui.dialogs.override_dialog import OverrideDialog
 from catseye.app.tui.dialogs.start_dialog import Permission, StartDialog
@@ -193,16 +194,15 @@ class RunScreen(MainScreen):
         self.query_one(LivePanel).show(run, now_s)
         self.query_one(ResidualPlot).show(run)
         self.query_one(MapPlot).show(run)
-        self.query_one(RunLog).show(run, _holder(engine))
+        self.query_one(RunLog).show(run, _holder_text(engine))
         self.query_one(RunEnd).show(run, self._advice(run), self._doing)
         prompt, at_s = (None, 0.0) if run is None else (run.prompt, run.prompt_at_s)
         note = (
             ""
             if engine.in_control or engine.control is None
-            else f"{_holder(engine)} answers; c takes control"
+            else f"{engine.control.text} answers; c takes control"
         )
-        layout = (engine.bench or {}).get("layout") or {}
-        self.query_one(PromptPanel).show(prompt, at_s, now_s, speed, note, layout.get("reflectors", []))
+        self.query_one(PromptPanel).show(prompt, at_s, now_s, speed, note, engine.reflectors)
 
     def action_move(self) -> None:
         """Agree to the motion of the open question."""
@@ -211,14 +211,14 @@ class RunScreen(MainScreen):
     def action_ask_to_move(self) -> None:
         """Show the motion of the open question; F8 confirms it there too. From the palette Enter leads here."""
         panel = self._panel
-        asked, text = panel.prompt, panel.motion
+        asked, text = panel.asked, panel.motion
         if not text:
             self.notify("no motion waits for an answer", severity="warning")
             return
 
         def confirmed(move: bool | None) -> None:
-            if move and asked is not None and panel.prompt is asked:
-                self.on_prompt_panel_answered(PromptPanel.Answered(str(asked["id"]), panel.agreement))
+            if move and asked is not None and panel.asked is asked:
+                self.on_prompt_panel_answered(PromptPanel.Answered(asked.id, panel.agreement))
 
         self.app.push_screen(MotionDialog("The arm moves", text), confirmed)
 
@@ -250,8 +250,8 @@ class RunScreen(MainScreen):
 
     def action_override(self) -> None:
         """Ask for a lower override."""
-        robot = (self.session.link.engine.bench or {}).get("robot") or {}
-        self.app.push_screen(OverrideDialog(robot.get("override_percent")), self._lower)
+        robot = self.session.link.engine.robot
+        self.app.push_screen(OverrideDialog(None if robot is None else robot.override_percent), self._lower)
 
     def action_view(self) -> None:
         """Show the other plot; where both have room nothing changes."""
@@ -319,21 +319,25 @@ class RunScreen(MainScreen):
         self.show_now()
 
     async def _answer(self, prompt: str, text: str) -> None:
+        from catseye.app.protocol.message import MessageError
+        from catseye.app.protocol.requests import request_of
         from catseye.app.service.errors import RefusedError, ServiceError
 
-        link = self.session.link
         try:
-            if link.engine.control is None:
-                await link.request("control", take=True)
-            await link.request("answer", prompt=prompt, text=text)
-        except (RefusedError, ServiceError) as error:
+            # What is typed may be longer than an answer is.
+            reply = request_of({"op": "answer", "prompt": prompt, "text": text})
+            await self.session.take_free_control()
+            await self.session.link.request(reply)
+        except (MessageError, RefusedError, ServiceError) as error:
             self._panel.refuse(prompt, str(error))
 
     def _lower(self, percent: float | None) -> None:
         if percent is not None:
+            from catseye.app.protocol.requests import Override
+
             done = f"override at most {percent:g} % from the next motion on"
             self.catseye.order(
-                "override", "The override is not lowered", control=True, done=done, percent=percent
+                Override(percent=percent), "The override is not lowered", control=True, done=done
             )
 
     def _advice(self, run: RunState | None) -> list[Advice]:
@@ -342,18 +346,21 @@ class RunScreen(MainScreen):
         first = [CLEAR] if self.session.link.engine.aborted else []
         if run is None or run.ended is None:
             return first
-        return [*first, *after_run(run.procedure, str(run.ended["status"]), run.name, self.session.root)]
+        return [*first, *after_run(run.procedure, run.ended.status, run.name, self.session.root)]
 
     def _ask_to_resume(self, run: RunState) -> None:
-        bench = self.session.link.engine.bench or {}
+        engine = self.session.link.engine
         text = f"{run.name}\nSteps that are done are not repeated. What may have changed meanwhile is asked first."
-        simulated = run.simulated if run.simulated is not None else bench.get("simulated")
-        dialog = StartDialog(f"Go on: {run.title}", text, str(bench.get("cell") or ""), simulated=simulated)
+        simulated = run.simulated if run.simulated is not None else engine.bench_simulated
+        dialog = StartDialog(f"Go on: {run.title}", text, engine.cell_name, simulated=simulated)
         self.app.push_screen(dialog, partial(self._resume, run.name))
 
     def _resume(self, name: str, permission: Permission | None) -> None:
         if permission is not None:
-            self.catseye.order("resume", "The run does not go on", control=True, run=name, arm=permission.arm)
+            from catseye.app.protocol.requests import Resume
+
+            request = Resume(run=name, arm=permission.arm)
+            self.catseye.order(request, "The run does not go on", control=True)
 
     async def _do(self, advice: Advice, wanted: Path) -> None:
         """Run a command; what it says last is shown meanwhile."""
@@ -400,10 +407,10 @@ def _planned(facts: dict[str, Any]) -> list[PlannedStep]:
     ]
 
 
-def _holder(engine: EngineState) -> str:
+def _holder_text(engine: EngineState) -> str:
     if engine.control is None:
         return "nobody"
-    return "you" if engine.in_control else f"{engine.control.get('who')} ({engine.control.get('client')})"
+    return "you" if engine.in_control else engine.control.text
 
 
 def _instruction(engine: EngineState) -> Content:
@@ -417,22 +424,22 @@ def _instruction(engine: EngineState) -> Content:
         return Content("Start a procedure on Procedures (F3).")
     if not run.active:
         return Content("")
-    if run.prompt is not None and run.state not in {"STOPPING", "ABORTING"}:
+    if run.prompt is not None and run.state not in ENDING:
         return Content.styled("Answer the question below.", "$warning")
     match run.state:
-        case "HELD" | "HOLDING":
+        case ControlState.HELD | ControlState.HOLDING:
             return Content.styled(
                 f"Press g to go on; {run.reason}" if run.reason else "Press g to go on.", "$warning"
             )
-        case "SUSPENDED":
+        case ControlState.SUSPENDED:
             return Content.styled(f"Suspended: {run.reason}", "$warning")
-        case "SUSPENDING":
+        case ControlState.SUSPENDING:
             return Content.styled(f"Keep clear until the arm stands: {run.reason}", "$error")
-        case "UNSUSPENDING":
+        case ControlState.UNSUSPENDING:
             return Content.styled(f"Stopped, and nothing moves before you agree: {run.reason}", "$warning")
-        case "STOPPING" | "ABORTING":
+        case ControlState.STOPPING | ControlState.ABORTING:
             return Content.styled(f"Wait for standstill: {run.reason}", "$error")
-        case "STARTING" | "IDLE":
+        case ControlState.STARTING | ControlState.IDLE:
             return Content("Wait while the devices are connected.")
     if run.procedure == WALK:
         to = "" if run.current is None else f" {run.current.title}"

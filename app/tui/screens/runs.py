@@ -291,14 +291,14 @@ class RunsScreen(WorkScreen):
     def _resume(self, name: str, permission: Permission | None) -> None:
         if permission is None:
             return
-        arm = {} if permission.arm is None else {"arm": permission.arm}
-        self.catseye.order(
-            "resume", f"{name} does not go on", control=True, then=self._resumed, run=name, **arm
-        )
+        from catseye.app.protocol.requests import Resume
 
-    def _resumed(self, answer: object) -> None:
-        del answer
-        self.catseye.action_go("run")
+        self.catseye.order(
+            Resume(run=name, arm=permission.arm),
+            f"{name} does not go on",
+            control=True,
+            then=lambda: self.catseye.action_go("run"),
+        )
 
     def _export(self, line: "RunLine", answers: Answers | None) -> None:
         if answers is not None:

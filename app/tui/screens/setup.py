@@ -243,10 +243,11 @@ class SetupScreen(WorkScreen):
     async def _watch(self, *, on: bool) -> None:
         from contextlib import suppress
 
+        from catseye.app.protocol.requests import Watch
         from catseye.app.service.errors import RefusedError, ServiceError
 
         with suppress(RefusedError, ServiceError):
-            await self.session.link.request("watch", on=on)
+            await self.session.link.request(Watch(op="watch", on=on))
 
     async def _save(self) -> None:
         from catseye.app.cell.wizard.pages import PAGES

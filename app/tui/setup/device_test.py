@@ -13,9 +13,9 @@ from textual.content import Content
 from textual.screen import ModalScreen
 from textual.widgets import Label
 
+from catseye.app.results.numbers import duration_text
 from catseye.app.tui.widgets.key_line import KeyLine
 from catseye.app.tui.widgets.static_text import StaticText, lines
-from catseye.app.tui.words import duration_text
 from catseye.app.tui.work import Work
 
 _NOT_USABLE = 3
@@ -88,7 +88,9 @@ class DeviceTest(ModalScreen[None]):
     def _show_time(self) -> None:
         if self._running:
             gone = duration_text(self._now_s() - self._begun_s)
-            self.query_one("#found", StaticText).set_text(Content(f"asking who answers … {gone}   Esc cancels"))
+            self.query_one("#found", StaticText).set_text(
+                Content(f"asking who answers … {gone}   Esc cancels")
+            )
 
     async def _look(self) -> None:
         try:

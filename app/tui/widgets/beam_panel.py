@@ -32,5 +32,5 @@ class BeamPanel(Vertical):
 
     def show(self, engine: EngineState, now_s: float) -> None:
         """Show the beam."""
-        self.query_one(StaticText).set_text(lines(*beam_lines(engine.bench or {}, now_s - engine.bench_at_s)))
+        self.query_one(StaticText).set_text(lines(*beam_lines(engine.bench, now_s - engine.bench_at_s)))
         self.query_one(Strip).show(engine, now_s)

@@ -1,16 +1,20 @@
 """The value that is watched, big, with its acceptance band."""
 
-from typing import Final
+from typing import TYPE_CHECKING, Final
 
 from textual.app import ComposeResult
 from textual.containers import Horizontal
 from textual.content import Content
 from textual.widgets import Digits
 
-from catseye.app.tui.run_state import LiveValue, RunState
+from catseye.app.tui.run_state import RunState
 from catseye.app.tui.widgets.band_bar import band_bar, band_text, value_text
 from catseye.app.tui.widgets.static_text import StaticText, lines
 from catseye.app.tui.widgets.status_bar import STALE_S, age_style
+
+if TYPE_CHECKING:
+    # The first screen is painted before this is imported.
+    from catseye.app.protocol.events import LiveData
 
 _NUMBER_ROOM: Final = 28
 """Cells beside the bar: the number, and margins."""
@@ -42,7 +46,7 @@ class LivePanel(Horizontal):
             run: that is shown.
             now_s: monotonic time, s.
         """
-        live = None if run is None else run.live.get(run.newest_live)
+        live = None if run is None else run.newest
         number, band = self.query_one(Digits), self.query_one("#band", StaticText)
         if live is None or run is None:
             number.update("")
@@ -51,25 +55,25 @@ class LivePanel(Horizontal):
             return
         since_s = now_s - live.at_s
         stale = run.active and since_s > STALE_S
-        text = value_text(live.value)
+        text = value_text(live.data.value)
         if number.value != text:
             number.update(text)
         number.set_class(stale, "stale")
-        self.border_title = f"{live.name}{f' / {live.unit}' if live.unit else ''}"
+        self.border_title = f"{live.data.name}{f' / {live.data.unit}' if live.data.unit else ''}"
         age = age_style(0.0, since_s)[1] if run.active else " (the last one)"
-        band.set_text(_band(live, self.size.width - _NUMBER_ROOM, age, stale=stale))
+        band.set_text(_band(live.data, self.size.width - _NUMBER_ROOM, age, stale=stale))
 
 
-def _band(live: LiveValue, width: int, age: str, *, stale: bool) -> Content:
+def _band(live: "LiveData", width: int, age: str, *, stale: bool) -> Content:
     accepted = band_text(live.low, live.high, live.unit)
     if not accepted:
         return Content(live.text + age)
     word, style = ("IN", "$success") if live.accepted else ("OUT", "bold $error")
     style = "dim" if stale else style
-    told = [
+    shown = [
         Content.styled(band_bar(live, width), style),
         Content.assemble((word, style), f"  {accepted}{age}"),
     ]
     if live.text and not live.accepted:
-        told.append(Content(live.text))
-    return lines(*told)
+        shown.append(Content(live.text))
+    return lines(*shown)

@@ -46,20 +46,20 @@ class RunEnd(Vertical):
         self.set_class(ended, "open")
         if run is None or not ended:
             return
-        told = [
+        shown = [
             Content.assemble((f"{KEYS[each.kind]:>3}  ", "bold $accent"), f"{each.kind:<9} {each.text}")
             for each in advice
         ]
         if doing:
-            told.append(Content.styled(doing, "$text-muted"))
+            shown.append(Content.styled(doing, "$text-muted"))
         self.query_one("#outcome", StaticText).set_text(_outcome(run))
-        self.query_one("#advice", StaticText).set_text(lines(*told))
+        self.query_one("#advice", StaticText).set_text(lines(*shown))
 
 
 def _outcome(run: RunState) -> Content:
     if run.ended is None:
         return Content("it ended while nobody here was connected: Runs (F7) has its record")
-    status, text = str(run.ended["status"]), str(run.ended.get("text") or "")
+    status, text = run.ended.status, run.ended.text
     done = sum(step.status == "done" for step in run.steps.values())
     facts = f"  {done} steps" + (f", {run.points_seen} distances" if run.points_seen else "")
     style = "bold $success" if status == "complete" else "bold $error"

@@ -1,33 +1,41 @@
 """The two lines above every screen: what runs, in which state, on what; and the banner of a simulation."""
 
+from typing import TYPE_CHECKING, Final
+
 from textual.app import RenderResult
 from textual.content import Content
 from textual.widget import Widget
 
-from catseye.app.commands.progress import duration_text as whole_duration_text
+from catseye.app.protocol.state import ControlState
+from catseye.app.results.numbers import duration_text
 from catseye.app.tui.engine_state import EngineState
-from catseye.app.tui.words import bytes_text, duration_text
+from catseye.app.tui.words import bytes_text
+
+if TYPE_CHECKING:
+    # The first screen is painted before this is imported.
+    from catseye.app.protocol.bench import BenchStatus, RobotStatus
 
 Part = tuple[str, str]
 """Text and style."""
 
-_STATES = {
-    "EXECUTE": "$success bold",
-    "STARTING": "$primary bold",
-    "HELD": "$warning bold",
-    "HOLDING": "$warning bold",
-    "SUSPENDED": "$warning bold",
-    "SUSPENDING": "$error bold",
-    "UNSUSPENDING": "$warning bold",
-    "ABORTED": "$error bold",
-    "ABORTING": "$error bold",
-    "STOPPING": "$error bold",
-    "STOPPED": "$error bold",
-    "COMPLETE": "$success bold",
+_STATES: Final[dict[ControlState, str]] = {
+    ControlState.EXECUTE: "$success bold",
+    ControlState.STARTING: "$primary bold",
+    ControlState.HELD: "$warning bold",
+    ControlState.HOLDING: "$warning bold",
+    ControlState.SUSPENDED: "$warning bold",
+    ControlState.SUSPENDING: "$error bold",
+    ControlState.UNSUSPENDING: "$warning bold",
+    ControlState.ABORTED: "$error bold",
+    ControlState.ABORTING: "$error bold",
+    ControlState.STOPPING: "$error bold",
+    ControlState.STOPPED: "$error bold",
+    ControlState.COMPLETE: "$success bold",
 }
 _BANNER = "bold black on orange"
 _ALARM = "bold white on darkred"
-_LITTLE_BYTES = 1_000_000_000
+LITTLE_BYTES = 1_000_000_000
+"""Less free disk than this stands out."""
 
 
 class StatusBar(Widget):
@@ -84,11 +92,11 @@ class StatusBar(Widget):
         # "aborted" stands before its reason, below.
         if engine.run is not None and not engine.run.active and not engine.aborted:
             ended = engine.run.ended
-            word = str(ended["status"]) if ended else "ended unseen"
+            word = "ended unseen" if ended is None else ended.status
             text.append((f"{word} ", "$success bold" if word == "complete" else "$error bold"))
         if engine.aborted:
             text.append((f"aborted: {engine.aborted} ", "$error"))
-        elif engine.reason and engine.state not in {"EXECUTE", "COMPLETE"}:
+        elif engine.reason and engine.state not in {ControlState.EXECUTE, ControlState.COMPLETE}:
             text.append((engine.reason, ""))
         return text
 
@@ -97,7 +105,7 @@ class StatusBar(Widget):
         text: list[Part] = []
         if engine.drives_off_at_s is not None:
             left_s = max(0.0, engine.drives_off_at_s - self._now_s)
-            text.append((f"DRIVES ON, off in {whole_duration_text(left_s)} ", _BANNER))
+            text.append((f"DRIVES ON, off in {duration_text(left_s, whole=True)} ", _BANNER))
             text.append((" ", ""))
         bench = engine.bench
         if bench is None:
@@ -109,35 +117,30 @@ class StatusBar(Widget):
             text.append(("  ", ""))
         holder = engine.control
         if holder is not None and not engine.in_control:
-            text.append((f"control: {holder.get('who')}", "$warning"))
+            text.append((f"control: {holder.who}", "$warning"))
         return text
 
 
-def _bench_parts(bench: dict[str, object], since_s: float) -> list[Part]:
+def _bench_parts(bench: "BenchStatus", since_s: float) -> list[Part]:
     """Return pieces of the second line with their styles; what is old is dim and says how old it is."""
-    parts: list[Part] = [(str(bench.get("cell") or ""), "bold")]
-    robot, beam = bench.get("robot"), bench.get("beam")
-    if isinstance(robot, dict):
-        style, age = age_style(robot.get("age_s"), since_s)
-        alarm = f" ALARM {robot['alarm_number']}" if robot.get("alarm_number") else ""
-        servo = "on" if robot.get("servo_on") else "off"
-        parts.append((f"servo {servo} {robot.get('override_percent', 0):g} %{age}", style))
-        if alarm:
-            parts.append((alarm.strip(), "$error bold"))
-        if robot.get("emergency_stop"):
+    parts: list[Part] = [(bench.cell, "bold")]
+    robot, beam, free = bench.robot, bench.beam, bench.disk_free_bytes
+    if robot is not None:
+        style, age = age_style(robot.age_s, since_s)
+        servo = "on" if robot.servo_on else "off"
+        parts.append((f"servo {servo} {override_text(robot)}{age}", style))
+        if robot.alarm_number:
+            parts.append((f"ALARM {robot.alarm_number}", "$error bold"))
+        if robot.emergency_stop:
             parts.append(("E-STOP", _ALARM))
-    if isinstance(beam, dict):
-        style, age = age_style(beam.get("age_s"), since_s)
-        word = "beam ok" if beam.get("beam_ok") else "NO BEAM"
+    if beam is not None:
+        style, age = age_style(beam.age_s, since_s)
+        word = "beam ok" if beam.beam_ok else "NO BEAM"
         parts.append(
-            (
-                f"{word} {100 * float(beam.get('signal') or 0):.0f} %{age}",
-                style if beam.get("beam_ok") else "$error bold",
-            )
+            (f"{word} {100 * (beam.signal or 0.0):.0f} %{age}", style if beam.beam_ok else "$error bold")
         )
-    free = bench.get("disk_free_bytes")
-    if isinstance(free, (int, float)):
-        parts.append((f"disk {bytes_text(free)}", "$error bold" if free < _LITTLE_BYTES else ""))
+    if free is not None:
+        parts.append((f"disk {bytes_text(free)}", "$error bold" if free < LITTLE_BYTES else ""))
     return parts
 
 
@@ -145,7 +148,7 @@ STALE_S = 2.0
 """A value older than this is greyed and says its age."""
 
 
-def age_style(age_s: object, since_s: float, stale_s: float = STALE_S) -> tuple[str, str]:
+def age_style(age_s: float | None, since_s: float, stale_s: float = STALE_S) -> tuple[str, str]:
     """Return style and text for the age of a value.
 
     Args:
@@ -153,7 +156,12 @@ def age_style(age_s: object, since_s: float, stale_s: float = STALE_S) -> tuple[
         since_s: time since then.
         stale_s: older than this it is greyed and says its age.
     """
-    if not isinstance(age_s, (int, float)):
+    if age_s is None:
         return "dim", " (no sample)"
     total_s = age_s + max(since_s, 0.0)
     return ("", "") if total_s <= stale_s else ("dim", f" ({duration_text(total_s)} old)")
+
+
+def override_text(robot: "RobotStatus") -> str:
+    """Return the speed override now; a dash where the controller gives no number."""
+    return "—" if robot.override_percent is None else f"{robot.override_percent:g} %"

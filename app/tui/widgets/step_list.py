@@ -7,9 +7,9 @@ from typing import Final
 
 from textual.content import Content
 
+from catseye.app.results.numbers import duration_text
 from catseye.app.tui.run_state import RunState
 from catseye.app.tui.widgets.static_text import StaticText, lines
-from catseye.app.tui.words import duration_text
 
 DONE: Final = "✓"
 STORED: Final = "↺"

@@ -4,6 +4,7 @@ from textual.app import ComposeResult
 from textual.containers import Horizontal
 from textual.widgets import Button, Static
 
+from catseye.app.protocol.state import HELD
 from catseye.app.tui.engine_state import EngineState
 
 
@@ -29,7 +30,7 @@ class StopBar(Horizontal):
 
     def show(self, engine: EngineState) -> None:
         """Say what HOLD does now."""
-        held = engine.state in {"HELD", "HOLDING"} and engine.running
+        held = engine.state in HELD and engine.running
         button = self.query_one("#hold", Button)
         button.label = "GO ON g" if held else "HOLD h"
         button.action = "app.ask_to_go_on" if held else "app.hold"

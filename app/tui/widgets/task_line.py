@@ -4,10 +4,10 @@ from collections.abc import Callable
 
 from textual.content import Content
 
+from catseye.app.results.numbers import duration_text
 from catseye.app.tui.command_progress import CommandProgress, ProgressReader
 from catseye.app.tui.widgets.progress_line import bar
 from catseye.app.tui.widgets.static_text import StaticText
-from catseye.app.tui.words import duration_text
 
 _REFRESH_S = 0.5
 _SHORTEST_BAR = 8

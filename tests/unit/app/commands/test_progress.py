@@ -7,7 +7,8 @@ import pytest
 
 from catseye.app.commands.narrator import Narrator
 from catseye.app.commands.output import table
-from catseye.app.commands.progress import ProgressBar, duration_text
+from catseye.app.commands.progress import ProgressBar
+from catseye.app.results.numbers import duration_text
 from catseye.procedures.kit.context import Json
 
 
@@ -25,7 +26,7 @@ from catseye.procedures.kit.context import Json
     ],
 )
 def test_durations_as_people_read_them(seconds: float, text: str) -> None:
-    assert duration_text(seconds) == text
+    assert duration_text(seconds, whole=True) == text
 
 
 class Wall:

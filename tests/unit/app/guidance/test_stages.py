@@ -19,6 +19,7 @@ from catseye.app.guidance.stages import Stage, results_in, stages_of
 from catseye.app.guidance.survey import Survey, survey_cell
 from catseye.app.guidance.words import age_text
 from catseye.app.procedure_list import procedure_names
+from catseye.app.protocol.bench import DeviceStatus, LinkState
 from catseye.app.store.run_store import RunStore
 from catseye.procedures.kit.context import Json
 from tests.unit.app.engine.fakes import ManualClock
@@ -170,13 +171,20 @@ async def test_a_run_with_a_changed_time_is_passed_over(history: History, time_u
     assert [found.named(name) is not None for name in (sound, changed)] == [True, False]
 
 
+def robot(link: LinkState, error: str | None = None) -> DeviceStatus:
+    endpoint = "tcp://127.0.0.1:10001"
+    return DeviceStatus(
+        name="robot", endpoint=endpoint, driver="melfa-r3", link=link, identity=None, error=error, age_s=None
+    )
+
+
 def test_lost_devices_are_missing_and_unknown_ones_are_not() -> None:
     assert links_need(None).met == "advised"
-    assert links_need([{"name": "robot", "link": "ok"}]).met == "met"
-    lost = links_need([{"name": "robot", "link": "lost", "error": "no answer: is it on?"}])
+    assert links_need([robot("ok")]).met == "met"
+    lost = links_need([robot("lost", "no answer: is it on?")])
     assert lost.met == "missing"
     assert lost.text == "robot: no answer: is it on?"
-    assert links_need([{"name": "robot", "link": "connecting"}]).met == "advised"
+    assert links_need([robot("connecting")]).met == "advised"
 
 
 @pytest.mark.parametrize("provenance", ["anywhere", ["a run"], {"runs": None}, {"runs": 7}, None])

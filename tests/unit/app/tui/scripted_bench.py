@@ -1,9 +1,10 @@
-"""A bench as an engine tells it, and a beam that was sampled."""
+"""A bench as an engine sends it, and a beam that was sampled."""
 
 import copy
 import math
 from typing import Any
 
+from catseye.app.protocol.bench import BenchStatus
 from tests.unit.app.tui.scripted import ScriptedLink
 
 
@@ -12,6 +13,7 @@ def _device(name: str, driver: str, port: int, model: str, firmware: str, serial
         "name": name,
         "endpoint": f"tcp://127.0.0.1:{port}",
         "driver": driver,
+        "moves_arm": name == "robot",
         "link": "ok",
         "identity": {"model": model, "firmware": firmware, "serial": serial, "simulated": True},
         "error": None,
@@ -95,15 +97,20 @@ def bench(**parts: Any) -> dict[str, Any]:
     return told
 
 
-def tell_strip(link: ScriptedLink, columns: int = 500) -> None:
-    """Tell ten seconds of the beam: a slow wave, a gap, and one spike of a single sample."""
+def bench_status(**parts: Any) -> BenchStatus:
+    """Return that bench, with other parts, as screens have it."""
+    return BenchStatus.model_validate(bench(**parts))
+
+
+def publish_strip(link: ScriptedLink, columns: int = 500) -> None:
+    """Publish ten seconds of the beam: a slow wave, a gap, and one spike of a single sample."""
     low: list[float | None] = [743.121 + 0.002 * math.sin(number / 40) for number in range(columns)]
     high = [None if value is None else value + 0.0005 for value in low]
     high[columns // 2] = 743.130
     for number in range(columns // 5, columns // 4):
         low[number] = high[number] = None
     count = [0 if value is None else 4 for value in low]
-    link.tell(
+    link.publish(
         "samples",
         quantity="displacement_mm",
         period_s=0.02,

@@ -1,10 +1,12 @@
-"""A run as an engine tells it: steps, values, a question, an end."""
+"""A run as an engine sends it: steps, values, a question, an end."""
 
 import json
 from typing import Any, Final
 
+from catseye.app.protocol.events import LiveData
 from catseye.app.tui.run_state import SoFar
 from catseye.app.tui.work import Done
+from catseye.procedures.kit.context import Live
 from tests.unit.app.tui.scripted import ScriptedLink
 
 RUN: Final = "20261121T090000Z_open-loop_abc123"
@@ -64,9 +66,9 @@ REHEARSAL: Final = Done(
 )
 
 
-def tell(link: ScriptedLink, event: str, **fields: Any) -> None:
-    """Have the engine tell something about the run."""
-    link.tell(event, **{**fields, "run": RUN})
+def publish(link: ScriptedLink, event: str, **fields: Any) -> None:
+    """Have the engine send something about the run."""
+    link.publish(event, **{**fields, "run": RUN})
 
 
 def ask(link: ScriptedLink, **fields: Any) -> None:
@@ -79,30 +81,30 @@ def ask(link: ScriptedLink, **fields: Any) -> None:
         "task": None,
         "motion": False,
     }
-    tell(link, "prompt", **{**question, **fields})
+    publish(link, "prompt", **{**question, **fields})
 
 
 def show_value(
     link: ScriptedLink, name: str, value: float, low: float | None, high: float | None, unit: str
 ) -> None:
     """Have the engine show a live value."""
-    data = {"name": name, "value": value, "unit": unit, "low": low, "high": high, "text": "look at it"}
-    tell(link, "state", state="EXECUTE", kind="live", data=data)
+    data = LiveData.of(Live(name, value, unit, low, high, "look at it"))
+    publish(link, "state", state="EXECUTE", kind="live", data=data.json_object())
 
 
 def measure(link: ScriptedLink) -> None:
-    """Tell four steps of a measurement, the last one under way."""
+    """Publish four steps of a measurement, the last one under way."""
     run = link.engine.run
     assert run is not None
-    run.take_record(SoFar([], [], 0, [], [], ("run", "open-loop", "--dry-run", "--json")))
+    run.take_record(SoFar([], 0, [], [], ("run", "open-loop", "--dry-run", "--json")))
     for number in range(4):
         step = {"step": f"P1/{number:04d}", "title": f"P1: θ1 {20 * number - 140}° (+), θ2 0° (+)"}
-        tell(link, "step-started", **step, attempt=1)
+        publish(link, "step-started", **step, attempt=1)
         if number == 3:
             break
-        tell(link, "point", step=step["step"], point={"theta1_deg": 1.0})
-        tell(link, "step-done", **step, stored=number == 0)
-        tell(
+        publish(link, "point", step=step["step"], point={"theta1_deg": 1.0})
+        publish(link, "step-done", **step, stored=number == 0)
+        publish(
             link,
             "state",
             state="EXECUTE",
@@ -110,10 +112,18 @@ def measure(link: ScriptedLink) -> None:
             data={"u_theta1_mdeg": 40.0 / (number + 1), "u_theta2_mdeg": 20.0 / (number + 1)},
         )
         show_value(link, "innovation", [1.0, -2.0, 14.0][number], -9.0, 9.0, "µm")
-    tell(link, "progress", done=3.9, total=10.4, text="P1 point 3/8", elapsed_s=4.0, remaining_s=6.7)
-    tell(link, "warning", text="the drift at the reference pose is 31 µm")
+    publish(link, "progress", done=3.9, total=10.4, text="P1 point 3/8", elapsed_s=4.0, remaining_s=6.7)
+    publish(link, "warning", text="the drift at the reference pose is 31 µm")
 
 
 def end(link: ScriptedLink, status: str, text: str = "") -> None:
     """End the run."""
-    tell(link, "run-ended", status=status, exit_code=0, text=text, path=f"/bench/catseye-runs/{RUN}")
+    publish(
+        link,
+        "run-ended",
+        status=status,
+        exit_code=0,
+        text=text,
+        path=f"/bench/catseye-runs/{RUN}",
+        drives_on=False,
+    )

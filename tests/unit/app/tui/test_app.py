@@ -26,7 +26,7 @@ RUN = {
 
 
 def ops(link: ScriptedLink) -> list[str]:
-    return [str(request["op"]) for request in link.asked]
+    return link.ops
 
 
 @pytest.mark.parametrize("dialog", [False, True])
@@ -53,17 +53,6 @@ async def test_stop_key_works_in_the_palette_and_in_an_input() -> None:
         assert ops(link) == ["stop"]
 
 
-async def test_ctrl_c_climbs_the_ladder() -> None:
-    link = ScriptedLink(RUN)
-    app = make_app(link)
-    async with app.run_test(size=(80, 24)) as pilot:
-        for state, asked in (("EXECUTE", "hold"), ("HELD", "stop"), ("STOPPING", "abort")):
-            link.tell("state", run=RUN["run"], state=state, reason="")
-            await pilot.press("ctrl+c")
-            await pilot.pause()
-            assert ops(link)[-1] == asked
-
-
 async def test_button_says_what_it_does_and_only_f8_lets_the_arm_move() -> None:
     link = ScriptedLink(RUN)
     app = make_app(link)
@@ -74,7 +63,7 @@ async def test_button_says_what_it_does_and_only_f8_lets_the_arm_move() -> None:
         await pilot.click("#hold")
         await pilot.pause()
         assert ops(link) == ["hold"]
-        link.tell("state", run=RUN["run"], state="HELD", reason="at a checkpoint")
+        link.publish("state", run=RUN["run"], state="HELD", reason="at a checkpoint")
         assert "GO ON g" in await shown(app, pilot)
         await pilot.click("#hold")
         assert "goes on where it was held" in await shown(app, pilot)
@@ -119,8 +108,14 @@ async def test_quitting_with_stop_waits_for_the_end_of_the_run() -> None:
         await pilot.pause()
         assert ops(link) == ["stop"]
         assert link.left == []
-        ended: dict[str, Any] = {"status": "stopped", "exit_code": 5, "text": "", "path": "/bench"}
-        link.tell("run-ended", **{**ended, "run": RUN["run"]})
+        ended: dict[str, Any] = {
+            "status": "stopped",
+            "exit_code": 5,
+            "text": "",
+            "path": "/bench",
+            "drives_on": False,
+        }
+        link.publish("run-ended", **{**ended, "run": RUN["run"]})
         await pilot.pause()
         assert link.left == [True]
 
@@ -132,7 +127,7 @@ async def test_quitting_a_jog_stops_the_arm_first_and_stays_where_that_fails(
         raise ServiceError("no engine answers: use the emergency stop if the arm moves")
 
     link = ScriptedLink()
-    link.tell("jog", on=True, by="Ada (tui-1)", percent=5.0, moving="j1")
+    link.publish("jog", on=True, by="Ada (tui-1)", percent=5.0, moving="j1")
     app = make_app(link)
     async with app.run_test(size=(80, 24)) as pilot:
         with monkeypatch.context() as patch:
@@ -277,4 +272,4 @@ async def test_nothing_is_begun_when_the_time_to_look_at_the_settings_comes_duri
     async with app.run_test(size=(80, 24)):
         pass
     app._look_at_settings()  # noqa: SLF001  # as its timer does
-    assert not app._orders  # noqa: SLF001  # what goes on beside the screens
+    assert not app._tasks  # noqa: SLF001  # what goes on beside the screens

@@ -2,10 +2,10 @@
 
 import asyncio
 from collections.abc import AsyncIterator, Callable
-from typing import Any
 
 import pytest
 
+from catseye.app.protocol.requests import AnyRequest, JogHold, JogStep, Plain
 from catseye.app.service.errors import RefusedError
 from catseye.app.tui.jog_client import JogClient, Step
 from tests.unit.app.tui.scripted import ScriptedLink
@@ -16,15 +16,15 @@ class Rig:
 
     def __init__(self, *, answers_steps: bool = True) -> None:
         self.link = ScriptedLink()
-        self.told: list[str] = []
+        self.failures: list[str] = []
         self.stands = asyncio.Event()
         self.naps = asyncio.Event()
         if not answers_steps:
             self.link.request = self._request  # type: ignore[method-assign]  # an arm that is on its way
-        self.jog_client = JogClient(self.link, lambda: self.link.now_s, self.told.append, self._nap)
+        self.jog_client = JogClient(self.link, lambda: self.link.now_s, self.failures.append, self._nap)
 
     @property
-    def asked(self) -> list[dict[str, Any]]:
+    def asked(self) -> list[AnyRequest]:
         return self.link.asked
 
     async def until(self, met: Callable[[], bool]) -> None:
@@ -48,11 +48,10 @@ class Rig:
     async def _nap(self, _: float) -> None:
         await self.naps.wait()
 
-    async def _request(self, op: str, **fields: Any) -> dict[str, Any]:
-        self.link.asked.append({"op": op, **fields})
-        if op == "jog-step":
+    async def _request(self, request: AnyRequest) -> None:
+        self.link.asked.append(request)
+        if isinstance(request, JogStep):
             await self.stands.wait()
-        return {}
 
 
 @pytest.fixture
@@ -71,8 +70,8 @@ async def moving_rig() -> AsyncIterator[Rig]:
     await made.settle()
 
 
-HOLD = {"op": "jog-hold", "joint": "j1", "direction": 1}
-STOP = {"op": "jog-hold", "joint": "j1", "direction": 0}
+HOLD = JogHold(joint="j1", direction=1)
+STOP = JogHold(joint="j1", direction=0)
 
 
 async def held(rig: Rig) -> None:
@@ -117,15 +116,15 @@ async def test_the_other_way_stops_first(rig: Rig) -> None:
     assert rig.asked[-1] == STOP
     rig.jog_client.press("j1", -1)
     await rig.settle()
-    assert rig.asked[-1] == {**HOLD, "direction": -1}
+    assert rig.asked[-1] == JogHold(joint="j1", direction=-1)
 
 
-async def test_a_refusal_ends_the_hold_and_is_told_once(rig: Rig) -> None:
+async def test_a_refusal_ends_the_hold_and_is_reported_once(rig: Rig) -> None:
     rig.link.refusals["jog-hold"] = "J1 comes too near to its limit: go on by steps"
     await held(rig)
     for _ in range(3):
         await rig.pass_time(0.01)
-    assert rig.told == ["J1 comes too near to its limit: go on by steps"]
+    assert rig.failures == ["J1 comes too near to its limit: go on by steps"]
     assert rig.asked == [HOLD, STOP]
 
 
@@ -136,8 +135,7 @@ async def test_a_step_is_kept_alive_until_the_arm_stands_and_no_other_begins(mov
     assert not rig.jog_client.step(Step("j1", 5.0))
     for _ in range(3):
         await rig.pass_time(0.05)
-    asked = {"op": "jog-step", "joint": "j2", "by": -0.1, "aim": "P1"}
-    assert rig.asked == [asked, *[{"op": "ping"}] * 3]
+    assert rig.asked == [JogStep(joint="j2", by=-0.1, aim="P1"), *[Plain(op="ping")] * 3]
     rig.stands.set()
     await rig.until(lambda: not rig.jog_client.busy)
     await rig.pass_time(0.05)
@@ -148,13 +146,13 @@ async def test_a_step_is_kept_alive_until_the_arm_stands_and_no_other_begins(mov
 async def test_steps_follow_one_another_and_end_at_a_refusal(rig: Rig) -> None:
     rig.jog_client.step(Step("j4", 80.0), Step("j4", 80.0))
     await rig.until(lambda: not rig.jog_client.busy)
-    assert [each["by"] for each in rig.asked if each["op"] == "jog-step"] == [80.0, 80.0]
+    assert [step.by for step in rig.link.asked_for(JogStep)] == [80.0, 80.0]
     rig.asked.clear()
     rig.link.refusals["jog-step"] = "J4 would leave its range"
     rig.jog_client.step(Step("j4", 80.0), Step("j4", 80.0))
     await rig.until(lambda: not rig.jog_client.busy)
-    assert [each["op"] for each in rig.asked] == ["jog-step"]
-    assert rig.told == ["J4 would leave its range"]
+    assert rig.link.ops == ["jog-step"]
+    assert rig.failures == ["J4 would leave its range"]
 
 
 async def test_letting_go_stops_a_step(moving_rig: Rig) -> None:
@@ -163,15 +161,15 @@ async def test_letting_go_stops_a_step(moving_rig: Rig) -> None:
     await rig.settle()
     rig.jog_client.let_go()
     await rig.settle()
-    assert [each["op"] for each in rig.asked] == ["jog-step", "jog-hold"]
-    assert rig.asked[-1]["direction"] == 0
+    assert rig.link.ops == ["jog-step", "jog-hold"]
+    assert [hold.direction for hold in rig.link.asked_for(JogHold)] == [0]
 
 
 async def test_an_engine_that_answers_nothing_is_fed_no_longer(rig: Rig) -> None:
     silent = asyncio.Event()
 
-    async def no_answer(op: str, **fields: Any) -> dict[str, Any]:
-        rig.asked.append({"op": op, **fields})
+    async def no_answer(request: AnyRequest) -> None:
+        rig.asked.append(request)
         await silent.wait()
         raise RefusedError("late")
 
@@ -184,5 +182,5 @@ async def test_an_engine_that_answers_nothing_is_fed_no_longer(rig: Rig) -> None
             break
     assert not rig.jog_client.busy
     assert rig.asked[-1] == STOP
-    assert "does not answer" in rig.told[0]
+    assert "does not answer" in rig.failures[0]
     silent.set()

@@ -9,7 +9,7 @@ async def test_the_run_is_named_and_neither_control_nor_the_arm_is_asked_for() -
     link = ScriptedLink({**SNAPSHOT, "control": {"client": "attach-2", "who": "Bob"}})
     app = make_app(link, "jog")
     async with app.run_test(size=(80, 24), notifications=True) as pilot:
-        link.tell("bench", **BENCH)
+        link.publish("bench", **BENCH)
         await shown(app, pilot)
         await pilot.press("f8")
         await app.workers.wait_for_complete()

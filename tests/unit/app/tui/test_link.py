@@ -13,6 +13,7 @@ from pathlib import Path
 
 import pytest
 
+from catseye.app.protocol.requests import Start
 from catseye.app.service.address import socket_folder, socket_name
 from catseye.app.service.errors import RefusedError, ServiceError
 from catseye.app.tui import link as link_module
@@ -151,7 +152,7 @@ async def test_order_to_a_deaf_engine_ends_with_a_text(root: Path) -> None:
         await until(lambda: link.engine.bench is not None)
         engine.deaf = True
         with pytest.raises(ServiceError, match="does not answer"):
-            await link.request("start")
+            await link.request(Start(procedure="open-loop"))
         assert link.engine.silent_since_s is not None
 
 
@@ -175,11 +176,11 @@ async def test_quitting_ends_an_engine_that_nobody_else_uses(
     # What the snapshot said is the state of things when this client came.
     async with engine.at(root), serving(link) as until:
         await until(lambda: link.engine.bench is not None)
-        engine.tell(event="clients", clients=[*SNAPSHOT["clients"], {"client": "x-3", "who": "Eve"}])
-        engine.tell(event="clients", clients=(now := [*SNAPSHOT["clients"], *others]))
-        engine.tell(event="warning", text="told", data={})
+        engine.publish(event="clients", clients=[*SNAPSHOT["clients"], {"client": "x-3", "who": "Eve"}])
+        engine.publish(event="clients", clients=(now := [*SNAPSHOT["clients"], *others]))
+        engine.publish(event="warning", text="told", data={})
         await until(lambda: bool(link.engine.log))
-        assert link.engine.clients == now
+        assert [dict(client) for client in link.engine.clients] == now
         await link.leave(end_engine=True)
     assert ("shutdown" in engine.asked) == ends
 

@@ -26,4 +26,4 @@ async def test_enter_alone_changes_nothing(place: str) -> None:
         await shown(app, pilot)
         assert app.current_mode == "bench"
         # Of the screen Terminal: it looks at the traffic while it is shown.
-        assert [request for request in link.asked if request["op"] != "traffic"] == []
+        assert [request for request in link.asked if request.op != "traffic"] == []

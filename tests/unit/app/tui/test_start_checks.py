@@ -71,7 +71,7 @@ async def test_an_engine_of_another_cell_is_asked_about(tmp_path: Path) -> None:
         await pilot.press("escape")
         await pilot.pause()
         assert app.session.cell == Path("/bench/cell.toml")
-        assert [one for one in link.asked if one["op"] == "shutdown"] == []
+        assert [one for one in link.asked if one.op == "shutdown"] == []
 
 
 async def test_an_engine_of_another_cell_is_left_alone_during_a_run(tmp_path: Path) -> None:

@@ -1,25 +1,24 @@
 """What becomes of columns that were missed, and of the strip when the engine is another one."""
 
 from itertools import pairwise
-from typing import Any
 
+from catseye.app.protocol.events import SamplesTaken
 from catseye.app.tui.engine_state import STRIP_COLUMNS, Column, EngineState
 from catseye.app.tui.widgets.strip import Strip
-from tests.unit.app.tui.scripted import ScriptedLink, make_app, shown
-from tests.unit.app.tui.scripted_bench import BENCH, tell_strip
+from tests.unit.app.tui.scripted import ScriptedLink, make_app, shown, snapshot_with
+from tests.unit.app.tui.scripted_bench import BENCH, publish_strip
 from tests.unit.app.tui.widgets.dots import dots_of
 
 
-def samples(values: list[float | None], missed: int = 0) -> dict[str, Any]:
-    return {
-        "event": "samples",
-        "quantity": "displacement_mm",
-        "period_s": 0.02,
-        "low": values,
-        "high": values,
-        "count": [0 if value is None else 1 for value in values],
-        "missed": missed,
-    }
+def samples(values: list[float | None], missed: int = 0) -> SamplesTaken:
+    return SamplesTaken(
+        quantity="displacement_mm",
+        period_s=0.02,
+        low=tuple(values),
+        high=tuple(values),
+        count=tuple(0 if value is None else 1 for value in values),
+        missed=missed,
+    )
 
 
 def test_missed_columns_are_gaps_and_counted() -> None:
@@ -39,7 +38,7 @@ def test_a_new_engine_begins_a_new_strip() -> None:
     engine = EngineState()
     engine.take(samples([1.0, 2.0]), 0.0)
     engine.lost("the engine is gone")
-    engine.met({"clients": [], "you": "tui-1"}, 9.0)
+    engine.met(snapshot_with(), 9.0)
     assert not engine.strip
 
 
@@ -47,7 +46,7 @@ async def test_a_gap_on_the_screen_is_as_wide_as_the_time_that_was_missed() -> N
     link = ScriptedLink()
     app = make_app(link)
     async with app.run_test(size=(120, 40)) as pilot:
-        link.tell("bench", **BENCH)
+        link.publish("bench", **BENCH)
         for values, missed in (([743.1] * 200, 0), ([743.1] * 200, 80)):
             link.engine.take(samples(list(values), missed), link.now_s)
         await shown(app, pilot)
@@ -65,8 +64,8 @@ async def test_the_scale_stays_while_nothing_comes() -> None:
     link = ScriptedLink()
     app = make_app(link)
     async with app.run_test(size=(120, 40)) as pilot:
-        link.tell("bench", **BENCH)
-        tell_strip(link)
+        link.publish("bench", **BENCH)
+        publish_strip(link)
         await shown(app, pilot)
         strip = app.screen.query_one(Strip)
         scale = strip.scale

@@ -1,0 +1,1 @@
+"""What a run and its analyses say: results as data, numbers as people read them."""
