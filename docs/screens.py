@@ -10,6 +10,7 @@ from typing import Any, Final
 from textual.pilot import Pilot
 
 from catseye.app.emulation import emulator_process
+from catseye.app.protocol.requests import Start
 from catseye.app.tui.app import CatseyeApp
 from catseye.app.tui.link import EngineLink
 from catseye.app.tui.session import Session
@@ -42,7 +43,7 @@ async def _visit(folder: Path, cell: Path) -> None:
     app = CatseyeApp(Session(link, Commands(), root, cell, clock.monotonic_s, _SPEED))
     async with app.run_test(size=_SIZE) as pilot:
         engine = link.engine
-        await _until(pilot, lambda: bool(engine.bench and engine.bench.get("robot")))
+        await _until(pilot, lambda: engine.robot is not None)
         await _run(app, pilot, "reflector-search", lambda: engine.run is not None and not engine.running)
         await pilot.pause(_STRIP_S)
         await _take(app, pilot, "bench", "bench")
@@ -98,8 +99,8 @@ async def _wizard(app: CatseyeApp, pilot: Pilot[Any]) -> None:
 async def _run(app: CatseyeApp, pilot: Pilot[Any], procedure: str, ready: Callable[[], bool]) -> None:
     link = app.session.link
     before = link.engine.run
-    await link.request("control", take=True)
-    await link.request("start", procedure=procedure, speed=_SPEED)
+    await app.session.take_free_control()
+    await link.request(Start(procedure=procedure, speed=_SPEED))
     await _until(pilot, lambda: link.engine.run is not before and ready())
 
 
@@ -108,7 +109,7 @@ def _share(app: CatseyeApp) -> float:
     run = app.session.link.engine.run
     if run is None or run.progress is None:
         return 0.0
-    return float(run.progress["done"]) / float(run.progress["total"])
+    return run.progress.share
 
 
 async def _take(app: CatseyeApp, pilot: Pilot[Any], place: str, name: str) -> None:
