@@ -13,7 +13,7 @@ class ErrorDialog(MessageDialog):
 
     Args:
         title: what could not be done.
-        text: cause and remedy, as the engine or a command told them.
+        text: cause and remedy, as the engine or a command has given them.
     """
 
     DEFAULT_CSS = """

@@ -284,8 +284,8 @@ class ProceduresScreen(MainScreen):
             self._show_list()
             self.query_one("#needed", StaticText).set_text(Content(f"✗ {done.fault}").stylize("$error"))
             return
-        told = done.data() if done.out.strip() else []
-        self._catalogue = Catalogue.of(told if isinstance(told, list) else [told])
+        data = done.data() if done.out.strip() else []
+        self._catalogue = Catalogue.of(data if isinstance(data, list) else [data])
         self._show_list()
 
     def _show_list(self) -> None:
@@ -342,7 +342,7 @@ class ProceduresScreen(MainScreen):
         needs = [(need["what"], need["met"], need["text"]) for need in facts.get("needs", [])]
         if self._devices is not None:
             needs.append((self._devices.what, self._devices.met, self._devices.text))
-        told = [
+        shown = [
             Content.assemble(
                 (SIGNS[met], STYLES[met]), f" {what:<11} ", (text, "" if met == "met" else STYLES[met])
             )
@@ -351,7 +351,7 @@ class ProceduresScreen(MainScreen):
         last = facts.get("last")
         text = "none on this cell" if last is None else f"{last['id']}: {last['status']}, {last['age']}"
         self.query_one("#needed", StaticText).set_text(
-            lines(*told, Content.assemble(("  last run    ", "dim"), text))
+            lines(*shown, Content.assemble(("  last run    ", "dim"), text))
         )
 
     def _show_part(self, part: str) -> None:
@@ -402,29 +402,29 @@ class ProceduresScreen(MainScreen):
 
     def _start_lines(self) -> list[str]:
         request = self._request()
-        told = [f"{self._chosen} on cell {self._catalogue.cell} ({self.session.cell})"]
-        told += [f"  {text}" for text in self._params()] or ["  every parameter at its default"]
+        shown = [f"{self._chosen} on cell {self._catalogue.cell} ({self.session.cell})"]
+        shown += [f"  {text}" for text in self._params()] or ["  every parameter at its default"]
         if self._catalogue.procedures[self._chosen]["needs_aim"]:
-            told.append(f"  aim: {request.search}")
-        told += self._motion_lines(request)
+            shown.append(f"  aim: {request.search}")
+        shown += self._motion_lines(request)
         if request.speed != 1.0:
-            told.append(f"  {request.speed:g} bench seconds in one real second")
+            shown.append(f"  {request.speed:g} bench seconds in one real second")
         needs = self._catalogue.procedures[self._chosen].get("needs", [])
-        told += [
+        shown += [
             f"{SIGNS[need['met']]} {need['what']}: {need['text']}" for need in needs if need["met"] != "met"
         ]
         if self._devices is not None and self._devices.met != "met":
-            told.append(f"{SIGNS[self._devices.met]} {self._devices.what}: {self._devices.text}")
-        return told
+            shown.append(f"{SIGNS[self._devices.met]} {self._devices.what}: {self._devices.text}")
+        return shown
 
     def _motion_lines(self, request: "Start") -> list[str]:
         """Say where the arm goes first, how fast, at which override, as far as anybody knows."""
-        robot, told = self.session.link.engine.robot, list[str]()
+        robot, shown = self.session.link.engine.robot, list[str]()
         if robot is not None:
-            told = [f"  override {override_text(robot)}, at most {robot.override_cap_percent:g} %"]
+            shown = [f"  override {override_text(robot)}, at most {robot.override_cap_percent:g} %"]
         if self._rehearsed is None or self._rehearsed[0] != request:
-            return [*told, "! not rehearsed with these parameters: r does that"]
-        return [*told, f"  {self._rehearsed[1].first}", f"  {self._rehearsed[1].totals}"]
+            return [*shown, "! not rehearsed with these parameters: r does that"]
+        return [*shown, f"  {self._rehearsed[1].first}", f"  {self._rehearsed[1].totals}"]
 
     def _begin(self, request: "Start", permission: Permission | None) -> None:
         if permission is None:
@@ -480,13 +480,13 @@ class ProceduresScreen(MainScreen):
 
 
 def _totals(rehearsal: Rehearsal) -> Content:
-    told = [Content(rehearsal.totals)]
-    told += [Content.styled(f"! {text}", "$warning") for text in rehearsal.warnings]
+    shown = [Content(rehearsal.totals)]
+    shown += [Content.styled(f"! {text}", "$warning") for text in rehearsal.warnings]
     if rehearsal.questions:
         asked = rehearsal.questions
         count = "1 question" if len(asked) == 1 else f"{len(asked)} questions, the first"
-        told.append(Content(f"? {count}: {asked[0]}"))
-    return lines(*told)
+        shown.append(Content(f"? {count}: {asked[0]}"))
+    return lines(*shown)
 
 
 def _stage_style(state: str) -> str:

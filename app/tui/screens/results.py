@@ -450,11 +450,11 @@ class ResultsScreen(WorkScreen):
         self.query_one(LayoutPart).show(result)
         self.query_one(ResidualsPart).show(result, diagnosis)
         self.query_one(PathPart).show(self._validations.get(_version(file)))
-        told = [
+        shown = [
             Content.assemble((f"{texts.SIGNS[kind]} ", texts.STYLES[kind]), text)
             for kind, text in texts.fit_sentences(result, diagnosis)
         ]
-        self.query_one("#findings", StaticText).set_text(lines(*told))
+        self.query_one("#findings", StaticText).set_text(lines(*shown))
         self._show_comparison()
 
     def _show_comparison(self) -> None:

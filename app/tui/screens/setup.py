@@ -269,12 +269,12 @@ class SetupScreen(WorkScreen):
         text, commented = wizard.draft.written()
         if not commented and self._source is not None and path.absolute() == self._source.absolute():
             path = path.with_name(f"{path.stem}-new.toml")
-            told = (
+            shown = (
                 f"{self._source} is written in a way that cannot be changed line by line: its comments cannot be "
                 f"kept. It stays as it is, and {path} is written beside it, without comments."
             )
             if not await self.app.push_screen_wait(
-                ConfirmDialog("A new file", told, "write it", "do not write")
+                ConfirmDialog("A new file", shown, "write it", "do not write")
             ):
                 return
         if await asyncio.to_thread(path.exists) and not await self._may_replace(path):

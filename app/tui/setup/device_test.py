@@ -94,10 +94,10 @@ class DeviceTest(ModalScreen[None]):
 
     async def _look(self) -> None:
         try:
-            told = await self._findings()
+            shown = await self._findings()
         finally:
             self._running = False
-        self.query_one("#found", StaticText).set_text(told)
+        self.query_one("#found", StaticText).set_text(shown)
 
     async def _findings(self) -> Content:
         with tempfile.TemporaryDirectory(prefix="catseye-test-") as folder:
@@ -113,6 +113,6 @@ def _lines_of(device: dict[str, Any]) -> list[Content]:
     sign = ("✓ ", "$success bold") if device["ok"] else ("✗ ", "$error bold")
     emulated = ("  SIMULATION", "black on yellow") if device["simulated"] else ""
     first = Content.assemble(sign, device["identity"] or "nobody answers as this device would", emulated)
-    told = [first, Content.assemble((str(device["endpoint"]), "dim"))]
-    told += [Content(f"  {fact}") for fact in device["status"]]
-    return told + [Content.assemble(("→ ", "$warning"), text) for text in device["advice"]]
+    shown = [first, Content.assemble((str(device["endpoint"]), "dim"))]
+    shown += [Content(f"  {fact}") for fact in device["status"]]
+    return shown + [Content.assemble(("→ ", "$warning"), text) for text in device["advice"]]

@@ -20,12 +20,12 @@ class Fault(StaticText):
 
     DEFAULT_CSS = """
     Fault { height: auto; color: $error; display: none; padding-left: 2; }
-    Fault.told { display: block; }
+    Fault.shown { display: block; }
     """
 
     def show_fault(self, text: str) -> None:
         """Show a fault; an empty text hides it."""
-        self.set_class(bool(text), "told")
+        self.set_class(bool(text), "shown")
         self.set_text(Content(f"✗ {text}" if text else ""))
 
 

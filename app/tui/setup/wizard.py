@@ -164,10 +164,10 @@ class Wizard(Horizontal):
         if row is None:
             return
         question = row.question
-        told = [Content(question.help)]
+        shown = [Content(question.help)]
         if question.find_out and not self.draft.answer(question.key):
-            told.append(Content.assemble(("to find out: ", "$warning"), question.find_out))
-        self.query_one("#help", StaticText).set_text(lines(*told))
+            shown.append(Content.assemble(("to find out: ", "$warning"), question.find_out))
+        self.query_one("#help", StaticText).set_text(lines(*shown))
 
     def _focus(self, key: str) -> None:
         for row in self.query(QuestionRow):
@@ -208,12 +208,14 @@ class Wizard(Horizontal):
         )
 
     def _summary(self) -> Content:
-        told: list[Content] = [Content.assemble("file  ", (str(self.path), "bold"))]
+        shown: list[Content] = [Content.assemble("file  ", (str(self.path), "bold"))]
         for page in PAGES:
             for key, text in self.draft.page_faults(page, self.faults).items():
-                told.append(Content.assemble(("✗ ", "$error"), f"{page.title}: {key}: {text}"))
+                shown.append(Content.assemble(("✗ ", "$error"), f"{page.title}: {key}: {text}"))
         if not self.faults:
-            told.append(Content.assemble(("✓ ", "$success"), "every check is passed: ctrl+s writes the file"))
+            shown.append(
+                Content.assemble(("✓ ", "$success"), "every check is passed: ctrl+s writes the file")
+            )
         for text in self.draft.to_find_out():
-            told.append(Content.assemble(("? ", "$warning"), text))
-        return lines(*told)
+            shown.append(Content.assemble(("? ", "$warning"), text))
+        return lines(*shown)

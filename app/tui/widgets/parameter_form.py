@@ -103,9 +103,9 @@ class ParameterRow(Horizontal):
         self.post_message(self.Changed())
 
     def _judge(self) -> None:
-        told = self.query_one(StaticText)
-        told.set_class(bool(self.fault), "bad")
-        told.update(("✗ " if self.fault else "") + _short(range_text(self.facts)) + self.unit)
+        shown = self.query_one(StaticText)
+        shown.set_class(bool(self.fault), "bad")
+        shown.update(("✗ " if self.fault else "") + _short(range_text(self.facts)) + self.unit)
 
 
 class ParameterForm(VerticalScroll):

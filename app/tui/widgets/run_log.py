@@ -45,7 +45,7 @@ class RunLog(StaticText):
             if room <= 0:
                 break
             if line.level in wanted:
-                found.append(_told(line))
+                found.append(_line(line))
                 room -= self._height(found[-1])
         if room < 0:
             # Rather the oldest line is away than the end of the newest one.
@@ -57,7 +57,7 @@ class RunLog(StaticText):
         return len(line.wrap(self.size.width)) if wrapped else 1
 
 
-def _told(line: LogLine) -> Content:
+def _line(line: LogLine) -> Content:
     return Content.assemble(
         (line.t[11:19], "dim"), (f" {_SIGNS[line.level]} {line.text}", _STYLES[line.level])
     )
