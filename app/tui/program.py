@@ -1,6 +1,7 @@
 """What every screen may ask of the program: orders to the engine, STOP, errors, work that outlives a screen."""
 
 import asyncio
+import traceback
 from collections.abc import Callable, Coroutine
 from typing import TYPE_CHECKING, Any, Literal
 
@@ -10,7 +11,6 @@ from textual.notifications import SeverityLevel
 from catseye.app.tui.dialogs.confirm_dialog import ConfirmDialog
 from catseye.app.tui.dialogs.error_dialog import ErrorDialog
 from catseye.app.tui.dialogs.motion_dialog import MotionDialog
-from catseye.app.tui.faults import fault_text
 from catseye.app.tui.session import Session
 from catseye.app.tui.stopping import StopOp
 
@@ -135,7 +135,7 @@ class Program(App[int]):
         """Show a fault of this program, each once; everything else goes on."""
         if self.is_running and repr(error) not in self._faults:
             self._faults.add(repr(error))
-            self.show_error("A fault of this program", fault_text(error))
+            self.show_error("A fault of this program", _fault_text(error))
 
     def keep(self, action: Coroutine[Any, Any, None]) -> asyncio.Task[None]:
         """Have something go on until it is done or the program ends, whatever screen is shown."""
@@ -217,3 +217,12 @@ class Program(App[int]):
         if then is not None:
             then()
         self.note_change()
+
+
+def _fault_text(error: BaseException) -> str:
+    """Return what happened and where, to be copied into a report."""
+    where = "".join(traceback.format_exception(error)).strip()
+    return (
+        "Engine and run go on; F12 stops the arm. What is shown may be incomplete: quit with Ctrl-Q (leave the run "
+        f"running) and start catseye tui again.\n\n{where}"
+    )
