@@ -8,9 +8,9 @@ from catseye.app.bench.hold import Hold
 from catseye.app.engine.control import RunControl
 from catseye.app.engine.ending import DeviceFaultError, react
 from catseye.app.engine.halt import HaltLimits
-from catseye.app.engine.states import State
 from catseye.app.engine.waiting import cancel
 from catseye.app.errors import SafetyError
+from catseye.app.protocol.state import ControlState
 from catseye.drivers.roles.clock import Clock
 from catseye.drivers.roles.protocols import Robot
 
@@ -119,5 +119,5 @@ class HandMotion:
             self.break_off(error)
 
 
-def _tell_nobody(_state: State, _reason: str) -> None:
+def _tell_nobody(_state: ControlState, _reason: str) -> None:
     """Clients are told what moves, not the states of each motion."""

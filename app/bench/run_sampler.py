@@ -9,7 +9,7 @@ from catseye.app.bench.gauges import Gauges, Stamped
 from catseye.app.bench.observed import ObservedDevice
 from catseye.app.engine.control import RunControl
 from catseye.app.engine.devices import Devices
-from catseye.app.engine.states import State
+from catseye.app.protocol.state import ControlState
 from catseye.drivers.roles.clock import Clock
 from catseye.drivers.roles.errors import DeviceError
 
@@ -55,7 +55,7 @@ class RunSampler:
         """
         if self.devices is None:
             return
-        stands = not control.moving and (asking or control.state == State.HELD)
+        stands = not control.moving and (asking or control.state == ControlState.HELD)
         if (stands or control.moving) and self._is_old(self._gauges.beam, BEAM_AGE_S):
             self._look("beam", self.devices.interferometer, self._look_at_beam(self.devices))
         elif (stands or control.moving) and self._is_old(self._gauges.displacement_mm, BEAM_AGE_S):

@@ -35,11 +35,12 @@ from catseye.app.engine.operator import Operator
 from catseye.app.engine.reentry import Reentry
 from catseye.app.engine.request import RunOutcome, RunRequest
 from catseye.app.engine.signals import SignalInstaller, loop_signals
-from catseye.app.engine.states import State
 from catseye.app.engine.waiting import uncancelled, within
 from catseye.app.engine.watches import POLL_S, Watches
 from catseye.app.errors import SafetyError, StorageError, TerminatedRunError, UsageError
 from catseye.app.guard.client import ArmGuard
+from catseye.app.protocol.loss import after_loss
+from catseye.app.protocol.state import ControlState
 from catseye.app.store.lines import LogHandler
 from catseye.app.store.reader import Accept, RunReader
 from catseye.app.store.run_store import RunStore
@@ -312,7 +313,7 @@ class _Run:
         await self._control.halted()
         ending = ending_of(self._control, cause)
         self._report(ending, error)
-        if self._context is not None and self._control.state == State.STOPPED and not self._torn_down:
+        if self._context is not None and self._control.state == ControlState.STOPPED and not self._torn_down:
             ending = await self._teardown(self._context, ending)
         return ending
 
@@ -423,13 +424,15 @@ class _Run:
         self._store.post("error", {"text": ending.text, "type": type(error).__name__})
         self._announcer.say("error", text=ending.text, exit_code=int(ending.exit_code))
 
-    def _state_changed(self, state: State, reason: str) -> None:
+    def _state_changed(self, state: ControlState, reason: str) -> None:
         # Ctrl-C while the record is being sealed changes nothing and finds no record to write into.
         if not self._sealed:
             self._store.post("state", {"state": state, "reason": reason})
         self._announcer.say("state", state=state, reason=reason)
 
     def _front_end_lost(self) -> None:
-        self._control.hold_before_motion(
-            "the front end is gone; send SIGUSR1 to go on without it, SIGTERM to end"
-        )
+        # It is no client with control, and no cell file says anything of it: a script that died lets nothing go on.
+        if after_loss("hold", self._control.state) == "hold":
+            self._control.hold_before_motion(
+                "the front end is gone; send SIGUSR1 to go on without it, SIGTERM to end"
+            )

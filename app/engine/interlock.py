@@ -4,8 +4,8 @@ import asyncio
 from collections.abc import Callable
 from typing import Final, Literal, Protocol, runtime_checkable
 
-from catseye.app.engine.states import State
 from catseye.app.engine.waiting import cancel
+from catseye.app.protocol.state import ControlState
 from catseye.drivers.roles.errors import DeviceError
 from catseye.drivers.roles.protocols import DeviceIdentity
 from catseye.procedures.kit.context import Json
@@ -13,18 +13,18 @@ from catseye.procedures.kit.context import Json
 Light = Literal["green", "amber", "red", "off"]
 
 _LIGHTS: dict[str, Light] = {
-    State.EXECUTE: "green",
-    State.UNHOLDING: "green",
-    State.HOLDING: "amber",
-    State.HELD: "amber",
-    State.SUSPENDED: "amber",
-    State.SUSPENDING: "amber",
-    State.UNSUSPENDING: "amber",
-    State.STOPPING: "red",
-    State.ABORTING: "red",
-    State.ABORTED: "red",
-    State.CLEARING: "red",
-    State.STOPPED: "red",
+    ControlState.EXECUTE: "green",
+    ControlState.UNHOLDING: "green",
+    ControlState.HOLDING: "amber",
+    ControlState.HELD: "amber",
+    ControlState.SUSPENDED: "amber",
+    ControlState.SUSPENDING: "amber",
+    ControlState.UNSUSPENDING: "amber",
+    ControlState.STOPPING: "red",
+    ControlState.ABORTING: "red",
+    ControlState.ABORTED: "red",
+    ControlState.CLEARING: "red",
+    ControlState.STOPPED: "red",
 }
 """States that do not stand here show nothing."""
 

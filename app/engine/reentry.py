@@ -3,8 +3,9 @@
 from collections.abc import Awaitable, Callable, Mapping
 from typing import Any, Final
 
-from catseye.app.engine.states import Event, State, transition
+from catseye.app.engine.states import Trigger, transition
 from catseye.app.errors import MeasurementRejectedError, SafetyError, UsageError
+from catseye.app.protocol.state import ControlState
 from catseye.app.store.reader import RunReader, StoredEvent
 from catseye.app.store.resumable import MOVED
 from catseye.procedures.kit.context import Json, Prompt
@@ -66,7 +67,7 @@ class Reentry:
                 notes.append(f"the {name} is not as it was before the interruption: {_told(changes)}")
         return notes
 
-    async def clear(self, ask: Ask, tell: Callable[[State, str], None]) -> None:
+    async def clear(self, ask: Ask, tell: Callable[[ControlState, str], None]) -> None:
         """Lead the run out of ABORTED, which only its operator can.
 
         Args:
@@ -87,9 +88,9 @@ class Reentry:
                 f"{self._name} stays aborted: find and remove the cause (‘{self.abort_cause}’), then go on with: "
                 f"catseye resume {self._name}"
             )
-        clearing = transition(State.ABORTED, Event.CLEAR).state
+        clearing = transition(ControlState.ABORTED, Trigger.CLEAR).state
         tell(clearing, "the operator has found and removed the cause of the abort")
-        tell(transition(clearing, Event.CLEARED).state, "cleared; the run goes on")
+        tell(transition(clearing, Trigger.CLEARED).state, "cleared; the run goes on")
 
     async def ask_for_reflectors(self, ask: Ask, note: Note) -> None:
         """Ask whether the bench is still the one of the points.
@@ -126,9 +127,9 @@ def _uncleared_abort(events: list[StoredEvent]) -> str | None:
     cause: str | None = None
     for event in events:
         match event.kind, event.data:
-            case "state", {"state": State.ABORTING, "reason": str(reason)}:
+            case "state", {"state": ControlState.ABORTING, "reason": str(reason)}:
                 cause = cause or reason
-            case "state", {"state": State.CLEARING}:
+            case "state", {"state": ControlState.CLEARING}:
                 cause = None
             case "run-ended", {"status": "aborted", **rest}:
                 cause = cause or str(rest.get("text") or "unknown: the record does not tell")

@@ -16,11 +16,12 @@ from catseye.app.engine.handle import RunHandle
 from catseye.app.engine.heap import settled_heap
 from catseye.app.engine.request import RunOutcome
 from catseye.app.engine.signals import loop_signals
-from catseye.app.engine.states import Event, State, transition
+from catseye.app.engine.states import Trigger, transition
 from catseye.app.engine.waiting import uncancelled
 from catseye.app.errors import InterruptedRunError, exit_code_of, text_of
 from catseye.app.exitcode import ExitCode
 from catseye.app.procedure_list import load_procedure, parse_params
+from catseye.app.protocol.state import ControlState
 from catseye.app.resuming import plan_resume
 from catseye.app.running import PlannedRun, carry_out, plan_run
 from catseye.app.service.address import socket_folder
@@ -115,7 +116,11 @@ class EngineProcess:
 
         def publish(event: Message) -> None:
             self.hub.publish(event)
-            if event["event"] == "state" and event.get("state") == State.EXECUTE and "kind" not in event:
+            if (
+                event["event"] == "state"
+                and event.get("state") == ControlState.EXECUTE
+                and "kind" not in event
+            ):
                 ready()
 
         with loop_signals(self._deliver):
@@ -166,10 +171,10 @@ class EngineProcess:
         """
         if self._job is not None:
             raise RefusedError("a run is under way; clear is for after an abort")
-        if self.hub.idle_state != State.ABORTED:
+        if self.hub.idle_state != ControlState.ABORTED:
             raise RefusedError(f"there is nothing to clear: the engine is in state {self.hub.idle_state}")
         self._aborted = ""
-        for event in (Event.CLEAR, Event.CLEARED):
+        for event in (Trigger.CLEAR, Trigger.CLEARED):
             self.hub.idle_state = transition(self.hub.idle_state, event).state
             self.hub.say("state", state=self.hub.idle_state, reason=f"{who} cleared the abort")
         self._facts()
@@ -217,7 +222,7 @@ class EngineProcess:
 
     def _abort(self, why: str) -> None:
         """Let nothing begin before an operator has cleared it: what was done by hand was aborted."""
-        self.hub.idle_state, self._aborted = State.ABORTED, why
+        self.hub.idle_state, self._aborted = ControlState.ABORTED, why
         self._facts()
         self.hub.say("state", state=self.hub.idle_state, reason=why)
 
@@ -254,11 +259,13 @@ class EngineProcess:
         if outcome.drives_on and not request.keep_drives:
             self._drives.begin(planned.loaded.cell.robot.drives_off_after_s)
         if outcome.status == "aborted":
-            self.hub.idle_state, self._aborted = State.ABORTED, outcome.text
+            self.hub.idle_state, self._aborted = ControlState.ABORTED, outcome.text
         elif outcome.unacknowledged:
             self._abort(outcome.unacknowledged)
         else:
-            self.hub.idle_state = State.COMPLETE if outcome.status == "complete" else State.STOPPED
+            self.hub.idle_state = (
+                ControlState.COMPLETE if outcome.status == "complete" else ControlState.STOPPED
+            )
         self._facts()
         self.hub.say("idle", state=self.hub.idle_state)
         return outcome

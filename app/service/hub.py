@@ -1,17 +1,17 @@
 """The clients of one engine: what they are told, who of them holds control, and what a lost one means."""
 
-import asyncio
 import logging
 import os
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, field
-from typing import Final, Literal
+from typing import Final
 
 from catseye.app.bench.telemetry import Topic
 from catseye.app.engine.announcer import Publish
 from catseye.app.engine.handle import RunHandle
-from catseye.app.engine.states import ENDED, State
+from catseye.app.protocol.loss import LossPolicy, after_loss
+from catseye.app.protocol.state import ENDED, ControlState
 from catseye.app.service.errors import RefusedError
 from catseye.app.service.mailbox import Mailbox, MailboxFullError
 from catseye.app.service.messages import VERSION, Message
@@ -26,12 +26,7 @@ _log = logging.getLogger(__name__)
 MOST_CLIENTS: Final = 32
 """That have said hello, at a time."""
 
-Policy = Literal["continue", "hold", "stop"]
-"""What becomes of a run whose client with control is lost; `[engine] on_client_lost`."""
-
 _GO_ON = "attach with --control and let it go on, or stop it"
-_HELD = frozenset({State.HOLDING, State.HELD})
-_BEFORE_MOTION = frozenset({State.IDLE, State.STARTING})
 
 
 @dataclass(eq=False)
@@ -119,11 +114,11 @@ class Hub:
     """
 
     def __init__(self, clock: Clock, *, waits: bool = False) -> None:
-        self.policy: Policy = "hold"
+        self.policy: LossPolicy = "hold"
         self.console: str | None = None
         self.desk = PromptDesk(lambda: waits or self.console is not None or self._holder is not None)
         self.run: RunHandle | None = None
-        self.idle_state = State.IDLE
+        self.idle_state = ControlState.IDLE
         self.beginning = False
         self.facts: dict[str, Json] = {}
         self.on_control: Callable[[], None] = lambda: None
@@ -133,7 +128,7 @@ class Hub:
         self._asked_s = 0.0
         self._count = 0
         self._seen = Seen()
-        self._hold_when_running: str | None = None
+        self._early_hold = ""
         self._lost_early: tuple[Member, str] | None = None
 
     @property
@@ -218,7 +213,9 @@ class Hub:
                 f"{present} holds control: ask for it to be handed over, or take it with force"
             )
         self._holder = member
-        self._hold_when_running = self._lost_early = None
+        self._lost_early = None
+        if self.run is not None:
+            self.run.control.withdraw_hold(self._early_hold)
         self._control_changed("taken by force" if present else "taken", member.text, present)
 
     def release(self, member: Member) -> None:
@@ -275,8 +272,6 @@ class Hub:
             self.desk.announce(prompt_of(event))
         elif event["event"] in {"answer", "run-ended"}:
             self.desk.withdraw()
-        elif event["event"] == "state" and event.get("state") == State.EXECUTE:
-            self._hold_if_lost()
         self._tell(event)
 
     def tell(self, topic: Topic, event: str, fields: dict[str, Json]) -> None:
@@ -294,7 +289,6 @@ class Hub:
     def running(self, handle: RunHandle) -> Iterator[None]:
         """Serve a run while its record is open."""
         self.run, self._seen = handle, Seen()
-        self._hold_when_running = None
         self.beginning = False
         lost, self._lost_early = self._lost_early, None
         if self._holder is not None:
@@ -378,25 +372,12 @@ class Hub:
             self._follow_policy(run, member, reason)
 
     def _follow_policy(self, run: RunHandle, member: Member, reason: str) -> None:
-        control = run.control
-        if control.ending is not None:
-            return
         text = f"{member.text}, who held control, is lost ({reason})"
-        match self.policy:
-            case "continue":
+        match after_loss(self.policy, run.control.state):
+            case "warn":
                 run.warn(f"{text}; the run goes on, as [engine] on_client_lost says")
-            case "hold" if control.state in _BEFORE_MOTION:
-                self._hold_when_running = text
-            case "hold" if control.state not in _HELD:
-                control.hold(f"{text}; {_GO_ON}")
+            case "hold":
+                self._early_hold = f"{text}; {_GO_ON}"
+                run.control.hold_before_motion(self._early_hold)
             case "stop":
-                control.stop(text)
-
-    def _hold_if_lost(self) -> None:
-        """Hold a run that begins to move after its client was lost."""
-        text, run = self._hold_when_running, self.run
-        if text is None or run is None:
-            return
-        self._hold_when_running = None
-        # This is called from within the change of state; the hold comes before any task that this change allows.
-        asyncio.get_running_loop().call_soon(run.control.hold, f"{text}; {_GO_ON}")
+                run.control.stop(text)

@@ -6,8 +6,8 @@ from typing import Protocol
 from catseye.app.bench.by_hand import ByHand
 from catseye.app.bench.telemetry import Telemetry
 from catseye.app.engine.handle import RunHandle
-from catseye.app.engine.states import RUNNING, State
 from catseye.app.errors import InterruptedRunError, LimitError
+from catseye.app.protocol.state import BEFORE_MOTION, ENDING, HELD, RUNNING, ControlState
 from catseye.app.service.errors import RefusedError
 from catseye.app.service.hub import Hub, Member
 from catseye.app.service.messages import (
@@ -30,9 +30,7 @@ from catseye.app.service.messages import (
     Watch,
 )
 
-_HOLDS = frozenset({State.HOLDING, State.HELD})
-_BEFORE_MOTION = frozenset({State.IDLE, State.STARTING})
-_OPEN = RUNNING | {State.IDLE}
+_OPEN = RUNNING | {ControlState.IDLE}
 """An aborted run that goes on is IDLE until its operator has cleared it; it can be stopped then as ever."""
 
 
@@ -190,9 +188,9 @@ class Orders:
 
     def _hold(self, who: str) -> None:
         control = self._running().control
-        if control.state in _HOLDS:
+        if control.state in HELD:
             return
-        if control.state in _BEFORE_MOTION:
+        if control.state in BEFORE_MOTION:
             raise RefusedError(
                 "the devices are being connected and nothing moves: hold when it runs, or stop"
             )
@@ -201,7 +199,7 @@ class Orders:
     def _unhold(self, member: Member | None, who: str) -> None:
         self._hub.require_control(member)
         control = self._running().control
-        if control.state not in _HOLDS:
+        if control.state not in HELD:
             raise RefusedError(f"the run is not held, it is in state {control.state}")
         control.unhold(f"{who} lets the run go on")
 
@@ -225,7 +223,7 @@ class Orders:
             raise RefusedError("no run is under way")
         if run.control.ending is not None or run.control.state not in _OPEN:
             # A stop may become an abort while it is under way.
-            if run.control.state in {State.STOPPING, State.ABORTING}:
+            if run.control.state in ENDING:
                 return run
             raise RefusedError(f"the run has ended: it is in state {run.control.state}")
         return run

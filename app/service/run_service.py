@@ -7,7 +7,8 @@ from pathlib import Path
 from catseye.app.bench.telemetry import Telemetry
 from catseye.app.engine.handle import RunHandle
 from catseye.app.engine.waiting import uncancelled
-from catseye.app.service.hub import Hub, Policy
+from catseye.app.protocol.loss import LossPolicy
+from catseye.app.service.hub import Hub
 from catseye.app.service.server import Server
 from catseye.drivers.roles.clock import SystemClock
 
@@ -25,7 +26,7 @@ class RunService:
         telemetry: of the bench.
     """
 
-    def __init__(self, policy: Policy, console: str | None, root: Path) -> None:
+    def __init__(self, policy: LossPolicy, console: str | None, root: Path) -> None:
         clock = SystemClock()
         self.hub = Hub(clock)
         self.hub.policy = policy

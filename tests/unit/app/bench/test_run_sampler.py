@@ -8,7 +8,7 @@ import pytest
 from catseye.app.bench.gauges import Gauges
 from catseye.app.bench.run_sampler import RunSampler
 from catseye.app.engine.control import RunControl
-from catseye.app.engine.states import State
+from catseye.app.protocol.state import ControlState
 from tests.unit.app.bench.kept import PulledCell, lost
 from tests.unit.drivers.virtual_time import VirtualClock, run
 
@@ -20,7 +20,7 @@ class Run:
         self.cell = PulledCell()
         self.gauges = Gauges(VirtualClock())
         self.control = RunControl(VirtualClock(), lambda _state, _reason: None)
-        self.control.state = State.EXECUTE
+        self.control.state = ControlState.EXECUTE
         self.sampler = RunSampler(self.gauges, VirtualClock())
         self.sampler.devices = self.cell.observed(self.gauges)
         self.asking = False
@@ -44,12 +44,12 @@ def played(play: Callable[[Run], Awaitable[None]]) -> None:
 def test_nothing_is_asked_while_the_run_works() -> None:
     async def play(bench: Run) -> None:
         for state in (
-            State.STARTING,
-            State.EXECUTE,
-            State.SUSPENDED,
-            State.HOLDING,
-            State.STOPPING,
-            State.COMPLETE,
+            ControlState.STARTING,
+            ControlState.EXECUTE,
+            ControlState.SUSPENDED,
+            ControlState.HOLDING,
+            ControlState.STOPPING,
+            ControlState.COMPLETE,
         ):
             bench.control.state = state
             assert await bench.ticks(2.0) == []
@@ -71,11 +71,11 @@ def test_while_the_arm_moves_the_beam_alone_is_asked_at_most_four_times_a_second
     played(play)
 
 
-@pytest.mark.parametrize("state", [State.HELD, State.EXECUTE])
-def test_while_a_person_is_waited_for_the_joints_are_asked_too(state: State) -> None:
+@pytest.mark.parametrize("state", [ControlState.HELD, ControlState.EXECUTE])
+def test_while_a_person_is_waited_for_the_joints_are_asked_too(state: ControlState) -> None:
     async def play(bench: Run) -> None:
         bench.control.state = state
-        bench.asking = state == State.EXECUTE
+        bench.asking = state == ControlState.EXECUTE
         asked = await bench.ticks(10.0)
         assert 8 <= asked.count("joints") <= 10
         assert asked.count("read") >= 20

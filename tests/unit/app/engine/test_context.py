@@ -16,7 +16,6 @@ from catseye.app.engine.gate import JointLimits, MotionGate
 from catseye.app.engine.hands import Hands
 from catseye.app.engine.host import run_procedure
 from catseye.app.engine.operator import Answer, Operator
-from catseye.app.engine.states import State
 from catseye.app.errors import (
     ConfigError,
     InterruptedRunError,
@@ -27,6 +26,7 @@ from catseye.app.errors import (
     SafetyError,
 )
 from catseye.app.exitcode import ExitCode
+from catseye.app.protocol.state import ControlState
 from catseye.app.store.reader import RunReader
 from catseye.app.store.run_store import RunStore
 from catseye.drivers.roles.readings import CounterStatus, Joints, RobotStatus
@@ -481,5 +481,5 @@ async def test_a_stop_beside_a_live_value_stays_a_stop(parts: Parts, monkeypatch
     with pytest.raises(InterruptedRunError, match="F12"):
         await asking
     await parts.control.halted()
-    assert parts.control.state == State.STOPPED
+    assert parts.control.state == ControlState.STOPPED
     assert parts.bench.robot.calls == ["stop"]

@@ -59,7 +59,7 @@ def test_a_client_without_answers_stops_by_every_way(
 LOSSES: list[tuple[LossPolicy, S, Consequence]] = [
     ("continue", S.EXECUTE, "warn"),
     ("stop", S.STARTING, "stop"),
-    ("hold", S.STARTING, "hold-before-motion"),
+    ("hold", S.STARTING, "hold"),
     ("hold", S.EXECUTE, "hold"),
     ("hold", S.UNHOLDING, "hold"),
     ("hold", S.UNSUSPENDING, "hold"),

@@ -13,7 +13,7 @@ from catseye.app.engine.control import RunControl
 from catseye.app.engine.gate import MotionGate
 from catseye.app.engine.halt import HaltLimits
 from catseye.app.engine.handle import RunHandle
-from catseye.app.engine.states import State
+from catseye.app.protocol.state import ControlState
 from catseye.app.service.client import EngineClient, over
 from catseye.app.service.hub import Hub
 from catseye.app.service.messages import MAX_LINE_BYTES, Message
@@ -84,11 +84,11 @@ class ServiceBench:
         )
 
     @asynccontextmanager
-    async def running(self, state: State = State.EXECUTE) -> AsyncIterator["ServiceBench"]:
+    async def running(self, state: ControlState = ControlState.EXECUTE) -> AsyncIterator["ServiceBench"]:
         """Serve a run in a state."""
         with self.hub.running(self.handle):
             self.control.starting()
-            if state == State.EXECUTE:
+            if state == ControlState.EXECUTE:
                 self.control.started()
             try:
                 yield self
@@ -135,7 +135,7 @@ class ServiceBench:
     def _note(self, kind: str, data: Mapping[str, Json]) -> None:
         self.notes.append((kind, dict(data)))
 
-    def _state_changed(self, state: State, reason: str) -> None:
+    def _state_changed(self, state: ControlState, reason: str) -> None:
         self.publish("state", state=state, reason=reason)
 
 

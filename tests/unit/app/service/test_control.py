@@ -5,10 +5,10 @@ from typing import cast
 
 import pytest
 
-from catseye.app.engine.states import State
 from catseye.app.errors import SafetyError
+from catseye.app.protocol.loss import LossPolicy
+from catseye.app.protocol.state import ControlState
 from catseye.app.service.errors import RefusedError, ServiceError
-from catseye.app.service.hub import Policy
 from catseye.app.service.messages import decode_request
 from catseye.app.service.orders import Engine, Orders
 from tests.unit.app.engine.fakes import HOME
@@ -106,7 +106,7 @@ async def test_a_held_run_goes_on_for_whoever_has_control() -> None:
 
 
 async def test_a_hold_before_anything_moves_is_refused_with_the_reason() -> None:
-    async with ServiceBench().running(State.STARTING) as bench, bench.client() as client:
+    async with ServiceBench().running(ControlState.STARTING) as bench, bench.client() as client:
         with pytest.raises(RefusedError, match="nothing moves"):
             await client.request("hold")
         await client.request("stop")
@@ -128,7 +128,7 @@ async def test_an_aborted_run_that_waits_to_be_cleared_can_be_stopped() -> None:
 
 @pytest.mark.parametrize(("policy", "state"), [("continue", "EXECUTE"), ("hold", "HOLDING")])
 async def test_a_client_that_is_lost_before_its_run_is_open_is_lost_to_the_run(
-    policy: Policy, state: str
+    policy: LossPolicy, state: str
 ) -> None:
     bench = ServiceBench()
     bench.hub.policy, bench.hub.beginning = policy, True
@@ -168,7 +168,7 @@ async def test_a_run_that_serves_itself_starts_and_clears_nothing() -> None:
 @pytest.mark.parametrize(
     ("policy", "state"), [("continue", "EXECUTE"), ("hold", "HOLDING"), ("stop", "STOPPED")]
 )
-async def test_a_lost_client_with_control_means_what_the_cell_says(policy: Policy, state: str) -> None:
+async def test_a_lost_client_with_control_means_what_the_cell_says(policy: LossPolicy, state: str) -> None:
     async with ServiceBench().running() as bench, bench.client("Ben") as ben:
         bench.hub.policy = policy
         async with bench.client("Ada") as ada:
@@ -189,7 +189,7 @@ async def test_a_lost_client_with_control_means_what_the_cell_says(policy: Polic
 
 
 async def test_a_client_lost_before_the_devices_are_ready_holds_the_run_when_they_are() -> None:
-    async with ServiceBench().running(State.STARTING) as bench:
+    async with ServiceBench().running(ControlState.STARTING) as bench:
         async with bench.client("Ada") as ada:
             await ada.take_control()
         await settled()
