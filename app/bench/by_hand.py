@@ -7,8 +7,8 @@ from typing import Any
 from catseye.app.bench.jogging import Jogging
 from catseye.app.bench.lending import HandBench
 from catseye.app.bench.raw_link import RawLink
+from catseye.app.service.client_registry import ClientRegistry, Member
 from catseye.app.service.errors import RefusedError
-from catseye.app.service.hub import Hub, Member
 from catseye.app.service.messages import JogHold, JogMode, JogStep, Message, Raw, Send
 
 
@@ -16,7 +16,7 @@ class ByHand:
     """Carries out `jog`, `jog-step`, `jog-hold`, `raw` and `send`.
 
     Args:
-        hub: of the clients.
+        registry: of the clients.
         bench: between runs.
         require_idle: raises RefusedError during a run, and after an abort that nobody has cleared.
         on_abort: takes why nothing may move before an operator has cleared it.
@@ -26,10 +26,14 @@ class ByHand:
     """
 
     def __init__(
-        self, hub: Hub, bench: HandBench, require_idle: Callable[[], None], on_abort: Callable[[str], None]
+        self,
+        registry: ClientRegistry,
+        bench: HandBench,
+        require_idle: Callable[[], None],
+        on_abort: Callable[[str], None],
     ) -> None:
         self.begun = 0
-        self._hub = hub
+        self._registry = registry
         self._bench = bench
         self._require_idle = require_idle
         self._on_abort = on_abort
@@ -37,7 +41,7 @@ class ByHand:
         self._raw: dict[str, RawLink] = {}
         self._holder: Member | None = None
         self._tasks: set[asyncio.Task[Message]] = set()
-        hub.on_control = self._control_changed
+        registry.on_control = self._control_changed
 
     @property
     def occupied(self) -> str | None:
@@ -153,7 +157,7 @@ class ByHand:
     def _control_changed(self) -> None:
         """End what a client does by hand when it does not hold control any more."""
         holder = self._holder
-        if holder is None or self._hub.holds(holder):
+        if holder is None or self._registry.holds(holder):
             return
         self._holder = None
         reason = f"{holder.text} does not hold control any more"

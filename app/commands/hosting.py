@@ -32,18 +32,18 @@ async def serve_and_run(planned: PlannedRun, root: Path, options: DriveOptions) 
     with ExitStack() as stack:
         publish: Publish = narrator.publish
         if who is not None:
-            publish = _at_terminal(stack, planned, narrator, Console(service.hub, who, narrator.tell))
+            publish = _at_terminal(stack, planned, narrator, Console(service.registry, who, narrator.tell))
         elif planned.walk is not None:
             planned.walk.feed.by_itself = True
         return await carry_out(
             planned,
             root,
-            service.hub.publisher(publish),
+            service.registry.publisher(publish),
             speed=planned.clock_speed if options.speed is None else options.speed,
             arm=options.arm,
             answers=options.answers,
             keep_drives=options.keep_drives,
-            answerer=service.hub.desk,
+            answerer=service.registry.broker,
             on_open=service.serve,
             observe=partial(service.telemetry.observe, facts_of(planned.loaded.cell, planned.bench)),
             waive_walk=options.waive_walk,

@@ -18,8 +18,8 @@ from catseye.app.engine.devices import DeviceBuilder
 from catseye.app.engine.interlock import RemoteIo
 from catseye.app.errors import CatseyeError, StorageError, UsageError
 from catseye.app.running import PlannedRun
+from catseye.app.service.client_registry import ClientRegistry
 from catseye.app.service.errors import RefusedError
-from catseye.app.service.hub import Hub
 from catseye.drivers.roles.clock import Clock
 from catseye.drivers.roles.protocols import DeviceIdentity
 from catseye.procedures.kit.context import Json
@@ -29,7 +29,7 @@ class EngineBench:
     """Knows the cell file of an engine.
 
     Args:
-        hub: of the clients.
+        registry: of the clients.
         clock: real time.
         cell: cell file of the bench; read anew whenever its devices are made.
         root: folder of all runs.
@@ -39,15 +39,15 @@ class EngineBench:
         idle: the devices between runs.
     """
 
-    def __init__(self, hub: Hub, clock: Clock, cell: Path, root: Path) -> None:
-        self.telemetry = Telemetry(hub, clock, root)
+    def __init__(self, registry: ClientRegistry, clock: Clock, cell: Path, root: Path) -> None:
+        self.telemetry = Telemetry(registry, clock, root)
         self.telemetry.prepare = self._prepare
         self.idle = IdleBench(
-            self._make, self.telemetry.gauges, clock, lambda text: hub.say("warning", text=text, data={})
+            self._make, self.telemetry.gauges, clock, lambda text: registry.say("warning", text=text, data={})
         )
         self.telemetry.on_watched = self.idle.watched
-        self._hub = hub
-        hub.facts["jog"] = None
+        self._registry = registry
+        registry.facts["jog"] = None
         self._clock = clock
         self._cell = cell
         self._root = root
@@ -93,7 +93,7 @@ class EngineBench:
         simulated = identity is not None and identity.simulated
         try:
             for text in await guard.hold("its drives go off", self._root, simulated=simulated):
-                self._hub.say("warning", text=text, data={})
+                self._registry.say("warning", text=text, data={})
             yield
         finally:
             await guard.let_go()
@@ -135,8 +135,8 @@ class EngineBench:
     def _tell_hands(self, event: str, **fields: Json) -> None:
         """Tell every client, and those that come later, what is done by hand."""
         if event == "jog":
-            self._hub.facts["jog"] = fields if fields["on"] else None
-        self._hub.say(event, **fields)
+            self._registry.facts["jog"] = fields if fields["on"] else None
+        self._registry.say(event, **fields)
 
     def _prepare(self) -> None:
         """See to it that a client that begins to watch is told what the cell file says.
@@ -144,7 +144,7 @@ class EngineBench:
         Raises:
             RefusedError: the cell file is wrong.
         """
-        in_use = self._hub.run is not None or self._hub.beginning or self.idle.devices() is not None
+        in_use = self._registry.run is not None or self._registry.beginning or self.idle.devices() is not None
         if in_use and self.telemetry.facts is not None:
             return
         try:

@@ -25,9 +25,9 @@ from catseye.app.protocol.state import ControlState
 from catseye.app.resuming import plan_resume
 from catseye.app.running import PlannedRun, carry_out, plan_run
 from catseye.app.service.address import socket_folder
+from catseye.app.service.client_registry import ClientRegistry
 from catseye.app.service.engine_bench import EngineBench
 from catseye.app.service.errors import RefusedError, refusal_of
-from catseye.app.service.hub import Hub
 from catseye.app.service.messages import Message, Resume, Start
 from catseye.app.service.server import Server
 from catseye.app.service.sparse_log import SparseLog
@@ -48,16 +48,16 @@ class EngineProcess:
         root: folder of all runs.
 
     Attributes:
-        hub: of its clients.
+        registry: of its clients.
         by_hand: what they do by hand between runs.
     """
 
     def __init__(self, cell: Path, root: Path) -> None:
         self._clock = SystemClock()
         self._errors = SparseLog(_log, self._clock)
-        self.hub = Hub(self._clock, waits=True)
-        self._bench = EngineBench(self.hub, self._clock, cell, root)
-        self.by_hand = ByHand(self.hub, self._bench.for_hands(), self._require_idle, self._abort)
+        self.registry = ClientRegistry(self._clock, waits=True)
+        self._bench = EngineBench(self.registry, self._clock, cell, root)
+        self.by_hand = ByHand(self.registry, self._bench.for_hands(), self._require_idle, self._abort)
         self._drives = RestingDrives(
             self._bench.idle,
             self._clock,
@@ -65,7 +65,7 @@ class EngineProcess:
             self.by_hand,
             self._bench.owned,
         )
-        self._server = Server(self.hub, self._clock, self, telemetry=self._bench.telemetry)
+        self._server = Server(self.registry, self._clock, self, telemetry=self._bench.telemetry)
         self._cell = cell
         self._root = root
         self._job: asyncio.Task[RunOutcome | None] | None = None
@@ -115,7 +115,7 @@ class EngineProcess:
         self._once = asyncio.current_task()
 
         def publish(event: Message) -> None:
-            self.hub.publish(event)
+            self.registry.publish(event)
             if (
                 event["event"] == "state"
                 and event.get("state") == ControlState.EXECUTE
@@ -155,7 +155,7 @@ class EngineProcess:
 
         One whose record is being made ends as stopped when it is there: half a record would look like a death.
         """
-        if self._job is None or not self.hub.beginning:
+        if self._job is None or not self.registry.beginning:
             return False
         self._dropped = self._dropped or reason
         if self._planning:
@@ -171,12 +171,14 @@ class EngineProcess:
         """
         if self._job is not None:
             raise RefusedError("a run is under way; clear is for after an abort")
-        if self.hub.idle_state != ControlState.ABORTED:
-            raise RefusedError(f"there is nothing to clear: the engine is in state {self.hub.idle_state}")
+        if self.registry.idle_state != ControlState.ABORTED:
+            raise RefusedError(
+                f"there is nothing to clear: the engine is in state {self.registry.idle_state}"
+            )
         self._aborted = ""
         for event in (Trigger.CLEAR, Trigger.CLEARED):
-            self.hub.idle_state = transition(self.hub.idle_state, event).state
-            self.hub.say("state", state=self.hub.idle_state, reason=f"{who} cleared the abort")
+            self.registry.idle_state = transition(self.registry.idle_state, event).state
+            self.registry.say("state", state=self.registry.idle_state, reason=f"{who} cleared the abort")
         self._facts()
 
     def shut_down(self, who: str) -> None:
@@ -199,7 +201,7 @@ class EngineProcess:
         if (occupied := self.by_hand.occupied) is not None:
             raise RefusedError(occupied)
         opened: asyncio.Future[Message] = asyncio.get_running_loop().create_future()
-        self.hub.beginning, self._planning, self._dropped = True, True, ""
+        self.registry.beginning, self._planning, self._dropped = True, True, ""
         self._job = asyncio.create_task(self._run(request, opened))
         return opened
 
@@ -222,9 +224,9 @@ class EngineProcess:
 
     def _abort(self, why: str) -> None:
         """Let nothing begin before an operator has cleared it: what was done by hand was aborted."""
-        self.hub.idle_state, self._aborted = ControlState.ABORTED, why
+        self.registry.idle_state, self._aborted = ControlState.ABORTED, why
         self._facts()
-        self.hub.say("state", state=self.hub.idle_state, reason=why)
+        self.registry.say("state", state=self.registry.idle_state, reason=why)
 
     async def _run(self, request: Start | Resume, opened: "asyncio.Future[Message]") -> RunOutcome | None:
         def tell(path: Path) -> None:
@@ -238,7 +240,7 @@ class EngineProcess:
             self._facts()
             await self._bench.idle.release()
             self._planning = False
-            outcome = await self._carry_out(request, planned, tell, self.hub.publish, keep_drives=True)
+            outcome = await self._carry_out(request, planned, tell, self.registry.publish, keep_drives=True)
         except asyncio.CancelledError:
             if not self._dropped:
                 raise
@@ -249,7 +251,7 @@ class EngineProcess:
             return None
         finally:
             opened.cancel()
-            self.hub.beginning = False
+            self.registry.beginning = False
             self._job = None
             self._bench.idle.take_up()
             if outcome is None or outcome.drives_on is None:
@@ -259,21 +261,21 @@ class EngineProcess:
         if outcome.drives_on and not request.keep_drives:
             self._drives.begin(planned.loaded.cell.robot.drives_off_after_s)
         if outcome.status == "aborted":
-            self.hub.idle_state, self._aborted = ControlState.ABORTED, outcome.text
+            self.registry.idle_state, self._aborted = ControlState.ABORTED, outcome.text
         elif outcome.unacknowledged:
             self._abort(outcome.unacknowledged)
         else:
-            self.hub.idle_state = (
+            self.registry.idle_state = (
                 ControlState.COMPLETE if outcome.status == "complete" else ControlState.STOPPED
             )
         self._facts()
-        self.hub.say("idle", state=self.hub.idle_state)
+        self.registry.say("idle", state=self.registry.idle_state)
         return outcome
 
     def _failed(self, error: Exception, opened: "asyncio.Future[Message]") -> None:
         self._errors.error("a run could not be made", error)
         if opened.done():
-            self.hub.say("error", text=text_of(error), exit_code=int(exit_code_of(error)))
+            self.registry.say("error", text=text_of(error), exit_code=int(exit_code_of(error)))
         else:
             opened.set_exception(refusal_of(error))
 
@@ -296,7 +298,7 @@ class EngineProcess:
         *,
         keep_drives: bool,
     ) -> RunOutcome:
-        self.hub.policy = planned.on_client_lost
+        self.registry.policy = planned.on_client_lost
         with settled_heap():
             return await carry_out(
                 planned,
@@ -307,7 +309,7 @@ class EngineProcess:
                 answers=Path(request.answers) if request.answers else None,
                 install_signals=self._to_run,
                 keep_drives=keep_drives,
-                answerer=self.hub.desk,
+                answerer=self.registry.broker,
                 on_open=partial(self._serve_run, opened),
                 observe=partial(self._bench.observe, planned),
                 waive_walk=request.waive_walk,
@@ -322,7 +324,7 @@ class EngineProcess:
             yield
 
     def _facts(self) -> None:
-        self.hub.facts |= {
+        self.registry.facts |= {
             "cell": str(self._cell.resolve()),
             "runs": str(self._root.resolve()),
             "aborted": self._aborted or None,
@@ -331,8 +333,8 @@ class EngineProcess:
 
     def _tell_drives(self, event: str, **fields: Json) -> None:
         """Tell every client, and those that come later, when the drives go off."""
-        self.hub.facts["drives"] = self._drives.facts
-        self.hub.say(event, **fields)
+        self.registry.facts["drives"] = self._drives.facts
+        self.registry.say(event, **fields)
 
     def _deliver(self, number: int) -> None:
         """Take a signal; the engine outlives its terminal, so SIGHUP means nothing to it."""
@@ -359,7 +361,7 @@ class EngineProcess:
         alone_since_s = self._clock.monotonic_s()
         while limit_s is not None:
             await self._clock.sleep(_WAIT_POLL_S)
-            if self.hub.members or self._job is not None:
+            if self.registry.members or self._job is not None:
                 alone_since_s = self._clock.monotonic_s()
             elif self._clock.monotonic_s() - alone_since_s >= limit_s:
                 self._ended(ExitCode.TIMEOUT)

@@ -7,8 +7,8 @@ from typing import Final
 
 from catseye.app.engine.waiting import cancel
 from catseye.app.exitcode import ExitCode
+from catseye.app.service.client_registry import ClientRegistry, Member, send
 from catseye.app.service.errors import BadMessageError, RefusedError, refusal_of
-from catseye.app.service.hub import Hub, Member, send
 from catseye.app.service.mailbox import Mailbox
 from catseye.app.service.messages import (
     MAX_LINE_BYTES,
@@ -19,7 +19,7 @@ from catseye.app.service.messages import (
     decode_request,
     encode,
 )
-from catseye.app.service.orders import Orders
+from catseye.app.service.request_handler import RequestHandler
 from catseye.drivers.roles.clock import Clock
 
 _READING_TURNS: Final = 10
@@ -45,8 +45,8 @@ class Session:
     """Serves one connection.
 
     Args:
-        hub: of the engine.
-        orders: carry requests out.
+        registry: of the engine.
+        handler: carry requests out.
         streams: to and from the client.
         clock: real time.
         patience: with the client.
@@ -54,14 +54,14 @@ class Session:
 
     def __init__(
         self,
-        hub: Hub,
-        orders: Orders,
+        registry: ClientRegistry,
+        handler: RequestHandler,
         streams: tuple[asyncio.StreamReader, asyncio.StreamWriter],
         clock: Clock,
         patience: Patience,
     ) -> None:
-        self._hub = hub
-        self._orders = orders
+        self._registry = registry
+        self._handler = handler
         self._reader, self._writer = streams
         self._clock = clock
         self._patience = patience
@@ -90,9 +90,9 @@ class Session:
             raise
         finally:
             try:
-                # The hub hears of it before anything is waited for: a run without its client is held now.
+                # The registry learns of it before anything is waited for: a run without its client is held now.
                 if self._member is not None:
-                    self._hub.leave(self._member, reason)
+                    self._registry.leave(self._member, reason)
             finally:
                 self._writer.transport.abort()
                 await cancel(*tasks)
@@ -175,12 +175,12 @@ class Session:
     def _answer(self, request: AnyRequest) -> "Message | asyncio.Future[Message]":
         if isinstance(request, Hello) and self._member is None:
             try:
-                self._member = self._hub.join(request.client, request.who, self._mailbox, self.end)
+                self._member = self._registry.join(request.client, request.who, self._mailbox, self.end)
             except RefusedError:
                 self._unwelcome = True
                 raise
-            return {"snapshot": self._hub.snapshot(self._member)}
-        return self._orders.take(self._member, request)
+            return {"snapshot": self._registry.snapshot(self._member)}
+        return self._handler.take(self._member, request)
 
     def _answer_later(self, request: AnyRequest, future: "asyncio.Future[Message]") -> None:
         if future.cancelled():
@@ -222,7 +222,7 @@ class Session:
             left_s = self._patience.silence_s - silent_s
             if left_s > 0.0:
                 await self._clock.sleep(left_s)
-            elif self._hub.holds(self._member):
+            elif self._registry.holds(self._member):
                 return f"it said nothing for {silent_s:.0f} s"
             else:
                 await self._clock.sleep(self._patience.silence_s / 5)

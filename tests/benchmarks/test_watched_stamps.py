@@ -26,7 +26,7 @@ from catseye.app.bench.observed import ObservedInterferometer
 from catseye.app.bench.telemetry import Telemetry
 from catseye.app.engine.waiting import cancel
 from catseye.app.service.client import EngineClient, connect
-from catseye.app.service.hub import Hub
+from catseye.app.service.client_registry import ClientRegistry
 from catseye.app.service.mailbox import Mailbox
 from catseye.app.service.messages import encode
 from catseye.drivers.roles.clock import SystemClock
@@ -212,13 +212,13 @@ async def test_the_interface_delays_no_reading(tmp_path: Path, monkeypatch: pyte
 
 async def test_what_one_turn_of_telling_keeps_the_loop_from(tmp_path: Path) -> None:
     """Messages of a bench with a thousand samples a second and full traffic, made and written out for two clients."""
-    hub = Hub(SystemClock())
-    telemetry = Telemetry(hub, SystemClock(), tmp_path)
+    registry = ClientRegistry(SystemClock())
+    telemetry = Telemetry(registry, SystemClock(), tmp_path)
     telemetry.describe(facts_of(cell_from_template(), bench_from_template()))
-    members = [hub.join("test", who, Mailbox(), lambda _reason: None) for who in ("Ada", "Ben")]
+    members = [registry.join("test", who, Mailbox(), lambda _reason: None) for who in ("Ada", "Ben")]
     for member in members:
-        hub.listen(member, "watch", on=True)
-        hub.listen(member, "traffic", on=True)
+        registry.listen(member, "watch", on=True)
+        registry.listen(member, "traffic", on=True)
     told_ms: list[float] = []
     taken_us: list[float] = []
     for _ in range(200):
@@ -254,10 +254,10 @@ async def read_out(mailbox: Mailbox) -> None:
 
 async def test_a_watcher_delays_no_value_of_a_stream(tmp_path: Path) -> None:
     """A thousand values a second with their time of sending; a client watches during every other second."""
-    hub = Hub(SystemClock())
-    telemetry = Telemetry(hub, SystemClock(), tmp_path)
+    registry = ClientRegistry(SystemClock())
+    telemetry = Telemetry(registry, SystemClock(), tmp_path)
     telemetry.describe(facts_of(cell_from_template(), bench_from_template()))
-    member = hub.join("test", "Ada", Mailbox(), lambda _reason: None)
+    member = registry.join("test", "Ada", Mailbox(), lambda _reason: None)
     reading = asyncio.create_task(read_out(member.mailbox))
     late_ms: dict[bool, list[list[float]]] = {False: [], True: []}
     async with peer("emitter") as endpoint:
@@ -269,8 +269,8 @@ async def test_a_watcher_delays_no_value_of_a_stream(tmp_path: Path) -> None:
         samples = driver.samples()
         for second in range(20):
             watched = second % 2 == 1
-            hub.listen(member, "watch", on=watched)
-            hub.listen(member, "traffic", on=watched)
+            registry.listen(member, "watch", on=watched)
+            registry.listen(member, "traffic", on=watched)
             telemetry.wake()
             taken = [await anext(samples) for _ in range(RATE_HZ)]
             late_ms[watched].append([1e3 * (each.time_s - 1e-6 * each.sample.low_data) for each in taken])

@@ -15,7 +15,7 @@ from catseye.app.bench.facts import facts_of
 from catseye.app.bench.idle import IdleBench
 from catseye.app.bench.telemetry import Telemetry
 from catseye.app.bench.traffic import MOST_LINES
-from catseye.app.service.hub import Hub
+from catseye.app.service.client_registry import ClientRegistry
 from catseye.app.service.mailbox import Mailbox
 from tests.unit.app.bench.benches import bench_from_template, cell_from_template
 from tests.unit.app.bench.kept import PulledCell, disk, lost
@@ -32,7 +32,7 @@ def _held_bytes() -> int:
 
 async def _watched(folder: Path) -> tuple[int, int]:
     """Return what is held when a tenth of the time is over, and at its end, bytes."""
-    hub, cell, clock = Hub(VirtualClock()), PulledCell(), VirtualClock()
+    hub, cell, clock = ClientRegistry(VirtualClock()), PulledCell(), VirtualClock()
     telemetry = Telemetry(hub, clock, folder, disk)
     telemetry.describe(facts_of(cell_from_template(), bench_from_template()))
     bench = IdleBench(lambda: cell.made(telemetry.gauges), telemetry.gauges, clock, print)

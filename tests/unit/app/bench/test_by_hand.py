@@ -13,8 +13,8 @@ from catseye.app.bench.facts import DeviceFacts
 from catseye.app.errors import ArmInUseError
 from catseye.app.exitcode import ExitCode
 from catseye.app.guard import raw
+from catseye.app.service.client_registry import ClientRegistry, Member
 from catseye.app.service.errors import RefusedError
-from catseye.app.service.hub import Hub, Member
 from catseye.app.service.mailbox import Mailbox
 from catseye.app.service.messages import JogHold, JogMode, JogStep, Raw, Send
 from catseye.drivers.roles.errors import LinkError
@@ -78,12 +78,12 @@ class Engine:
     def __init__(self, monkeypatch: pytest.MonkeyPatch) -> None:
         self.fixture = HandFixture(cell_from_template(), TimedArm())
         self.arm = self.fixture.arm
-        self.hub = Hub(VirtualClock())
+        self.registry = ClientRegistry(VirtualClock())
         self.busy: RefusedError | None = None
         self.aborts: list[str] = []
-        self.by_hand = ByHand(self.hub, self.fixture.bench, self._require_idle, self.aborts.append)
-        self.ada, self.ben = (self.hub.join("test", who, Mailbox(), print) for who in ("Ada", "Ben"))
-        self.hub.take_control(self.ada, force=False)
+        self.by_hand = ByHand(self.registry, self.fixture.bench, self._require_idle, self.aborts.append)
+        self.ada, self.ben = (self.registry.join("test", who, Mailbox(), print) for who in ("Ada", "Ben"))
+        self.registry.take_control(self.ada, force=False)
         self.wire = Wire()
         self.guard = FakeGuard()
         monkeypatch.setattr(raw, "open_transport", self._opened)
@@ -205,15 +205,15 @@ def test_the_arm_stops_when_its_client_loses_control(
         lost_s = asyncio.get_running_loop().time()
         match how:
             case "release":
-                engine.hub.release(engine.ada)
+                engine.registry.release(engine.ada)
             case "hand over":
-                engine.hub.hand_over(engine.ada, engine.ben.name)
+                engine.registry.hand_over(engine.ada, engine.ben.name)
             case "force":
-                engine.hub.take_control(engine.ben, force=True)
+                engine.registry.take_control(engine.ben, force=True)
             case "left":
-                engine.hub.leave(engine.ada, None)
+                engine.registry.leave(engine.ada, None)
             case _:
-                engine.hub.leave(engine.ada, "it closed the connection")
+                engine.registry.leave(engine.ada, "it closed the connection")
         await asyncio.sleep(0.5)
         assert next(time_s for time_s, text in engine.arm.log if text == "stop") == lost_s
         await asyncio.sleep(1.0)
@@ -227,7 +227,7 @@ def test_the_arm_stops_when_its_client_loses_control(
 def test_somebody_elses_loss_of_control_means_nothing(monkeypatch: pytest.MonkeyPatch) -> None:
     async def script(engine: Engine) -> None:
         await engine.jog()
-        engine.hub.leave(engine.ben, "it closed the connection")
+        engine.registry.leave(engine.ben, "it closed the connection")
         await asyncio.sleep(1.0)
         assert engine.by_hand.occupied is not None
 
@@ -340,7 +340,7 @@ def test_a_robot_whose_client_is_gone_is_stopped_when_its_driver_has_it_back(
 ) -> None:
     async def script(engine: Engine) -> None:
         await engine.raw("robot")
-        engine.hub.leave(engine.ada, "it closed the connection")
+        engine.registry.leave(engine.ada, "it closed the connection")
         await asyncio.sleep(1.0)
         assert engine.by_hand.occupied is None
 
@@ -365,7 +365,7 @@ def test_another_robot_of_the_cell_is_stopped_likewise(monkeypatch: pytest.Monke
         if how == "stop":
             assert engine.by_hand.stop("Ben stopped it")
         else:
-            engine.hub.leave(engine.ada, "it closed the connection")
+            engine.registry.leave(engine.ada, "it closed the connection")
         await asyncio.sleep(1.0)
 
     engine = played(script, monkeypatch)
@@ -397,7 +397,7 @@ def test_a_stop_reaches_a_robot_whose_link_is_just_being_given_back(
         given_back = engine.raw("robot", on=False)
         await asyncio.sleep(0.1)
         if word == "release":
-            engine.hub.release(engine.ada)
+            engine.registry.release(engine.ada)
         else:
             assert getattr(engine.by_hand, word)("Ben stopped it")
         await given_back
@@ -421,7 +421,7 @@ def test_an_arm_is_given_back_after_its_stop(monkeypatch: pytest.MonkeyPatch) ->
 
         monkeypatch.setattr(engine.guard, "let_go", noted)
         await engine.raw("robot")
-        engine.hub.leave(engine.ada, "it closed the connection")
+        engine.registry.leave(engine.ada, "it closed the connection")
         await asyncio.sleep(1.0)
 
     assert played(script, monkeypatch).arm.said("stop") == ["stop"]
@@ -432,7 +432,7 @@ def test_a_robot_that_cannot_be_stopped_after_that_is_warned_about(monkeypatch: 
     async def script(engine: Engine) -> None:
         await engine.raw("robot")
         engine.fixture.lend_error = RefusedError("the robot is not connected")
-        engine.hub.leave(engine.ada, "it closed the connection")
+        engine.registry.leave(engine.ada, "it closed the connection")
         await asyncio.sleep(1.0)
 
     warned = played(script, monkeypatch).fixture.events("warning")
@@ -454,7 +454,7 @@ def test_whatever_keeps_a_robot_from_being_stopped_is_told(monkeypatch: pytest.M
     async def script(engine: Engine) -> None:
         await engine.raw("robot")
         engine.fixture.lend_error = ValueError("no number: b'?'")
-        engine.hub.leave(engine.ada, "it closed the connection")
+        engine.registry.leave(engine.ada, "it closed the connection")
         await asyncio.sleep(1.0)
         assert engine.by_hand.occupied is None
 

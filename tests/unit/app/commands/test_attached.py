@@ -53,7 +53,7 @@ async def test_a_person_steers_answers_and_leaves_the_run_as_it_is(
         keyboard("g\n")
         await comes(bench, "EXECUTE")
         bench.publish("prompt", id="go", kind="confirm", text="The arm moves now.", motion=True)
-        answer = asyncio.create_task(bench.hub.desk(GO))
+        answer = asyncio.create_task(bench.registry.broker(GO))
         await settled()
         keyboard("yes\nh\nmove\n")
         assert await answer == Answer("yes", f"Ada ({client.name})")
@@ -61,7 +61,7 @@ async def test_a_person_steers_answers_and_leaves_the_run_as_it_is(
         await settled()
         keyboard("nonsense\nq\n")
         assert await task == ExitCode.DONE
-        assert not bench.hub.controlled
+        assert not bench.registry.controlled
         assert bench.state() == "EXECUTE"
         assert bench.noted("client-lost") == []
     said = capsys.readouterr().err
@@ -121,7 +121,7 @@ async def test_a_terminal_that_lost_control_does_not_ask_any_more(
         await settled()
         keyboard("g\nq\n")
         assert await task == ExitCode.DONE
-        assert bench.hub.controlled
+        assert bench.registry.controlled
         assert bench.state() == "EXECUTE"
     assert f"control taken by force: Ben ({ben.name}) has it" in capsys.readouterr().err
 

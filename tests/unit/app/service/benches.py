@@ -1,4 +1,4 @@
-"""A hub with a run on a scripted robot, and clients over socket pairs."""
+"""A registry with a run on a scripted robot, and clients over socket pairs."""
 
 import asyncio
 import json
@@ -15,7 +15,7 @@ from catseye.app.engine.halt import HaltLimits
 from catseye.app.engine.handle import RunHandle
 from catseye.app.protocol.state import ControlState
 from catseye.app.service.client import EngineClient, over
-from catseye.app.service.hub import Hub
+from catseye.app.service.client_registry import ClientRegistry
 from catseye.app.service.messages import MAX_LINE_BYTES, Message
 from catseye.app.service.server import Server
 from catseye.procedures.kit.context import Json
@@ -65,8 +65,8 @@ class ServiceBench:
     warnings: list[str] = field(default_factory=list)
 
     def __post_init__(self) -> None:
-        self.hub = Hub(self.clock)
-        self.server = Server(self.hub, self.clock)
+        self.registry = ClientRegistry(self.clock)
+        self.server = Server(self.registry, self.clock)
         self.robot = FakeRobot(self.clock)
         self.robot.state = replace(self.robot.state, servo_on=True, override_percent=20.0)
         self.control = RunControl(self.clock, self._state_changed, HaltLimits(standstill_s=0.5))
@@ -86,7 +86,7 @@ class ServiceBench:
     @asynccontextmanager
     async def running(self, state: ControlState = ControlState.EXECUTE) -> AsyncIterator["ServiceBench"]:
         """Serve a run in a state."""
-        with self.hub.running(self.handle):
+        with self.registry.running(self.handle):
             self.control.starting()
             if state == ControlState.EXECUTE:
                 self.control.started()
@@ -100,7 +100,7 @@ class ServiceBench:
         return self.control.state
 
     def publish(self, event: str, **fields: Json) -> None:
-        self.hub.publish({"t": "now", "event": event, "run": "run-1", **fields})
+        self.registry.publish({"t": "now", "event": event, "run": "run-1", **fields})
 
     def noted(self, kind: str) -> list[dict[str, Json]]:
         return [data for noted, data in self.notes if noted == kind]

@@ -8,9 +8,9 @@ import pytest
 from catseye.app.bench.lending import HandBench
 from catseye.app.cell.template import TEMPLATE
 from catseye.app.engine.devices import Devices
+from catseye.app.service.client_registry import ClientRegistry
 from catseye.app.service.engine_bench import EngineBench
 from catseye.app.service.errors import RefusedError
-from catseye.app.service.hub import Hub
 from catseye.drivers.roles.errors import LinkError
 from catseye.drivers.roles.readings import Identity
 from tests.unit.app.engine.fakes import ManualClock
@@ -25,8 +25,8 @@ class Known:
         self.cell = folder / "cell.toml"
         self.write()
         clock = ManualClock()
-        self.hub = Hub(clock)
-        self.bench = EngineBench(self.hub, clock, self.cell, folder / "runs")
+        self.registry = ClientRegistry(clock)
+        self.bench = EngineBench(self.registry, clock, self.cell, folder / "runs")
         self.bench.telemetry.describe(self.bench.facts())
         self.bench.telemetry.gauges.connected("robot", ROBOT)
         self.awake: Devices | None = cast(Devices, object())
@@ -81,6 +81,6 @@ def test_of_links_that_are_not_held_nothing_is_known(known: Known) -> None:
 def test_the_snapshot_has_the_jog_that_is_under_way(known: Known) -> None:
     told: dict[str, Any] = {"by": "Ada", "percent": 5.0, "moving": None}
     known.hands.tell("jog", on=True, **told)
-    assert known.hub.snapshot()["jog"] == {"on": True, **told}
+    assert known.registry.snapshot()["jog"] == {"on": True, **told}
     known.hands.tell("jog", on=False, **told)
-    assert known.hub.snapshot()["jog"] is None
+    assert known.registry.snapshot()["jog"] is None

@@ -10,7 +10,7 @@ from catseye.app.protocol.loss import LossPolicy
 from catseye.app.protocol.state import ControlState
 from catseye.app.service.errors import RefusedError, ServiceError
 from catseye.app.service.messages import decode_request
-from catseye.app.service.orders import Engine, Orders
+from catseye.app.service.request_handler import Engine, RequestHandler
 from tests.unit.app.engine.fakes import HOME
 from tests.unit.app.service.benches import ServiceBench, close, event_of, settled
 
@@ -42,18 +42,18 @@ async def test_control_is_handed_to_clients_that_are_there_only() -> None:
         await ada.take_control()
         with pytest.raises(RefusedError, match=f"there is no client 'ghost'; there are {ada.name}"):
             await ada.request("hand-over", to="ghost")
-        assert bench.hub.controlled
+        assert bench.registry.controlled
 
 
 async def test_the_console_holds_control_until_it_is_taken_by_force() -> None:
     async with ServiceBench().running() as bench, bench.client("Ben") as ben:
-        bench.hub.console = "Ada"
+        bench.registry.console = "Ada"
         with pytest.raises(RefusedError, match=r"Ada \(console\) holds control"):
             await ben.take_control()
         await ben.take_control(force=True)
         assert bench.noted("control")[0]["before"] == "Ada (console)"
         await ben.release()
-        assert bench.hub.snapshot()["control"] == {"client": "console", "who": "Ada"}
+        assert bench.registry.snapshot()["control"] == {"client": "console", "who": "Ada"}
 
 
 @pytest.mark.parametrize("op", ["unhold", "clear", "release"])
@@ -117,7 +117,7 @@ async def test_a_hold_before_anything_moves_is_refused_with_the_reason() -> None
 
 async def test_an_aborted_run_that_waits_to_be_cleared_can_be_stopped() -> None:
     bench = ServiceBench()
-    with bench.hub.running(bench.handle):
+    with bench.registry.running(bench.handle):
         async with bench.client() as client:
             with pytest.raises(RefusedError, match="nothing moves"):
                 await client.request("hold")
@@ -131,7 +131,7 @@ async def test_a_client_that_is_lost_before_its_run_is_open_is_lost_to_the_run(
     policy: LossPolicy, state: str
 ) -> None:
     bench = ServiceBench()
-    bench.hub.policy, bench.hub.beginning = policy, True
+    bench.registry.policy, bench.registry.beginning = policy, True
     async with bench.client("Ada") as ada:
         await ada.take_control()
     await settled()
@@ -170,7 +170,7 @@ async def test_a_run_that_serves_itself_starts_and_clears_nothing() -> None:
 )
 async def test_a_lost_client_with_control_means_what_the_cell_says(policy: LossPolicy, state: str) -> None:
     async with ServiceBench().running() as bench, bench.client("Ben") as ben:
-        bench.hub.policy = policy
+        bench.registry.policy = policy
         async with bench.client("Ada") as ada:
             await ada.take_control()
         lost = await event_of(ben, "client-lost")
@@ -211,7 +211,7 @@ async def test_a_run_is_held_whatever_fails_when_its_client_is_lost(
         async with bench.client("Ada") as ada:
             await ada.take_control()
             if broken == "by hand":
-                monkeypatch.setattr(bench.hub, "on_control", lambda: 1 // 0)
+                monkeypatch.setattr(bench.registry, "on_control", lambda: 1 // 0)
             else:
                 monkeypatch.setattr(bench.handle, "note", None)
         await settled()
@@ -222,8 +222,8 @@ async def test_a_run_is_held_whatever_fails_when_its_client_is_lost(
 async def test_a_stop_reaches_the_run_whatever_is_broken_beside_it(op: str, state: str) -> None:
     async with ServiceBench().running() as bench:
         # An engine without a single part.
-        orders = Orders(bench.hub, cast(Engine, object()))
-        assert orders.take(None, decode_request(f'{{"v":1,"id":1,"op":"{op}"}}'.encode())) == {}
+        handler = RequestHandler(bench.registry, cast(Engine, object()))
+        assert handler.take(None, decode_request(f'{{"v":1,"id":1,"op":"{op}"}}'.encode())) == {}
         assert bench.state() == state
 
 

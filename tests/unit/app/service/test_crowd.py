@@ -14,8 +14,8 @@ from typing import Any
 import pytest
 
 from catseye.app.service.address import listening
+from catseye.app.service.client_registry import MOST_CLIENTS
 from catseye.app.service.errors import RefusedError
-from catseye.app.service.hub import MOST_CLIENTS
 from catseye.app.service.server import MOST_STRANGERS, Server
 from catseye.app.service.session import Patience
 from catseye.app.service.sparse_log import EVERY_S, SparseLog
@@ -81,7 +81,7 @@ async def test_shutdown_takes_hello_and_control() -> None:
     ended: list[str] = []
     bench = ServiceBench()
     engine: Any = SimpleNamespace(shut_down=ended.append)
-    bench.server = Server(bench.hub, bench.clock, engine)
+    bench.server = Server(bench.registry, bench.clock, engine)
     async with bench.running(), bench.client() as client:
         stranger = await bench.raw()
         assert "hello first" in (await stranger.ask("shutdown"))["error"]
@@ -106,7 +106,7 @@ async def test_a_message_that_is_nested_too_deeply_is_refused(deep: str) -> None
 
 async def test_clients_come_in_through_the_socket(tmp_path: Path, runtime: Path) -> None:
     bench = ServiceBench()
-    server = Server(bench.hub, bench.clock, patience=Patience(flush_s=0.1))
+    server = Server(bench.registry, bench.clock, patience=Patience(flush_s=0.1))
     async with server.at(tmp_path):
         [path] = (runtime / "catseye").glob("*.sock")
         crowd = [await asyncio.open_unix_connection(path) for _ in range(100)]
@@ -126,7 +126,7 @@ async def test_a_client_that_comes_at_the_end_is_let_go(
 ) -> None:
     """Whatever turn of the loop the end meets it in."""
     bench = ServiceBench()
-    server = Server(bench.hub, bench.clock)
+    server = Server(bench.registry, bench.clock)
     with listening(tmp_path) as listener, socket.socket(socket.AF_UNIX) as client:
         client.settimeout(5.0)
         async with server.on(listener):
@@ -163,7 +163,7 @@ async def test_what_the_system_refuses_is_logged_now_and_then(
     monkeypatch.setattr(socket.socket, "accept", no_room)
     with listening(tmp_path) as listener, socket.socket(socket.AF_UNIX) as client:
         client.connect(listener.getsockname())
-        async with Server(bench.hub, bench.clock).on(listener):
+        async with Server(bench.registry, bench.clock).on(listener):
             while tries < 50:
                 await asyncio.sleep(0)
                 bench.clock.advance(1.0)

@@ -9,15 +9,15 @@ from catseye.app.bench.gauges import Gauges
 from catseye.app.bench.observed import ObservedAir, ObservedSensor
 from catseye.app.cell.model import FurtherDevice, Material
 from catseye.app.cell.template import TEMPLATE
+from catseye.app.service.client_registry import ClientRegistry
 from catseye.app.service.engine_bench import EngineBench
 from catseye.app.service.errors import RefusedError
-from catseye.app.service.hub import Hub
 from tests.unit.app.bench.benches import cell_from_template
 from tests.unit.app.engine.fakes import ManualClock
 
 
-def bench_at(cell: Path, hub: Hub | None = None) -> EngineBench:
-    return EngineBench(hub or Hub(ManualClock()), ManualClock(), cell, cell.parent / "runs")
+def bench_at(cell: Path, registry: ClientRegistry | None = None) -> EngineBench:
+    return EngineBench(registry or ClientRegistry(ManualClock()), ManualClock(), cell, cell.parent / "runs")
 
 
 def test_every_device_of_a_cell_is_kept_once_and_by_the_name_in_its_file() -> None:
@@ -62,10 +62,10 @@ def test_a_cell_file_that_cannot_be_used_is_told_to_whoever_wants_to_watch(tmp_p
 def test_during_a_run_the_file_is_not_looked_at(tmp_path: Path) -> None:
     cell = tmp_path / "cell.toml"
     cell.write_text(TEMPLATE, encoding="utf-8")
-    hub = Hub(ManualClock())
-    bench = bench_at(cell, hub)
+    registry = ClientRegistry(ManualClock())
+    bench = bench_at(cell, registry)
     bench.telemetry.prepare()
     cell.unlink()
-    hub.beginning = True
+    registry.beginning = True
     bench.telemetry.prepare()
     assert bench.telemetry.facts is not None

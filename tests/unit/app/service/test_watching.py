@@ -9,31 +9,31 @@ import pytest
 from catseye.app.bench.facts import facts_of
 from catseye.app.bench.telemetry import Telemetry
 from catseye.app.engine.waiting import cancel
+from catseye.app.service.client_registry import ClientRegistry, Member
 from catseye.app.service.errors import RefusedError
-from catseye.app.service.hub import Hub, Member
 from catseye.app.service.mailbox import Mailbox
 from catseye.app.service.messages import Message, Watch, decode_request, encode
-from catseye.app.service.orders import Orders
+from catseye.app.service.request_handler import RequestHandler
 from tests.unit.app.bench.benches import bench_from_template, cell_from_template
 from tests.unit.app.bench.kept import disk
 from tests.unit.drivers.virtual_time import VirtualClock, run
 
 
 class Served:
-    """A hub with its orders and two clients."""
+    """A registry with its handler and two clients."""
 
     def __init__(self, folder: Path) -> None:
         clock = VirtualClock()
-        self.hub = Hub(clock)
-        self.telemetry = Telemetry(self.hub, clock, folder, disk)
-        self.orders = Orders(self.hub, telemetry=self.telemetry)
+        self.registry = ClientRegistry(clock)
+        self.telemetry = Telemetry(self.registry, clock, folder, disk)
+        self.handler = RequestHandler(self.registry, telemetry=self.telemetry)
         self.ada, self.ben = (
-            self.hub.join("test", who, Mailbox(), lambda _reason: None) for who in ("Ada", "Ben")
+            self.registry.join("test", who, Mailbox(), lambda _reason: None) for who in ("Ada", "Ben")
         )
 
     def ask(self, member: Member, op: str, *, on: bool = True) -> Message:
         request = decode_request(encode({"v": 1, "id": 1, "op": op, "on": on}))
-        answer = self.orders.take(member, request)
+        answer = self.handler.take(member, request)
         assert not isinstance(answer, asyncio.Future)
         return answer
 
@@ -85,10 +85,10 @@ def test_a_client_that_left_keeps_nothing_awake(tmp_path: Path) -> None:
         served.ask(served.ada, "watch")
         served.ask(served.ben, "watch")
         await asyncio.sleep(1.0)
-        served.hub.leave(served.ada, "it closed the connection")
+        served.registry.leave(served.ada, "it closed the connection")
         await asyncio.sleep(1.0)
         assert watched == [True]
-        served.hub.leave(served.ben, "it closed the connection")
+        served.registry.leave(served.ben, "it closed the connection")
         await asyncio.sleep(1.0)
         assert watched == [True, False]
 
@@ -103,12 +103,12 @@ def test_a_bench_that_cannot_be_known_is_refused(tmp_path: Path) -> None:
         served.telemetry.prepare = unknown
         with pytest.raises(RefusedError, match="line 3"):
             served.ask(served.ada, "watch")
-        assert not served.hub.listens("watch")
+        assert not served.registry.listens("watch")
         request = Watch(v=1, id=1, op="watch")
         with pytest.raises(RefusedError, match="does not do 'watch'"):
-            Orders(served.hub).take(served.ada, request)
+            RequestHandler(served.registry).take(served.ada, request)
         with pytest.raises(RefusedError, match="says hello first"):
-            served.orders.take(None, request)
+            served.handler.take(None, request)
 
     played(tmp_path, play)
 

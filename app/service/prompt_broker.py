@@ -8,7 +8,7 @@ from catseye.app.service.errors import RefusedError
 from catseye.procedures.kit.context import Prompt
 
 
-class PromptDesk:
+class PromptBroker:
     """Implements `catseye.app.engine.operator.Answerer`: the answer comes from the console or a client with control.
 
     Args:

@@ -8,8 +8,8 @@ from catseye.app.bench.telemetry import Telemetry
 from catseye.app.engine.handle import RunHandle
 from catseye.app.errors import InterruptedRunError, LimitError
 from catseye.app.protocol.state import BEFORE_MOTION, ENDING, HELD, RUNNING, ControlState
+from catseye.app.service.client_registry import ClientRegistry, Member
 from catseye.app.service.errors import RefusedError
-from catseye.app.service.hub import Hub, Member
 from catseye.app.service.messages import (
     AnyRequest,
     Control,
@@ -63,17 +63,19 @@ class Engine(Protocol):
         ...
 
 
-class Orders:
+class RequestHandler:
     """Carries requests out.
 
     Args:
-        hub: of the engine.
+        registry: of the engine.
         engine: that can start runs; None where a run serves itself.
         telemetry: of the bench; None where nobody can watch it.
     """
 
-    def __init__(self, hub: Hub, engine: Engine | None = None, telemetry: Telemetry | None = None) -> None:
-        self._hub = hub
+    def __init__(
+        self, registry: ClientRegistry, engine: Engine | None = None, telemetry: Telemetry | None = None
+    ) -> None:
+        self._registry = registry
         self._engine = engine
         self._telemetry = telemetry
 
@@ -93,27 +95,27 @@ class Orders:
             raise RefusedError("a client says hello first, and once")
         match request:
             case Control(take=True):
-                self._hub.take_control(member, force=request.force)
+                self._registry.take_control(member, force=request.force)
             case Control():
-                self._hub.release(member)
+                self._registry.release(member)
             case HandOver():
-                self._hub.hand_over(member, request.to)
+                self._registry.hand_over(member, request.to)
             case Reply():
-                self._hub.require_control(member)
-                self._hub.desk.answer(request.prompt, request.text, member.text)
+                self._registry.require_control(member)
+                self._registry.broker.answer(request.prompt, request.text, member.text)
             case Override():
                 return self._override(member, request.percent)
             case Start():
-                self._hub.require_control(member)
+                self._registry.require_control(member)
                 return self._engine_or_refuse().start(request)
             case Resume():
-                self._hub.require_control(member)
+                self._registry.require_control(member)
                 return self._engine_or_refuse().resume(request)
             case JogMode() | JogStep() | JogHold() | Raw() | Send():
-                self._hub.require_control(member)
+                self._registry.require_control(member)
                 return self._by_hand(member, request)
             case WalkFeed():
-                self._hub.require_control(member)
+                self._registry.require_control(member)
                 self._feed(on=request.on)
             case Watch() if self._telemetry is not None:
                 return self._watch(member, request, self._telemetry)
@@ -149,9 +151,9 @@ class Orders:
             case "unhold":
                 self._unhold(member, who)
             case "release" if member is not None:
-                self._hub.release(member)
+                self._registry.release(member)
             case "clear":
-                self._hub.require_control(member)
+                self._registry.require_control(member)
                 self._engine_or_refuse().clear(who)
             case "shutdown":
                 self._shut_down(member, who)
@@ -160,7 +162,7 @@ class Orders:
     def _watch(self, member: Member, request: Watch, telemetry: Telemetry) -> Message:
         if request.on:
             telemetry.prepare()
-        self._hub.listen(member, request.op, on=request.on)
+        self._registry.listen(member, request.op, on=request.on)
         if request.on:
             telemetry.wake()
         return {"bench": telemetry.bench()} if request.op == "watch" else {}
@@ -174,14 +176,14 @@ class Orders:
     def _stop(self, who: str) -> None:
         # A run is stopped whatever state the rest is in; nothing is done by hand during one.
         engine, reason = self._engine, f"{who} stopped it"
-        if self._hub.run is not None or engine is None:
+        if self._registry.run is not None or engine is None:
             self._running().control.stop(f"{who} stopped the run")
         elif not (engine.by_hand.stop(reason) or engine.drop(reason)):
             raise RefusedError("no run is under way")
 
     def _abort(self, who: str) -> None:
         engine, reason = self._engine, f"{who} aborted it"
-        if self._hub.run is not None or engine is None:
+        if self._registry.run is not None or engine is None:
             self._running().control.abort(InterruptedRunError(f"{who} aborted the run"))
         elif not (engine.by_hand.abort(reason) or engine.drop(reason)):
             raise RefusedError("no run is under way")
@@ -197,14 +199,14 @@ class Orders:
         control.hold(f"{who} holds the run")
 
     def _unhold(self, member: Member | None, who: str) -> None:
-        self._hub.require_control(member)
+        self._registry.require_control(member)
         control = self._running().control
         if control.state not in HELD:
             raise RefusedError(f"the run is not held, it is in state {control.state}")
         control.unhold(f"{who} lets the run go on")
 
     def _override(self, member: Member, percent: float) -> Message:
-        self._hub.require_control(member)
+        self._registry.require_control(member)
         try:
             now = self._running().lower_override(percent)
         except LimitError as error:
@@ -214,11 +216,11 @@ class Orders:
     def _shut_down(self, member: Member | None, who: str) -> None:
         if member is None:
             raise RefusedError("a client says hello first")
-        self._hub.require_control(member)
+        self._registry.require_control(member)
         self._engine_or_refuse().shut_down(who)
 
     def _running(self) -> RunHandle:
-        run = self._hub.run
+        run = self._registry.run
         if run is None:
             raise RefusedError("no run is under way")
         if run.control.ending is not None or run.control.state not in _OPEN:

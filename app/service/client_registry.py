@@ -15,7 +15,7 @@ from catseye.app.protocol.state import ENDED, ControlState
 from catseye.app.service.errors import RefusedError
 from catseye.app.service.mailbox import Mailbox, MailboxFullError
 from catseye.app.service.messages import VERSION, Message
-from catseye.app.service.prompt_desk import PromptDesk
+from catseye.app.service.prompt_broker import PromptBroker
 from catseye.app.service.questions import prompt_of
 from catseye.app.version import SOFTWARE
 from catseye.drivers.roles.clock import Clock
@@ -95,7 +95,7 @@ class Seen:
                 self.progress = event
 
 
-class Hub:
+class ClientRegistry:
     """Knows the clients and the run under way.
 
     Args:
@@ -105,7 +105,7 @@ class Hub:
     Attributes:
         policy: what becomes of a run whose client with control is lost.
         console: the person at the terminal of this process; None without one.
-        desk: questions lie open here.
+        broker: questions lie open here.
         run: under way; None between runs.
         idle_state: where the engine stands between runs.
         beginning: a run was asked for and is not open yet.
@@ -116,7 +116,7 @@ class Hub:
     def __init__(self, clock: Clock, *, waits: bool = False) -> None:
         self.policy: LossPolicy = "hold"
         self.console: str | None = None
-        self.desk = PromptDesk(lambda: waits or self.console is not None or self._holder is not None)
+        self.broker = PromptBroker(lambda: waits or self.console is not None or self._holder is not None)
         self.run: RunHandle | None = None
         self.idle_state = ControlState.IDLE
         self.beginning = False
@@ -144,7 +144,7 @@ class Hub:
     @property
     def asking(self) -> bool:
         """A question is open."""
-        return self.desk.open is not None
+        return self.broker.open is not None
 
     def listen(self, member: Member, topic: Topic, *, on: bool) -> None:
         """Tell a client about a topic from now on, or no more."""
@@ -269,9 +269,9 @@ class Hub:
         self._seen.take(event)
         if event["event"] == "prompt":
             self._asked_s = self._clock.monotonic_s()
-            self.desk.announce(prompt_of(event))
+            self.broker.announce(prompt_of(event))
         elif event["event"] in {"answer", "run-ended"}:
-            self.desk.withdraw()
+            self.broker.withdraw()
         self._tell(event)
 
     def tell(self, topic: Topic, event: str, fields: dict[str, Json]) -> None:
@@ -298,7 +298,7 @@ class Hub:
         try:
             yield
         finally:
-            self.desk.withdraw()
+            self.broker.withdraw()
             self.run = None
 
     def snapshot(self, member: Member | None = None) -> dict[str, Json]:
