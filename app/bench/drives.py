@@ -1,4 +1,4 @@
-"""Drives that a run has left on: off after some time of rest, told all the while."""
+"""Drives that a run has left on: off after some time of rest, with a countdown that clients see."""
 
 import asyncio
 from collections.abc import Callable
@@ -6,13 +6,13 @@ from contextlib import AbstractAsyncContextManager
 from datetime import timedelta
 from typing import Final, Protocol
 
-from catseye.app.bench.lending import Lender, Tell
+from catseye.app.bench.lending import Announce, Lender
 from catseye.app.engine.drives import leave_drives
 from catseye.app.engine.waiting import cancel
 from catseye.app.errors import CatseyeError
+from catseye.app.protocol.events import DrivesChanged, DrivesFields
 from catseye.drivers.roles.clock import Clock
 from catseye.drivers.roles.errors import DeviceError
-from catseye.procedures.kit.context import Json
 
 _TICK_S: Final = 0.5
 _LIMIT_S: Final = 6.0
@@ -39,7 +39,7 @@ class RestingDrives:
     Args:
         lender: of the robot.
         clock: real time.
-        tell: sends a message to every client.
+        announce: sends every client an event.
         hands: what is done by hand meanwhile, and is no rest.
         owned: makes this program the arm's owner meanwhile: no drives go off below a motion of another one.
 
@@ -51,14 +51,14 @@ class RestingDrives:
         self,
         lender: Lender,
         clock: Clock,
-        tell: Tell,
+        announce: Announce,
         hands: Hands,
         owned: Callable[[], AbstractAsyncContextManager[None]],
     ) -> None:
-        self.facts: dict[str, Json] | None = None
+        self.facts: DrivesFields | None = None
         self._lender = lender
         self._clock = clock
-        self._tell = tell
+        self._announce = announce
         self._hands = hands
         self._owned = owned
         self._after_s: float | None = None
@@ -95,20 +95,20 @@ class RestingDrives:
             await self._switch_off("the engine ends")
 
     async def _count(self, after_s: float, begun: int) -> None:
-        end_s = self._told_end_s(after_s)
+        end_s = self._announced_end_s(after_s)
         while (left_s := end_s - self._clock.monotonic_s()) > 0.0:
             await self._clock.sleep(min(left_s, _TICK_S))
             # Also what was over within this tick.
             if self._hands.begun != begun:
                 while self._hands.occupied is not None:
                     await self._clock.sleep(_TICK_S)
-                begun, end_s = self._hands.begun, self._told_end_s(after_s)
+                begun, end_s = self._hands.begun, self._announced_end_s(after_s)
         await self._switch_off(f"the arm has rested for {after_s:g} s")
 
-    def _told_end_s(self, after_s: float) -> float:
+    def _announced_end_s(self, after_s: float) -> float:
         off_at = self._clock.now_utc() + timedelta(seconds=after_s)
-        self.facts = {"on": True, "off_at_utc": off_at.isoformat()}
-        self._tell("drives", **self.facts)
+        self.facts = counting = DrivesChanged(on=True, off_at_utc=off_at.isoformat())
+        self._announce(counting)
         return self._clock.monotonic_s() + after_s
 
     async def _switch_off(self, why: str) -> None:
@@ -117,7 +117,8 @@ class RestingDrives:
             async with self._lender.lent_robot("robot") as robot, self._owned():
                 left = await leave_drives(robot, self._clock, _LIMIT_S, keep=False)
         except (CatseyeError, DeviceError) as error:
-            self._tell("drives", on=True, reason=f"the drives are not certain to be off: {error}")
+            self._announce(DrivesChanged(on=True, reason=f"the drives are not certain to be off: {error}"))
             return
         self._off = not left.on
-        self._tell("drives", on=left.on, reason=left.text if left.on else f"{why}: {left.text}")
+        reason = left.text if left.on else f"{why}: {left.text}"
+        self._announce(DrivesChanged(on=left.on, reason=reason))

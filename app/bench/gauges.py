@@ -2,16 +2,15 @@
 
 import math
 from dataclasses import dataclass
-from typing import Generic, Literal, TypeVar
+from typing import Generic, TypeVar
 
 from catseye.app.bench.columns import Columns
+from catseye.app.protocol.bench import LinkState
 from catseye.drivers.roles.clock import Clock
 from catseye.drivers.roles.protocols import Air, BeamStatus, ControllerStatus, DeviceIdentity, Joints
 
 T = TypeVar("T")
 T_co = TypeVar("T_co", covariant=True)
-
-LinkState = Literal["connecting", "ok", "lost", "closed", "raw"]
 
 
 @dataclass(frozen=True)

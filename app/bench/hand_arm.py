@@ -12,8 +12,9 @@ from catseye.app.bench.steps import step_target
 from catseye.app.engine.halt import HaltLimits
 from catseye.app.errors import InterruptedRunError, SafetyError
 from catseye.app.exitcode import ExitCode
+from catseye.app.protocol.answers import Answer, Moving, Stepped
+from catseye.app.protocol.requests import JogHold, JogStep
 from catseye.app.service.errors import RefusedError, refusal_of
-from catseye.app.service.messages import JogHold, JogStep, Message
 from catseye.drivers.roles.clock import Clock
 from catseye.drivers.roles.protocols import JogRobot, Joints, Robot
 from catseye.procedures.kit.bench import Bench
@@ -65,9 +66,9 @@ class HandArm:
         self._clock = clock
         self._limits = limits
         self._teller = teller
-        self._task: asyncio.Task[Message] | None = None
+        self._task: asyncio.Task[Answer] | None = None
 
-    def step(self, request: JogStep, heard_s: Callable[[], float]) -> "asyncio.Task[Message]":
+    def step(self, request: JogStep, heard_s: Callable[[], float]) -> "asyncio.Task[Answer]":
         """Begin a step; the result is there when the arm stands.
 
         Args:
@@ -82,7 +83,7 @@ class HandArm:
         motion = HandMotion(request.joint, self._robot, self._clock, self._limits)
         return self._begin(motion, self._step(motion, request, heard_s))
 
-    def hold(self, request: JogHold) -> "Message | asyncio.Future[Message]":
+    def hold(self, request: JogHold) -> "Answer | asyncio.Future[Answer]":
         """Keep a joint moving, or stop; the result is there when it has been set going.
 
         Raises:
@@ -92,7 +93,7 @@ class HandArm:
         if request.direction == 0:
             if motion is not None:
                 self._release(motion, "released")
-            return {}
+            return Answer()
         if motion is None:
             return self._begin_hold(request)
         if motion.hold is None:
@@ -103,7 +104,7 @@ class HandArm:
             motion.hold.feed()
         else:
             motion.hold.release("another joint or direction is asked for")
-        return {}
+        return Answer()
 
     def stop(self, reason: str) -> None:
         """Stop the robot now if a motion is under way."""
@@ -126,7 +127,7 @@ class HandArm:
         else:
             motion.stop("the step was stopped")
 
-    def _begin_hold(self, request: JogHold) -> "asyncio.Future[Message]":
+    def _begin_hold(self, request: JogHold) -> "asyncio.Future[Answer]":
         # What observes a robot shows its driver, which alone knows what it can do beyond the usual.
         driver = getattr(self._robot, "driver", self._robot)
         if not isinstance(driver, JogRobot):
@@ -136,7 +137,7 @@ class HandArm:
         sight = Sight(self._robot.joints, self._gate.require_permission)
         hold = Hold(driver, request.joint, self._approach(request), sight, self._clock)
         motion = HandMotion(request.joint, self._robot, self._clock, self._limits, hold)
-        answer: asyncio.Future[Message] = asyncio.get_running_loop().create_future()
+        answer: asyncio.Future[Answer] = asyncio.get_running_loop().create_future()
         task = self._begin(motion, self._hold(motion, hold, answer))
         task.add_done_callback(lambda ended: _settle(answer, ended, hold))
         return answer
@@ -148,13 +149,13 @@ class HandArm:
         way: Literal[-1, 1] = 1 if request.direction > 0 else -1
         return Approach(ranges[request.joint], way, share * fastest_deg_s[request.joint])
 
-    def _begin(self, motion: HandMotion, work: Coroutine[Any, Any, Message]) -> "asyncio.Task[Message]":
+    def _begin(self, motion: HandMotion, work: Coroutine[Any, Any, Answer]) -> "asyncio.Task[Answer]":
         self.motion = motion
         self._gate.belong_to(motion.require_unstopped)
         self._task = asyncio.create_task(self._conducted(motion, work))
         return self._task
 
-    async def _conducted(self, motion: HandMotion, work: Coroutine[Any, Any, Message]) -> Message:
+    async def _conducted(self, motion: HandMotion, work: Coroutine[Any, Any, Answer]) -> Answer:
         reason = ""
         try:
             return await work
@@ -170,7 +171,7 @@ class HandArm:
             if motion.began:
                 self._teller.moves(None, motion.hold.reason if motion.hold and not reason else reason)
 
-    async def _step(self, motion: HandMotion, request: JogStep, heard_s: Callable[[], float]) -> Message:
+    async def _step(self, motion: HandMotion, request: JogStep, heard_s: Callable[[], float]) -> Answer:
         targets: list[Joints] = []
 
         async def gate() -> None:
@@ -186,13 +187,13 @@ class HandArm:
             await self._until_silent(heard_s)
 
         await motion.carry_out(gate, move, alive)
-        return {"joints": list(await self._robot.joints())}
+        return Stepped(joints=tuple(await self._robot.joints()))
 
-    async def _hold(self, motion: HandMotion, hold: Hold, answer: "asyncio.Future[Message]") -> Message:
+    async def _hold(self, motion: HandMotion, hold: Hold, answer: "asyncio.Future[Answer]") -> Answer:
         def begun() -> None:
             self._teller.moves(hold.joint, "")
             if not answer.done():
-                answer.set_result({"moving": hold.joint})
+                answer.set_result(Moving(moving=hold.joint))
 
         async def gate() -> None:
             here = await self._robot.joints()
@@ -202,7 +203,7 @@ class HandArm:
 
         hold.on_begun = begun
         await motion.carry_out(gate, hold.move)
-        return {}
+        return Answer()
 
     async def _until_silent(self, heard_s: Callable[[], float]) -> None:
         begun_s = self._clock.monotonic_s()
@@ -214,7 +215,7 @@ class HandArm:
         )
 
 
-def _settle(answer: "asyncio.Future[Message]", ended: "asyncio.Task[Message]", hold: Hold) -> None:
+def _settle(answer: "asyncio.Future[Answer]", ended: "asyncio.Task[Answer]", hold: Hold) -> None:
     """Answer a hold that ended before it had been set going."""
     error = None if ended.cancelled() else ended.exception()
     if answer.done():

@@ -1,4 +1,4 @@
-"""What moving by hand needs of the bench between runs, and of whoever is told."""
+"""What moving by hand needs of the bench between runs, and of its clients."""
 
 from collections.abc import Awaitable, Callable, Mapping
 from contextlib import AbstractAsyncContextManager
@@ -9,9 +9,9 @@ from typing import Protocol
 from catseye.app.bench.facts import BenchFacts
 from catseye.app.engine.devices import Devices, WireRecorder
 from catseye.app.engine.interlock import RemoteIo
+from catseye.app.protocol.events import AnyEvent
 from catseye.drivers.roles.clock import Clock
 from catseye.drivers.roles.protocols import DeviceIdentity, Robot
-from catseye.procedures.kit.context import Json
 
 
 class Lender(Protocol):
@@ -42,12 +42,8 @@ class Lender(Protocol):
         ...
 
 
-class Tell(Protocol):
-    """Tells every client an event."""
-
-    def __call__(self, event: str, **fields: Json) -> None:
-        """Take its name and fields."""
-        ...
+Announce = Callable[[AnyEvent], None]
+"""Sends every client an event."""
 
 
 @dataclass(frozen=True)
@@ -59,7 +55,7 @@ class HandBench:
         facts: finds what cell file and last search say, now.
         identities: returns who answers, by the device's name, as far as it is known.
         record: takes the bytes that pass on a raw link.
-        tell: tells every client.
+        announce: sends every client an event.
         clock: real time.
         folder: of all runs.
         door: returns the block with the interlock; None where there is none, or nothing is connected.
@@ -69,7 +65,7 @@ class HandBench:
     facts: Callable[[], Awaitable[BenchFacts]]
     identities: Callable[[], Mapping[str, DeviceIdentity]]
     record: WireRecorder
-    tell: Tell
+    announce: Announce
     clock: Clock
     folder: Path
     door: Callable[[], RemoteIo | None]

@@ -63,7 +63,7 @@ async def _only_engine() -> Path:
     for path in all_sockets():
         try:
             async with connect(path, PROGRAM) as client:
-                found[str(client.snapshot["path"] or client.snapshot.get("runs"))] = path
+                found[str(client.snapshot.path or client.snapshot.runs)] = path
         except (ServiceError, RefusedError):
             continue
     if len(found) == 1:

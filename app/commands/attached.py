@@ -3,25 +3,41 @@
 import asyncio
 import signal
 import sys
+from collections.abc import Coroutine
 from contextlib import ExitStack
-from typing import Any
+from typing import Any, Final
 
 from catseye.app.commands.narrator import Narrator
 from catseye.app.commands.output import emit_json, say
 from catseye.app.engine.waiting import cancel
 from catseye.app.errors import OutputError, exit_code_of
 from catseye.app.exitcode import ExitCode
+from catseye.app.protocol.answers import Refusal, refused
+from catseye.app.protocol.events import (
+    AnyEvent,
+    ClientLost,
+    ControlChanged,
+    Dropped,
+    PromptAnswered,
+    PromptAsked,
+    RunEnded,
+)
+from catseye.app.protocol.message import VERSION, JsonObject, MessageError, RequestId, decode_object
+from catseye.app.protocol.requests import AnyRequest, Plain, Reply, request_of
 from catseye.app.service.client import EngineClient
 from catseye.app.service.console import KEYS, SLASH, command_of
-from catseye.app.service.errors import BadMessageError, RefusedError, ServiceError
+from catseye.app.service.errors import RefusedError, ServiceError
 from catseye.app.service.lines import Lines
-from catseye.app.service.messages import VERSION, Message, decode_object
-from catseye.app.service.questions import answer_of, prompt_of
-from catseye.procedures.kit.context import Json, Prompt
+from catseye.app.service.questions import answer_of
+from catseye.procedures.kit.context import Prompt
 
 PROGRAM = "attach"
-_LADDER = ("hold", "stop", "abort")
-_OPS = {"h": "hold", "g": "unhold", "s": "stop", "a": "abort"}
+_REQUESTS: Final = {
+    "h": Plain(op="hold"),
+    "g": Plain(op="unhold"),
+    "s": Plain(op="stop"),
+    "a": Plain(op="abort"),
+}
 
 
 class Front:
@@ -35,7 +51,6 @@ class Front:
     def __init__(self, client: EngineClient, *, control: bool) -> None:
         self._client = client
         self._control = control
-        self._interrupts = 0
         self._code: int | None = None
         self._left: asyncio.Future[int] = asyncio.get_running_loop().create_future()
         self._requests: set[asyncio.Task[None]] = set()
@@ -59,7 +74,7 @@ class Front:
                 return self._left.result()
             events.result()
             if self._code is None:
-                name = self._client.snapshot.get("run")
+                name = self._client.snapshot.run
                 raise ServiceError(
                     f"{self._client.closed}; look with: catseye show {name}; if it died: catseye resume {name}"
                 )
@@ -67,7 +82,7 @@ class Front:
         finally:
             await cancel(events, *self._requests)
 
-    def told(self, event: Message) -> None:
+    def show(self, event: AnyEvent) -> None:
         """Pass an event on."""
         raise NotImplementedError
 
@@ -75,13 +90,13 @@ class Front:
         """Take a typed line."""
         raise NotImplementedError
 
-    async def ask(self, op: str, **fields: Json) -> None:
-        """Put a request; what is refused is told."""
+    async def ask(self, request: AnyRequest) -> None:
+        """Put a request; a refusal is shown."""
         raise NotImplementedError
 
-    def begin(self, op: str, **fields: Json) -> None:
+    def begin(self, work: Coroutine[Any, Any, None]) -> None:
         """Put a request without waiting for its answer."""
-        task = asyncio.create_task(self.ask(op, **fields))
+        task = asyncio.create_task(work)
         self._requests.add(task)
         task.add_done_callback(self._requests.discard)
 
@@ -94,29 +109,24 @@ class Front:
         async for event in self._client.events():
             self._notice(event)
             try:
-                self.told(event)
+                self.show(event)
             except OSError as error:
                 # Nobody reads any more; a client that held control is lost now, and the engine acts on it.
                 self.leave(exit_code_of(error) if isinstance(error, OutputError) else ExitCode.READER_GONE)
                 return
-            if event["event"] == "run-ended":
-                code = event.get("exit_code")
-                self._code = code if isinstance(code, int) else int(ExitCode.FAULT)
+            if isinstance(event, RunEnded):
+                self._code = event.exit_code
                 return
 
-    def _notice(self, event: Message) -> None:
-        if event["event"] == "control":
-            by = event.get("by")
-            self._control = isinstance(by, str) and by.endswith(f"({self._client.name})")
-        elif event["event"] == "state" and event.get("state") == "EXECUTE":
-            self._interrupts = 0
+    def _notice(self, event: AnyEvent) -> None:
+        if isinstance(event, ControlChanged):
+            self._control = event.holder is not None and event.holder.client == self._client.name
 
     def _interrupt(self) -> None:
-        if not self._control:
+        if self._control:
+            self.begin(self.ask(Plain(op="ladder")))
+        else:
             self.leave(ExitCode.INTERRUPTED)
-            return
-        self.begin(_LADDER[min(self._interrupts, len(_LADDER) - 1)])
-        self._interrupts += 1
 
 
 class Programs(Front):
@@ -124,38 +134,42 @@ class Programs(Front):
 
     async def follow(self) -> int:
         """Pass messages on until the run ends."""
-        emit_json({"v": VERSION, "snapshot": self._client.snapshot})
+        emit_json({"v": VERSION, "snapshot": self._client.snapshot.json_object()})
         return await super().follow()
 
-    def told(self, event: Message) -> None:
+    def show(self, event: AnyEvent) -> None:
         """Write an event."""
-        emit_json(event)
+        emit_json({"v": VERSION, **event.json_object()})
 
     def typed(self, line: str) -> None:
         """Pass a request on."""
+        number = None
         try:
-            fields: dict[str, Any] = decode_object(line.encode(errors="replace"))
-        except BadMessageError as error:
-            emit_json({"v": VERSION, "re": None, "ok": False, "error": str(error)})
+            fields = decode_object(line.encode(errors="replace"))
+            fields.pop("v", None)
+            number = fields.pop("id", None)
+            request = request_of(fields)
+        except MessageError as error:
+            emit_json(refused(number, Refusal(error=str(error))))
             return
-        number, op = fields.pop("id", None), str(fields.pop("op", ""))
-        fields.pop("v", None)
-        self.begin(op, re=number, fields=fields)
+        self.begin(self._answer(number, request))
 
-    async def ask(self, op: str, **fields: Json) -> None:
+    async def ask(self, request: AnyRequest) -> None:
+        """Put a request of this terminal, whose answer has no number."""
+        await self._answer(None, request)
+
+    async def _answer(self, number: RequestId | None, request: AnyRequest) -> None:
         """Put a request and write its answer under the number that the program gave it."""
-        number, given = fields.get("re"), fields.get("fields")
-        answer: Message = {"v": VERSION, "re": number, "ok": True}
+        answer: JsonObject
         try:
-            found = await self._client.request(op, **(given if isinstance(given, dict) else fields))
-            answer = {**found, "re": number}
+            answer = {**await self._client.request(request), "re": number}
         except (RefusedError, ServiceError) as error:
-            answer |= {"ok": False, "error": str(error)}
+            answer = refused(number, Refusal(error=str(error)))
         emit_json(answer)
 
 
 class People(Front):
-    """Events are told on stderr; lines are answers and commands.
+    """Events are shown on stderr; lines are answers and commands.
 
     Args:
         client: the connection.
@@ -164,43 +178,43 @@ class People(Front):
 
     def __init__(self, client: EngineClient, *, control: bool) -> None:
         super().__init__(client, control=control)
-        snapshot = client.snapshot
-        self._narrator = Narrator(str(snapshot.get("procedure")), False, f"{KEYS} · q leave, each with Enter")
+        go_on = f"{KEYS} · q leave, each with Enter"
+        self._narrator = Narrator(client.snapshot.procedure or "", False, go_on)
         self._narrator.interactive = control
         self._asked: Prompt | None = None
 
     async def follow(self) -> int:
-        """Tell where the run stands, then what happens."""
+        """Say where the run stands, then what happens."""
         snapshot = self._client.snapshot
-        run = snapshot["run"] or "no run is under way"
-        holder = snapshot["control"]["who"] if snapshot["control"] else "nobody"
-        say(f"{run}: {snapshot['state']}; control: {'you' if self._control else holder}")
-        if snapshot["simulated"]:
+        run = snapshot.run or "no run is under way"
+        holder = snapshot.control.who if snapshot.control else "nobody"
+        say(f"{run}: {snapshot.state}; control: {'you' if self._control else holder}")
+        if snapshot.simulated:
             say("SIMULATED: every device is an emulator")
         say(
             f"{KEYS} · q leave, each with Enter"
             if self._control
             else "watching; q and Enter, or Ctrl-C, leaves"
         )
-        if snapshot["prompt"]:
-            self.told(snapshot["prompt"])
+        if snapshot.prompt:
+            self.show(snapshot.prompt)
         return await super().follow()
 
-    def told(self, event: Message) -> None:
-        """Tell an event."""
-        match event["event"]:
-            case "prompt":
-                self._asked = prompt_of(event)
-            case "answer" | "run-ended":
+    def show(self, event: AnyEvent) -> None:
+        """Show an event."""
+        match event:
+            case PromptAsked():
+                self._asked = event.prompt
+            case PromptAnswered() | RunEnded():
                 self._asked = None
-            case "control":
+            case ControlChanged():
                 self._narrator.interactive = self._control
-                self._narrator.tell(f"control {event['what']}: {event['by'] or 'nobody'} has it")
-            case "client-lost":
-                self._narrator.tell(f"{event['who']} ({event['client']}) is lost: {event['reason']}")
-            case "dropped":
-                self._narrator.tell(
-                    f"this terminal was too slow for {event['count']} messages; the run has its data"
+                self._narrator.show(f"control {event.what}: {event.by or 'nobody'} has it")
+            case ClientLost():
+                self._narrator.show(f"{event.who} ({event.client}) is lost: {event.reason}")
+            case Dropped():
+                self._narrator.show(
+                    f"this terminal was too slow for {event.count} messages; the run has its data"
                 )
         self._narrator.publish(event)
 
@@ -210,31 +224,26 @@ class People(Front):
         asked = self._asked if self._control else None
         command = command_of(line, asked=asked is not None)
         if command == "q":
-            self._quit()
-        elif command in _OPS:
-            self.begin(_OPS[command])
+            self.begin(self._release_and_leave())
+        elif command in _REQUESTS:
+            self.begin(self.ask(_REQUESTS[command]))
         elif command:
-            self._narrator.tell(f"type {KEYS} · q leave, each with Enter")
+            self._narrator.show(f"type {KEYS} · q leave, each with Enter")
         elif asked is not None:
             text, fault = answer_of(asked, line)
             if fault:
-                self._narrator.tell(f"{fault} ({SLASH}h holds, {SLASH}s stops)")
+                self._narrator.show(f"{fault} ({SLASH}h holds, {SLASH}s stops)")
             else:
-                self.begin("answer", prompt=asked.id, text=text)
+                self.begin(self.ask(Reply(prompt=asked.id, text=text)))
 
-    async def ask(self, op: str, **fields: Json) -> None:
-        """Put a request; tell why it is refused."""
+    async def ask(self, request: AnyRequest) -> None:
+        """Put a request; show why it is refused."""
         try:
-            await self._client.request(op, **fields)
+            await self._client.request(request)
         except (RefusedError, ServiceError) as error:
-            self._narrator.tell(f"{op} refused: {error}")
-
-    def _quit(self) -> None:
-        task = asyncio.create_task(self._release_and_leave())
-        self._requests.add(task)
-        task.add_done_callback(self._requests.discard)
+            self._narrator.show(f"{request.op} refused: {error}")
 
     async def _release_and_leave(self) -> None:
         if self._control:
-            await self.ask("release")
+            await self.ask(Plain(op="release"))
         self.leave(ExitCode.DONE)

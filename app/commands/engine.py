@@ -1,7 +1,6 @@
 """engine: a process that runs procedures for its clients and outlives them; and how `run --detach` uses one."""
 
 import asyncio
-import json
 import os
 import subprocess
 import sys
@@ -9,18 +8,27 @@ import tempfile
 from collections.abc import Callable
 from contextlib import suppress
 from pathlib import Path
-from typing import IO, Any, NoReturn, cast
+from typing import IO, NoReturn, cast
 
 from catseye.app.commands.output import emit, emit_json, say
 from catseye.app.errors import OutputError, exit_code_of, text_of
 from catseye.app.exitcode import ExitCode
 from catseye.app.failure import SEE_WHERE, trace_of
+from catseye.app.protocol.commands import (
+    EngineBegun,
+    EngineEnded,
+    EngineFailed,
+    EngineLine,
+    EngineOpened,
+    EngineReady,
+    engine_line_of,
+)
+from catseye.app.protocol.message import decode_object
+from catseye.app.protocol.requests import AnyRequest, Resume, Start, decode_request, encode_request
 from catseye.app.runs_folder import runs_folder
 from catseye.app.service.address import socket_folder, socket_name
 from catseye.app.service.engine_process import EngineProcess
 from catseye.app.service.errors import RefusedError
-from catseye.app.service.messages import AnyRequest, Resume, Start, decode_request, encode
-from catseye.procedures.kit.context import Json
 
 
 def engine_command(cell: Path, runs: Path | None, wait_for_client_s: float | None, once: bool) -> None:
@@ -37,7 +45,7 @@ def engine_command(cell: Path, runs: Path | None, wait_for_client_s: float | Non
 async def _serve(cell: Path, root: Path, wait_for_client_s: float | None) -> ExitCode:
     def ready() -> None:
         path = socket_folder() / socket_name(root)
-        _tell({"event": "engine-ready", "socket": str(path), "runs": str(root.resolve()), "pid": os.getpid()})
+        _write(EngineReady(socket=str(path), runs=str(root.resolve()), pid=os.getpid()))
 
     return await EngineProcess(cell, root).serve(ready, wait_for_client_s)
 
@@ -46,22 +54,17 @@ async def _once(cell: Path, root: Path) -> ExitCode:
     """Run what one line of stdin asks for; say on stdout how that began."""
     engine = EngineProcess(cell, root)
     try:
-        request = _one_request(decode_request(sys.stdin.buffer.readline()))
+        request = _one_request(decode_request(sys.stdin.buffer.readline())[1])
         outcome = await engine.run_once(
             request,
-            lambda path: _tell({"event": "opened", "run": path.name, "path": str(path)}),
-            lambda: _tell({"event": "ready"}),
+            lambda path: _write(EngineOpened(run=path.name, path=str(path))),
+            lambda: _write(EngineBegun()),
         )
     except Exception as error:  # noqa: BLE001  # the starter waits to hear why, whatever it is
-        _tell(
-            {
-                "event": "failed",
-                "error": trace_of(error) or text_of(error, SEE_WHERE),
-                "exit_code": int(exit_code_of(error)),
-            }
-        )
+        text = trace_of(error) or text_of(error, SEE_WHERE)
+        _write(EngineFailed(error=text, exit_code=int(exit_code_of(error))))
         return exit_code_of(error)
-    _tell({"event": "ended", "error": outcome.text, "exit_code": int(outcome.exit_code)})
+    _write(EngineEnded(error=outcome.text, exit_code=int(outcome.exit_code)))
     return outcome.exit_code
 
 
@@ -71,20 +74,20 @@ def _one_request(request: AnyRequest) -> Start | Resume:
     return request
 
 
-def _tell(value: dict[str, Json]) -> None:
+def _write(line: EngineLine) -> None:
     # The engine outlives whoever started it.
     with suppress(OutputError):
-        emit_json(value)
+        emit_json(line.json_object())
 
 
-def detach(request: dict[str, Json], cell: Path, root: Path, *, as_json: bool) -> NoReturn:
+def detach(request: Start | Resume, cell: Path, root: Path, *, as_json: bool) -> NoReturn:
     """Have an engine of its own session do what a request says; end when its devices are ready.
 
     Args:
-        request: op `start` or `resume`, as on the socket.
+        request: what to run.
         cell: cell file.
         root: folder of all runs.
-        as_json: the run's path is told as JSON.
+        as_json: the run's path is written as JSON.
     """
     arguments = ["engine", "--cell", str(cell.resolve()), "--runs", str(root.resolve()), "--once"]
     with tempfile.TemporaryFile() as talk:
@@ -96,7 +99,7 @@ def detach(request: dict[str, Json], cell: Path, root: Path, *, as_json: bool) -
             start_new_session=True,
         )
         try:
-            code = _follow(process, encode({"v": 1, "id": 1, **request}), lambda told: _told(told, as_json))
+            code = _follow(process, encode_request(1, request), lambda line: _heard(line, as_json))
         except KeyboardInterrupt:
             process.terminate()
             raise
@@ -116,7 +119,7 @@ def _as_by_a_shell(code: int) -> int:
 
 
 def _follow(
-    process: "subprocess.Popen[bytes]", request: bytes, told: Callable[[dict[str, Any]], int | None]
+    process: "subprocess.Popen[bytes]", request: bytes, heard: Callable[[EngineLine], int | None]
 ) -> int | None:
     """Ask, and listen until it is known how the run began; return the exit code, None when nothing was said."""
     asked, answered = cast(IO[bytes], process.stdin), cast(IO[bytes], process.stdout)
@@ -124,24 +127,24 @@ def _follow(
         with suppress(BrokenPipeError), asked:
             asked.write(request)
         for line in answered:
-            if (code := told(json.loads(line))) is not None:
+            if (code := heard(engine_line_of(decode_object(line)))) is not None:
                 return code
     return None
 
 
-def _told(told: dict[str, Any], as_json: bool) -> int | None:
+def _heard(line: EngineLine, as_json: bool) -> int | None:
     """Pass on what the engine says about its beginning; return the exit code when that is over."""
-    match told["event"]:
-        case "opened":
+    match line:
+        case EngineOpened():
             if as_json:
-                emit_json({"run": told["run"], "path": told["path"]})
+                emit_json({"run": line.run, "path": line.path})
             else:
-                emit(str(told["path"]))
-                say(f"it runs on by itself; join it with: catseye attach {told['path']}")
-            return None
-        case "ready":
+                emit(line.path)
+                say(f"it runs on by itself; join it with: catseye attach {line.path}")
+        case EngineBegun():
             return 0
-        case _:
-            if told["error"]:
-                say(f"catseye: {told['error']}")
-            return int(told["exit_code"])
+        case EngineFailed() | EngineEnded():
+            if line.error:
+                say(f"catseye: {line.error}")
+            return line.exit_code
+    return None

@@ -1,4 +1,4 @@
-"""A run in the process of the command that starts it: told on the terminal, answered there, and open to clients."""
+"""A run in the process of the command that starts it: shown and answered on the terminal, and open to clients."""
 
 import getpass
 import sys
@@ -32,7 +32,7 @@ async def serve_and_run(planned: PlannedRun, root: Path, options: DriveOptions) 
     with ExitStack() as stack:
         publish: Publish = narrator.publish
         if who is not None:
-            publish = _at_terminal(stack, planned, narrator, Console(service.registry, who, narrator.tell))
+            publish = _at_terminal(stack, planned, narrator, Console(service.registry, who, narrator.show))
         elif planned.walk is not None:
             planned.walk.feed.by_itself = True
         return await carry_out(
@@ -64,5 +64,5 @@ def _at_terminal(stack: ExitStack, planned: PlannedRun, narrator: Narrator, cons
     keys = WalkKeys(stdin, planned.walk.feed, console.take, SystemClock())
     stack.enter_context(keys.held())
     stack.enter_context(Lines(stdin, typed, console.end, keys.sort).read())
-    narrator.tell(HINT)
+    narrator.show(HINT)
     return keys.before(narrator.publish)

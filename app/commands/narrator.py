@@ -1,24 +1,34 @@
-"""The events of a run, told to a person on stderr or to a program on stdout."""
+"""The events of a run, for a person on stderr or a program on stdout."""
 
 import os
 import sys
+from typing import Final
 
 from catseye.app.commands.output import emit_json, say
 from catseye.app.commands.progress import ProgressBar
 from catseye.app.commands.question_line import QuestionLine, live_text
-from catseye.app.service.questions import prompt_of
+from catseye.app.protocol.events import (
+    AnyEvent,
+    DrivesLeft,
+    ErrorTold,
+    FirstMotionShown,
+    LiveShown,
+    Progressed,
+    PromptAnswered,
+    PromptAsked,
+    RunEnded,
+    StateChanged,
+    WarningTold,
+)
+from catseye.app.protocol.state import ENDING, ControlState
 from catseye.app.story.words import first_motion_text
-from catseye.procedures.kit.context import Json
 
-_ENDING = {"STOPPING", "ABORTING"}
-_STATES_WORTH_TELLING = {
-    "STOPPING",
-    "STOPPED",
-    "ABORTING",
-    "ABORTED",
-    "SUSPENDED",
-    "SUSPENDING",
-    "UNSUSPENDING",
+_SHOWN_STATES: Final = ENDING | {
+    ControlState.STOPPED,
+    ControlState.ABORTED,
+    ControlState.SUSPENDED,
+    ControlState.SUSPENDING,
+    ControlState.UNSUSPENDING,
 }
 
 
@@ -41,57 +51,57 @@ class Narrator:
         self._as_json = as_json
         self._go_on = go_on or f"Ctrl-C again stops the run; kill -USR1 {os.getpid()} lets it go on"
 
-    def publish(self, event: dict[str, Json]) -> None:
-        """Tell an event."""
+    def publish(self, event: AnyEvent) -> None:
+        """Show an event."""
         if self._as_json:
             self._emit(event)
-        match event["event"]:
-            case "progress" if self._question.asked is None:
-                self._bar.update(_number(event["done"]), _number(event["total"]), str(event["text"]))
-            case "warning":
-                self.tell(f"warning: {event['text']}")
-            case "error":
-                self.tell(f"error: {event['text']}")
-            case "prompt" if self.interactive:
+        match event:
+            case Progressed() if self._question.asked is None:
+                self._bar.update(event.done, event.total, event.text)
+            case WarningTold():
+                self.show(f"warning: {event.text}")
+            case ErrorTold():
+                self.show(f"error: {event.text}")
+            case PromptAsked() if self.interactive:
                 self._bar.close()
-                self._question.ask(prompt_of(event))
-            case "prompt":
-                self.tell(f"question {event['id']}: {event['text']}")
-            case "answer":
-                self._answered(event)
-            case "state":
-                self._state(event)
-            case "run-ended":
+                self._question.ask(event.prompt)
+            case PromptAsked():
+                self.show(f"question {event.id}: {event.text}")
+            case PromptAnswered() if self._question.asked is not None:
                 self._question.close()
-                self.tell(f"run {event['status']}: {event['path']}")
+                say(f"answer to {event.id}: {event.answer} ({event.who})")
+            case LiveShown():
+                self._live(live_text(event.data))
+            case DrivesLeft():
+                self.show(event.data.text)
+            case FirstMotionShown():
+                self.show(first_motion_text(event.data.json_object()))
+            case StateChanged():
+                self._state(event)
+            case RunEnded():
+                self._question.close()
+                self.show(f"run {event.status}: {event.path}")
 
     def entered(self) -> None:
         """A line was typed at this terminal."""
         self._question.entered()
 
-    def tell(self, text: str) -> None:
+    def show(self, text: str) -> None:
         """Write a line of talk; an open question is shown again below it."""
         self._bar.close()
         self._question.leave()
         say(text)
         self._question.again()
 
-    def _state(self, event: dict[str, Json]) -> None:
-        data = event.get("data")
-        if event.get("kind") == "live" and isinstance(data, dict):
-            self._live(live_text(data))
-        elif event.get("kind") == "drives" and isinstance(data, dict):
-            self.tell(str(data["text"]))
-        elif event.get("kind") == "first-motion" and isinstance(data, dict):
-            self.tell(first_motion_text(data))
-        elif event.get("state") == "HELD" and "reason" in event:
-            self.tell(f"HELD: {self._go_on}")
-        elif event.get("state") == "HOLDING" and self._question.asked is not None and "reason" in event:
-            self.tell("HOLDING: the run holds as soon as the question is answered; /g goes on, /s stops")
-        elif event.get("state") in _STATES_WORTH_TELLING and "reason" in event:
-            if event["state"] in _ENDING:
+    def _state(self, event: StateChanged) -> None:
+        if event.state is ControlState.HELD:
+            self.show(f"HELD: {self._go_on}")
+        elif event.state is ControlState.HOLDING and self._question.asked is not None:
+            self.show("HOLDING: the run holds as soon as the question is answered; /g goes on, /s stops")
+        elif event.state in _SHOWN_STATES:
+            if event.state in ENDING:
                 self._question.close()
-            self.tell(f"{event['state']}: {event['reason']}")
+            self.show(f"{event.state}: {event.reason}")
 
     def _live(self, text: str) -> None:
         if self._question.asked is not None:
@@ -99,22 +109,13 @@ class Narrator:
         elif sys.stderr.isatty():
             self._bar.note(text)
 
-    def _answered(self, event: dict[str, Json]) -> None:
-        if self._question.asked is not None:
-            self._question.close()
-            say(f"answer to {event['id']}: {event['answer']} ({event['who']})")
-
-    def _emit(self, event: dict[str, Json]) -> None:
+    def _emit(self, event: AnyEvent) -> None:
         try:
-            emit_json(event)
+            emit_json(event.json_object())
         except OSError:
-            # The engine holds the run when it hears of this; people are still told on stderr.
+            # The engine holds the run when it hears of this; people still read them on stderr.
             self._as_json = False
-            self.tell(
+            self.show(
                 f"stdout is gone; the run is held. kill -USR1 {os.getpid()} lets it go on, -TERM ends it"
             )
             raise
-
-
-def _number(value: Json) -> float:
-    return float(value) if isinstance(value, (int, float)) else 0.0

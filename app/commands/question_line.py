@@ -2,29 +2,22 @@
 
 import shutil
 import sys
-from collections.abc import Mapping
 
+from catseye.app.protocol.events import LiveData
 from catseye.app.service.questions import hint
-from catseye.procedures.kit.context import Json, Prompt
+from catseye.procedures.kit.context import Prompt
 
 _INPUT = "> "
 # What a technician can act on; more digits only flicker.
 _DECIMALS = {"mm": 3, "mrad": 2, "deg": 3, "mdeg": 1, "µm": 1, "µm/10 min": 1, "": 2}
 
 
-def live_text(data: Mapping[str, Json]) -> str:
+def live_text(live: LiveData) -> str:
     """Return a live value with its acceptance band as people read it."""
-    unit = str(data.get("unit") or "")
-    low, high = data.get("low"), data.get("high")
-    band = f"[{_limit(low)} … {_limit(high)}]" if (low, high) != (None, None) else ""
-    verdict = "" if not band else "ok" if data.get("accepted") else "outside"
-    parts = (
-        f"{data.get('name')} {_value_text(data.get('value'), unit)} {unit}".rstrip(),
-        band,
-        verdict,
-        data.get("text"),
-    )
-    return "  ".join(str(part) for part in parts if part)
+    band = f"[{_limit(live.low)} … {_limit(live.high)}]" if (live.low, live.high) != (None, None) else ""
+    verdict = "" if not band else "ok" if live.accepted else "outside"
+    value = f"{live.name} {_value_text(live.value, live.unit)} {live.unit}".rstrip()
+    return "  ".join(part for part in (value, band, verdict, live.text) if part)
 
 
 class QuestionLine:
@@ -77,15 +70,15 @@ class QuestionLine:
         self._asked = None
 
 
-def _value_text(value: Json, unit: str) -> str:
-    if not isinstance(value, (int, float)) or unit not in _DECIMALS:
+def _value_text(value: float, unit: str) -> str:
+    if unit not in _DECIMALS:
         return _limit(value)
     text = f"{value:.{_DECIMALS[unit]}f}"
     return text.removeprefix("-") if float(text) == 0.0 else text
 
 
-def _limit(value: Json) -> str:
-    return f"{value:.6g}" if isinstance(value, (int, float)) else ""
+def _limit(value: float | None) -> str:
+    return "" if value is None else f"{value:.6g}"
 
 
 def _write(text: str) -> None:

@@ -15,10 +15,10 @@ from catseye.app.commands.rehearsal import tell_rehearsal
 from catseye.app.engine.heap import settled_heap
 from catseye.app.errors import UsageError
 from catseye.app.procedure_list import load_procedure, parse_params
+from catseye.app.protocol.requests import Start
 from catseye.app.running import PlannedRun, plan_run, rehearse
 from catseye.app.runs_folder import runs_folder
 from catseye.app.walk.planning import as_walk
-from catseye.procedures.kit.context import Json
 
 
 @dataclass(frozen=True)
@@ -52,18 +52,16 @@ def run_command(asked: Asked, options: DriveOptions, runs: Path | None, *, dry_r
 
 def detached_command(asked: Asked, options: DriveOptions, runs: Path | None) -> NoReturn:
     """Let an engine of its own plan and run; end when it has begun."""
-    texts: list[Json] = [*asked.params]
-    request: dict[str, Json] = {
-        "op": "start",
-        "procedure": asked.procedure,
-        "params": texts,
-        "search": asked.search,
-        "arm": options.arm,
-        "speed": options.speed,
-        "keep_drives": options.keep_drives,
-        "answers": None if options.answers is None else str(options.answers.resolve()),
-        "waive_walk": options.waive_walk,
-    }
+    request = Start(
+        procedure=asked.procedure,
+        params=asked.params,
+        search=asked.search,
+        arm=options.arm,
+        speed=1.0 if options.speed is None else options.speed,
+        keep_drives=options.keep_drives,
+        answers=None if options.answers is None else str(options.answers.resolve()),
+        waive_walk=options.waive_walk,
+    )
     detach(request, asked.cell, runs_folder(runs), as_json=options.as_json)
 
 

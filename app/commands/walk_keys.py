@@ -9,10 +9,10 @@ from contextlib import contextmanager
 from typing import Final
 
 from catseye.app.engine.announcer import Publish
+from catseye.app.protocol.events import PromptAnswered, PromptAsked, RunEvent
 from catseye.app.tui.dead_man import DeadMan
 from catseye.app.walk.feed import Feed
 from catseye.drivers.roles.clock import Clock
-from catseye.procedures.kit.context import Json
 
 HINT: Final = (
     "hold the space bar to walk; let it go and the arm is stopped. h hold · g go on · s stop · a abort, without "
@@ -60,12 +60,12 @@ class WalkKeys:
     def before(self, publish: Publish) -> Publish:
         """Return what takes the events of the run: lines are typed as long as a question is open."""
 
-        def hear(event: dict[str, Json]) -> None:
-            if event["event"] == "prompt":
+        def hear(event: RunEvent) -> None:
+            if isinstance(event, PromptAsked):
                 self._asked = True
                 self._let_go()
                 self._whole_lines()
-            elif event["event"] == "answer":
+            elif isinstance(event, PromptAnswered):
                 self._asked = False
                 self._single_keys()
             publish(event)

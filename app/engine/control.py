@@ -3,7 +3,7 @@
 import asyncio
 import logging
 import signal
-from collections.abc import Awaitable, Callable, Coroutine, Mapping
+from collections.abc import Awaitable, Callable, Coroutine
 from typing import Any, Final, TypeVar
 
 from catseye.app.engine.halt import HaltLimits, HaltReport, halt
@@ -15,6 +15,7 @@ from catseye.app.errors import (
     SafetyError,
     TerminatedRunError,
 )
+from catseye.app.protocol.ladder import Rung, rung_of, top_text
 from catseye.app.protocol.state import BEFORE_MOTION, ENDED, HELD, INTERRUPTED, ControlState
 from catseye.drivers.links.guarding import GuardError
 from catseye.drivers.roles.clock import Clock
@@ -25,24 +26,13 @@ T = TypeVar("T")
 
 _log = logging.getLogger(__name__)
 
-INTERRUPT_LADDER: Final[Mapping[ControlState, Trigger]] = {
-    ControlState.EXECUTE: Trigger.HOLD,
-    ControlState.STARTING: Trigger.STOP,
-    ControlState.HOLDING: Trigger.STOP,
-    ControlState.HELD: Trigger.STOP,
-    ControlState.UNHOLDING: Trigger.STOP,
-    ControlState.SUSPENDED: Trigger.STOP,
-    ControlState.SUSPENDING: Trigger.STOP,
-    ControlState.UNSUSPENDING: Trigger.STOP,
-    ControlState.STOPPING: Trigger.ABORT,
-}
-"""What a Ctrl-C means in each state: the first holds, the second stops, the third aborts."""
-
 SIGNALS: Final = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP, signal.SIGUSR1)
 """Signals that `RunControl.on_signal` understands."""
 
 _WAITING = HELD | {ControlState.SUSPENDED} | INTERRUPTED
 _IDLE = frozenset({ControlState.HELD, ControlState.SUSPENDED}) | INTERRUPTED
+
+_HELD_BY_SIGNAL = "SIGINT: press Ctrl-C again to stop, send SIGUSR1 to go on"
 
 _MOST_REASONS = 5
 """So many are listed in the question whether the arm may move again."""
@@ -187,13 +177,32 @@ class RunControl:
         """Stop the robot now since something failed."""
         self._end(Trigger.FAULT, error)
 
+    def climb(self, who: str = "") -> Rung | None:
+        """Take the next rung of the stop ladder; return it, None when none is left.
+
+        Args:
+            who: asks for it; empty for a signal.
+        """
+        rung = rung_of(self.state)
+        match rung:
+            case Rung.HOLD:
+                self.hold(f"{who} holds the run" if who else _HELD_BY_SIGNAL)
+            case Rung.STOP:
+                self.stop(f"{who or 'the operator'} stopped the run (Ctrl-C)")
+            case Rung.ABORT:
+                self.abort(InterruptedRunError(f"{who or 'the operator'} aborted the run (third Ctrl-C)"))
+            case None:
+                pass
+        return rung
+
     def on_signal(self, number: int) -> None:
-        """Take a step of the ladder; SIGUSR1 ends a hold."""
+        """Climb the stop ladder at SIGINT, abort at SIGTERM and SIGHUP; SIGUSR1 ends a hold."""
         name = signal.Signals(number).name
         if number == signal.SIGUSR1:
             self.unhold(name)
         elif number == signal.SIGINT:
-            self._interrupt()
+            if self.climb() is None:
+                self._on_change(self.state, top_text(self.state))
         else:
             self.abort(TerminatedRunError(f"the run was aborted by {name}; the robot was stopped"))
 
@@ -343,15 +352,6 @@ class RunControl:
         """Wait until every halt under way has ended."""
         while self._halts:
             await asyncio.wait(set(self._halts))
-
-    def _interrupt(self) -> None:
-        event = INTERRUPT_LADDER.get(self.state)
-        if event == Trigger.HOLD:
-            self.hold("SIGINT: press Ctrl-C again to stop, send SIGUSR1 to go on")
-        elif event == Trigger.ABORT:
-            self.abort(InterruptedRunError("the operator aborted the run (third Ctrl-C)"))
-        else:
-            self.stop("the operator stopped the run (Ctrl-C)")
 
     def _end(self, trigger: Trigger, error: CatseyeError) -> None:
         changes = transition(self.state, trigger).state != self.state

@@ -318,6 +318,9 @@ class Client(Message):
         return f"{self.who} ({self.client})"
 
 
+LeaseChange = Literal["taken", "taken by force", "handed over", "released", "left", "lost"]
+
+
 class ControlChanged(Event):
     """Another client, or none, holds control.
 
@@ -329,7 +332,7 @@ class ControlChanged(Event):
     """
 
     event: Literal["control"] = "control"
-    what: Literal["taken", "taken by force", "handed over", "released", "left", "lost"]
+    what: LeaseChange
     by: str | None
     before: str | None
     holder: Client | None
@@ -367,13 +370,17 @@ class EngineIdle(Event):
 
 
 class Dropped(Event):
-    """This client read too slowly.
+    """This client read too slowly. The message is made where it is sent, without time and run.
 
     Attributes:
+        t: not used.
+        run: not used.
         count: points and steps that it missed; the run has them all the same.
     """
 
+    t: str = Field(default="", exclude_if=lambda t: not t)
     event: Literal["dropped"] = "dropped"
+    run: str | None = Field(default=None, exclude_if=absent)
     count: int
 
 

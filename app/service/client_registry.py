@@ -1,25 +1,41 @@
-"""The clients of one engine: what they are told, who of them holds control, and what a lost one means."""
+"""The clients of one engine: what they are sent, who of them holds control, and what a lost one means."""
 
 import logging
 import os
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import Final
 
 from catseye.app.bench.telemetry import Topic
 from catseye.app.engine.announcer import Publish
 from catseye.app.engine.handle import RunHandle
+from catseye.app.protocol.events import (
+    AnyEvent,
+    Client,
+    ClientLost,
+    ClientsChanged,
+    ControlChanged,
+    DrivesFields,
+    JogFields,
+    LeaseChange,
+    PromptAnswered,
+    PromptAsked,
+    RunEnded,
+    RunEvent,
+)
 from catseye.app.protocol.loss import LossPolicy, after_loss
+from catseye.app.protocol.message import VERSION
+from catseye.app.protocol.snapshot import Snapshot
 from catseye.app.protocol.state import ENDED, ControlState
+from catseye.app.service.control_lease import ControlLease
 from catseye.app.service.errors import RefusedError
-from catseye.app.service.mailbox import Mailbox, MailboxFullError
-from catseye.app.service.messages import VERSION, Message
+from catseye.app.service.latest_events import LatestEvents
+from catseye.app.service.mailbox import Mailbox
+from catseye.app.service.member import Member, send
 from catseye.app.service.prompt_broker import PromptBroker
-from catseye.app.service.questions import prompt_of
 from catseye.app.version import SOFTWARE
 from catseye.drivers.roles.clock import Clock
-from catseye.procedures.kit.context import Json
 
 _log = logging.getLogger(__name__)
 
@@ -29,70 +45,15 @@ MOST_CLIENTS: Final = 32
 _GO_ON = "attach with --control and let it go on, or stop it"
 
 
-@dataclass(eq=False)
-class Member:
-    """A client that has introduced itself.
+@dataclass(frozen=True)
+class EngineFacts:
+    """What only an engine that outlives its runs says of itself; see `Snapshot`."""
 
-    Attributes:
-        name: unique within this engine.
-        who: the person.
-        mailbox: what waits to be sent to it.
-        disconnect: ends the connection; takes the reason.
-        heard_s: when its last line came, on the engine's clock.
-        topics: what it wants to be told about beside the events of runs.
-    """
-
-    name: str
-    who: str
-    mailbox: Mailbox
-    disconnect: Callable[[str], None]
-    heard_s: float = 0.0
-    topics: set[Topic] = field(default_factory=set)
-
-    @property
-    def text(self) -> str:
-        """The client as people and records read it."""
-        return f"{self.who} ({self.name})"
-
-
-def send(message: Message, mailbox: Mailbox, disconnect: Callable[[str], None]) -> None:
-    """Put a message into a client's mailbox; one that does not read what it has to know is disconnected."""
-    try:
-        mailbox.put(message)
-    except MailboxFullError as error:
-        disconnect(f"it does not read what it is sent: {error}")
-
-
-@dataclass
-class Seen:
-    """The last announcements of a run, for clients that come later."""
-
-    run: Message = field(default_factory=dict)
-    state: Message = field(default_factory=dict)
-    step: Message | None = None
-    prompt: Message | None = None
-    progress: Message | None = None
-    live: Message | None = None
-
-    def take(self, event: Message) -> None:
-        """Remember an event."""
-        match event["event"]:
-            case "run-started":
-                self.run = event
-            case "state" if event.get("kind") == "live":
-                self.live = event
-            case "state" if "kind" not in event:
-                self.state = event
-            case "step-started":
-                self.step = event
-            case "step-done":
-                self.step = None
-            case "prompt":
-                self.prompt = event
-            case "answer" | "run-ended":
-                self.prompt = self.live = None
-            case "progress":
-                self.progress = event
+    cell: str | None = None
+    runs: str | None = None
+    aborted: str | None = None
+    drives: DrivesFields | None = None
+    jog: JogFields | None = None
 
 
 class ClientRegistry:
@@ -104,30 +65,29 @@ class ClientRegistry:
 
     Attributes:
         policy: what becomes of a run whose client with control is lost.
-        console: the person at the terminal of this process; None without one.
+        lease: who holds control.
         broker: questions lie open here.
         run: under way; None between runs.
         idle_state: where the engine stands between runs.
         beginning: a run was asked for and is not open yet.
         facts: more for the snapshot.
-        on_control: is called at once when another client, or none, holds control.
+        on_control: called at once when another client, or none, holds control.
     """
 
     def __init__(self, clock: Clock, *, waits: bool = False) -> None:
         self.policy: LossPolicy = "hold"
-        self.console: str | None = None
-        self.broker = PromptBroker(lambda: waits or self.console is not None or self._holder is not None)
+        self.lease = ControlLease(self._control_changed)
+        self.broker = PromptBroker(lambda: waits or self.lease.present is not None)
         self.run: RunHandle | None = None
         self.idle_state = ControlState.IDLE
         self.beginning = False
-        self.facts: dict[str, Json] = {}
+        self.facts = EngineFacts()
         self.on_control: Callable[[], None] = lambda: None
         self._clock = clock
         self._members: dict[str, Member] = {}
-        self._holder: Member | None = None
         self._asked_s = 0.0
         self._count = 0
-        self._seen = Seen()
+        self._latest = LatestEvents()
         self._early_hold = ""
         self._lost_early: tuple[Member, str] | None = None
 
@@ -137,29 +97,20 @@ class ClientRegistry:
         return list(self._members.values())
 
     @property
-    def controlled(self) -> bool:
-        """A client holds control."""
-        return self._holder is not None
-
-    @property
     def asking(self) -> bool:
         """A question is open."""
         return self.broker.open is not None
 
     def listen(self, member: Member, topic: Topic, *, on: bool) -> None:
-        """Tell a client about a topic from now on, or no more."""
+        """Send a client what belongs to a topic from now on, or no more."""
         if on:
             member.topics.add(topic)
         else:
             member.topics.discard(topic)
 
     def listens(self, topic: Topic) -> bool:
-        """Return whether any client wants to be told about a topic."""
+        """Return whether any client receives a topic."""
         return any(topic in member.topics for member in self._members.values())
-
-    def holds(self, member: Member | None) -> bool:
-        """Return whether a client holds control."""
-        return member is not None and member is self._holder
 
     def join(self, client: str, who: str, mailbox: Mailbox, disconnect: Callable[[str], None]) -> Member:
         """Add a client; it gets every event from now on.
@@ -172,9 +123,9 @@ class ClientRegistry:
                 f"{MOST_CLIENTS} clients are connected, and no more are served: end one of them and repeat"
             )
         self._count += 1
-        member = Member(f"{client}-{self._count}", who, mailbox, disconnect)
+        member = Member(Client(client=f"{client}-{self._count}", who=who), mailbox, disconnect)
         self._members[member.name] = member
-        self._tell(self._about("clients", {"clients": self._clients()}), but=member)
+        self._send(self._stamped(ClientsChanged(clients=self._clients())), but=member)
         return member
 
     def leave(self, member: Member, reason: str | None) -> None:
@@ -185,114 +136,60 @@ class ClientRegistry:
             reason: how it went; None when the engine ended the conversation.
         """
         self._members.pop(member.name, None)
-        if self._holder is member:
+        if self.lease.held_by(member):
             self._holder_left(member, reason)
-        self.say("clients", clients=self._clients())
+        self.announce(ClientsChanged(clients=self._clients()))
 
-    def _holder_left(self, member: Member, reason: str | None) -> None:
-        self._holder = None
-        if reason is not None and self.run is not None and self.run.control.state not in ENDED:
-            self._lost(self.run, member, reason)
-            return
-        if reason is not None and self.run is None and self.beginning:
-            # What it asked for is still being planned: nobody may be there when it begins to move.
-            self._lost_early = (member, reason)
-        self._control_changed("left", None, member.text)
-
-    def take_control(self, member: Member, *, force: bool) -> None:
-        """Give a client control.
+    def member(self, name: str) -> Member:
+        """Return a client by its name.
 
         Raises:
-            RefusedError: somebody else has it and force was not used.
+            RefusedError: there is none.
         """
-        if self._holder is member:
-            return
-        present = self._holder.text if self._holder else self.console and f"{self.console} (console)"
-        if present and not force:
-            raise RefusedError(
-                f"{present} holds control: ask for it to be handed over, or take it with force"
-            )
-        self._holder = member
-        self._lost_early = None
-        if self.run is not None:
-            self.run.control.withdraw_hold(self._early_hold)
-        self._control_changed("taken by force" if present else "taken", member.text, present)
-
-    def release(self, member: Member) -> None:
-        """Take control back from a client that gives it up.
-
-        Raises:
-            RefusedError: it does not hold control.
-        """
-        self.require_control(member)
-        self._holder = None
-        self._control_changed("released", None, member.text)
-
-    def hand_over(self, member: Member, to: str) -> None:
-        """Give control from one client to another.
-
-        Raises:
-            RefusedError: the one does not hold it, or the other is not there.
-        """
-        self.require_control(member)
-        if to not in self._members:
-            raise RefusedError(f"there is no client {to!r}; there are {', '.join(self._members)}")
-        self._holder = self._members[to]
-        self._control_changed("handed over", self._holder.text, member.text)
-
-    def require_control(self, member: Member | None) -> None:
-        """Check that a client may steer the run.
-
-        Raises:
-            RefusedError: it does not hold control.
-        """
-        if not self.holds(member):
-            now = (
-                self._holder.text
-                if self._holder
-                else (self.console and f"{self.console} (console)") or "nobody"
-            )
-            raise RefusedError(f"this needs control, which {now} holds: take control first")
+        if name not in self._members:
+            raise RefusedError(f"there is no client {name!r}; there are {', '.join(self._members)}")
+        return self._members[name]
 
     def publisher(self, also: Publish | None = None) -> Publish:
         """Return what takes the events of a run: clients first, then somebody who may be gone."""
 
-        def publish(event: Message) -> None:
+        def publish(event: RunEvent) -> None:
             self.publish(event)
             if also is not None:
                 also(event)
 
         return publish
 
-    def publish(self, event: Message) -> None:
-        """Take an event of the run, remember it and tell every client."""
-        self._seen.take(event)
-        if event["event"] == "prompt":
-            self._asked_s = self._clock.monotonic_s()
-            self.broker.announce(prompt_of(event))
-        elif event["event"] in {"answer", "run-ended"}:
-            self.broker.withdraw()
-        self._tell(event)
+    def publish(self, event: RunEvent) -> None:
+        """Take an event of the run, remember it and send it to every client."""
+        self._latest.take(event)
+        match event:
+            case PromptAsked():
+                self._asked_s = self._clock.monotonic_s()
+                self.broker.announce(event.prompt)
+            case PromptAnswered() | RunEnded():
+                self.broker.withdraw()
+        self._send(event)
 
-    def tell(self, topic: Topic, event: str, fields: dict[str, Json]) -> None:
-        """Tell every client that wants to be told about a topic."""
-        message = self._about(event, fields)
+    def publish_topic(self, topic: Topic, event: AnyEvent) -> None:
+        """Send an event to every client that receives a topic."""
+        stamped = self._stamped(event)
         for member in self.members:
             if topic in member.topics:
-                send(message, member.mailbox, member.disconnect)
+                send(stamped, member.mailbox, member.disconnect)
 
-    def say(self, event: str, **fields: Json) -> None:
-        """Tell every client something that is no event of the run's procedure."""
-        self._tell(self._about(event, fields))
+    def announce(self, event: AnyEvent) -> None:
+        """Send every client what is no event of the run's procedure."""
+        self._send(self._stamped(event))
 
     @contextmanager
     def running(self, handle: RunHandle) -> Iterator[None]:
         """Serve a run while its record is open."""
-        self.run, self._seen = handle, Seen()
+        self.run, self._latest = handle, LatestEvents()
         self.beginning = False
         lost, self._lost_early = self._lost_early, None
-        if self._holder is not None:
-            handle.note("control", {"what": "held from the start", "by": self._holder.text})
+        if self.lease.holder is not None:
+            handle.note("control", {"what": "held from the start", "by": self.lease.holder.text})
         elif lost is not None:
             self._lost(handle, *lost)
         try:
@@ -301,74 +198,81 @@ class ClientRegistry:
             self.broker.withdraw()
             self.run = None
 
-    def snapshot(self, member: Member | None = None) -> dict[str, Json]:
+    def snapshot(self, member: Member | None = None) -> Snapshot:
         """Return everything that a client has to know when it comes."""
-        run, seen = self.run, self._seen
-        state = run.control.state if run else self.idle_state
-        holder: Json = None
-        if self._holder is not None:
-            holder = {"client": self._holder.name, "who": self._holder.who}
-        elif self.console is not None:
-            holder = {"client": "console", "who": self.console}
-        return {
-            "engine": SOFTWARE,
-            "protocol": VERSION,
-            "pid": os.getpid(),
-            "you": member.name if member else None,
-            "clients": self._clients(),
-            "control": holder,
-            "on_client_lost": self.policy,
-            "run": run.path.name if run else None,
-            "path": str(run.path.resolve()) if run else None,
-            "procedure": run.procedure if run else None,
-            "title": run.title if run else None,
-            "simulated": run.simulated if run else None,
-            "state": state,
-            "reason": seen.state.get("reason") if run else None,
-            "step": seen.step if run else None,
-            "prompt": seen.prompt if run else None,
-            "prompt_open_s": self._clock.monotonic_s() - self._asked_s if run and seen.prompt else None,
-            "progress": seen.progress if run else None,
-            "live": seen.live if run else None,
-            **self.facts,
-        }
+        run = self.run
+        latest = self._latest if run else LatestEvents()
+        asked_s = None if latest.prompt is None else self._clock.monotonic_s() - self._asked_s
+        return Snapshot(
+            engine=SOFTWARE,
+            protocol=VERSION,
+            pid=os.getpid(),
+            you=member and member.name,
+            clients=self._clients(),
+            control=self.lease.present,
+            on_client_lost=self.policy,
+            run=run and run.path.name,
+            path=run and str(run.path.resolve()),
+            procedure=run and run.procedure,
+            title=run and run.title,
+            simulated=run and run.simulated,
+            state=run.control.state if run else self.idle_state,
+            reason=latest.state and latest.state.reason,
+            step=latest.step,
+            prompt=latest.prompt,
+            prompt_open_s=asked_s,
+            progress=latest.progress,
+            live=latest.live,
+            cell=self.facts.cell,
+            runs=self.facts.runs,
+            aborted=self.facts.aborted,
+            drives=self.facts.drives,
+            jog=self.facts.jog,
+        )
 
-    def _about(self, event: str, fields: dict[str, Json]) -> Message:
-        run = self.run.path.name if self.run else None
-        return {"v": VERSION, "t": self._clock.now_utc().isoformat(), "event": event, "run": run, **fields}
+    def _stamped(self, event: AnyEvent) -> AnyEvent:
+        return event.stamped(self._clock.now_utc().isoformat(), self.run.path.name if self.run else None)
 
-    def _clients(self) -> list[Json]:
-        return [{"client": each.name, "who": each.who} for each in self._members.values()]
+    def _clients(self) -> tuple[Client, ...]:
+        return tuple(member.client for member in self._members.values())
 
-    def _tell(self, event: Message, but: Member | None = None) -> None:
-        message: Message = {"v": VERSION, **event}
+    def _send(self, event: AnyEvent, but: Member | None = None) -> None:
         for member in self.members:
             if member is not but:
-                send(message, member.mailbox, member.disconnect)
+                send(event, member.mailbox, member.disconnect)
 
-    def _control_changed(self, what: str, by: str | None, before: str | None) -> None:
+    def _control_changed(self, what: LeaseChange, holder: Client | None, before: str | None) -> None:
+        if holder is not None:
+            self._lost_early = None
+            if self.run is not None:
+                self.run.control.withdraw_hold(self._early_hold)
         try:
             self.on_control()
         except Exception:  # noqa: BLE001  # a run has to hear of it too, and everybody who watches
             _log.exception("what is done by hand could not be ended")
-        data: dict[str, Json] = {"what": what, "by": by, "before": before}
+        by = None if holder is None else holder.text
         if self.run is not None:
-            self.run.note("control", data)
-        self.say("control", **data)
+            self.run.note("control", {"what": what, "by": by, "before": before})
+        self.announce(ControlChanged(what=what, by=by, before=before, holder=holder))
+
+    def _holder_left(self, member: Member, reason: str | None) -> None:
+        self.lease.holder = None
+        if reason is not None and self.run is not None and self.run.control.state not in ENDED:
+            self._lost(self.run, member, reason)
+            return
+        if reason is not None and self.run is None and self.beginning:
+            # What it asked for is still being planned: nobody may be there when it begins to move.
+            self._lost_early = (member, reason)
+        self.lease.drop("left", member)
 
     def _lost(self, run: RunHandle, member: Member, reason: str) -> None:
-        data: dict[str, Json] = {
-            "client": member.name,
-            "who": member.who,
-            "reason": reason,
-            "policy": self.policy,
-        }
+        who, policy = member.who, self.policy
         try:
-            self.say("client-lost", **data)
-            self._control_changed("lost", None, member.text)
-            run.note("client-lost", data)
+            self.announce(ClientLost(client=member.name, who=who, reason=reason, policy=policy))
+            self.lease.drop("lost", member)
+            run.note("client-lost", {"client": member.name, "who": who, "reason": reason, "policy": policy})
         finally:
-            # What fails on the way to those who are told must not let the run go on alone.
+            # What fails on the way to front ends and store must not let the run go on alone.
             self._follow_policy(run, member, reason)
 
     def _follow_policy(self, run: RunHandle, member: Member, reason: str) -> None:

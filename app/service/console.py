@@ -2,10 +2,10 @@
 
 from collections.abc import Callable
 
-from catseye.app.errors import InterruptedRunError
 from catseye.app.service.client_registry import ClientRegistry
 from catseye.app.service.errors import RefusedError
 from catseye.app.service.questions import answer_of
+from catseye.app.service.steering import Steering
 
 KEYS = "h hold · g go on · s stop · a abort"
 SLASH = "/"
@@ -37,6 +37,7 @@ class Console:
 
     def __init__(self, registry: ClientRegistry, who: str, say: Callable[[str], None]) -> None:
         self._registry = registry
+        self._steering = Steering(registry)
         self._who = who
         self._say = say
 
@@ -57,20 +58,18 @@ class Console:
 
     def end(self) -> None:
         """Nobody types any more; a question that is open waits for a client."""
-        self._registry.console = None
+        self._registry.lease.console = None
 
     def _command(self, letter: str) -> None:
-        run, who = self._registry.run, f"{self._who} at the terminal"
-        if run is None:
-            raise RefusedError("no run is under way")
+        who = f"{self._who} at the terminal"
         match letter:
             case "h":
-                run.control.hold(f"{who} holds the run")
+                self._steering.hold(who)
             case "g":
-                run.control.unhold(f"{who} lets the run go on")
+                self._steering.unhold(who)
             case "s":
-                run.control.stop(f"{who} stopped the run")
+                self._steering.stop(who)
             case "a":
-                run.control.abort(InterruptedRunError(f"{who} aborted the run"))
+                self._steering.abort(who)
             case _:
                 raise RefusedError(f"type {KEYS}, each with Enter; Ctrl-C holds, stops, aborts")

@@ -3,6 +3,7 @@
 import asyncio
 from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager, suppress
+from dataclasses import replace
 from pathlib import Path
 
 from catseye.app.aim import find_aim
@@ -17,12 +18,12 @@ from catseye.app.cell.model import Cell
 from catseye.app.engine.devices import DeviceBuilder
 from catseye.app.engine.interlock import RemoteIo
 from catseye.app.errors import CatseyeError, StorageError, UsageError
+from catseye.app.protocol.events import AnyEvent, JogChanged, WarningTold
 from catseye.app.running import PlannedRun
 from catseye.app.service.client_registry import ClientRegistry
 from catseye.app.service.errors import RefusedError
 from catseye.drivers.roles.clock import Clock
 from catseye.drivers.roles.protocols import DeviceIdentity
-from catseye.procedures.kit.context import Json
 
 
 class EngineBench:
@@ -35,7 +36,7 @@ class EngineBench:
         root: folder of all runs.
 
     Attributes:
-        telemetry: tells the clients that watch.
+        telemetry: for the clients that watch.
         idle: the devices between runs.
     """
 
@@ -43,11 +44,10 @@ class EngineBench:
         self.telemetry = Telemetry(registry, clock, root)
         self.telemetry.prepare = self._prepare
         self.idle = IdleBench(
-            self._make, self.telemetry.gauges, clock, lambda text: registry.say("warning", text=text, data={})
+            self._make, self.telemetry.gauges, clock, lambda text: registry.announce(WarningTold(text=text))
         )
         self.telemetry.on_watched = self.idle.watched
         self._registry = registry
-        registry.facts["jog"] = None
         self._clock = clock
         self._cell = cell
         self._root = root
@@ -71,7 +71,7 @@ class EngineBench:
             self._find_facts,
             self._identities,
             self.telemetry.traffic.record,
-            self._tell_hands,
+            self._announce,
             self._clock,
             self._root,
             self._door,
@@ -93,13 +93,13 @@ class EngineBench:
         simulated = identity is not None and identity.simulated
         try:
             for text in await guard.hold("its drives go off", self._root, simulated=simulated):
-                self._registry.say("warning", text=text, data={})
+                self._registry.announce(WarningTold(text=text))
             yield
         finally:
             await guard.let_go()
 
     async def end(self) -> None:
-        """Tell no more, and let every link go."""
+        """Publish no more, and let every link go."""
         await self.telemetry.end()
         await self.idle.end()
 
@@ -132,14 +132,14 @@ class EngineBench:
         links = self.telemetry.gauges.links.items()
         return {name: link.identity for name, link in links if link.identity and link.state == "ok"}
 
-    def _tell_hands(self, event: str, **fields: Json) -> None:
-        """Tell every client, and those that come later, what is done by hand."""
-        if event == "jog":
-            self._registry.facts["jog"] = fields if fields["on"] else None
-        self._registry.say(event, **fields)
+    def _announce(self, event: AnyEvent) -> None:
+        """Send every client what is done by hand; a jog stands in snapshots too."""
+        if isinstance(event, JogChanged):
+            self._registry.facts = replace(self._registry.facts, jog=event if event.on else None)
+        self._registry.announce(event)
 
     def _prepare(self) -> None:
-        """See to it that a client that begins to watch is told what the cell file says.
+        """See to it that a client that begins to watch learns what the cell file says.
 
         Raises:
             RefusedError: the cell file is wrong.

@@ -6,12 +6,14 @@ import logging
 import signal
 from collections.abc import AsyncIterator, Callable, Iterator
 from contextlib import asynccontextmanager, contextmanager
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
 
 from catseye.app.bench.by_hand import ByHand
 from catseye.app.bench.drives import RestingDrives
 from catseye.app.cell.load import load_cell
+from catseye.app.engine.announcer import Publish
 from catseye.app.engine.handle import RunHandle
 from catseye.app.engine.heap import settled_heap
 from catseye.app.engine.request import RunOutcome
@@ -21,6 +23,9 @@ from catseye.app.engine.waiting import uncancelled
 from catseye.app.errors import InterruptedRunError, exit_code_of, text_of
 from catseye.app.exitcode import ExitCode
 from catseye.app.procedure_list import load_procedure, parse_params
+from catseye.app.protocol.answers import Answer, Opened
+from catseye.app.protocol.events import AnyEvent, EngineIdle, ErrorTold, RunEvent, StateChanged
+from catseye.app.protocol.requests import Resume, Start
 from catseye.app.protocol.state import ControlState
 from catseye.app.resuming import plan_resume
 from catseye.app.running import PlannedRun, carry_out, plan_run
@@ -28,12 +33,10 @@ from catseye.app.service.address import socket_folder
 from catseye.app.service.client_registry import ClientRegistry
 from catseye.app.service.engine_bench import EngineBench
 from catseye.app.service.errors import RefusedError, refusal_of
-from catseye.app.service.messages import Message, Resume, Start
 from catseye.app.service.server import Server
 from catseye.app.service.sparse_log import SparseLog
 from catseye.app.walk.planning import as_walk
 from catseye.drivers.roles.clock import SystemClock
-from catseye.procedures.kit.context import Json
 
 _log = logging.getLogger(__name__)
 
@@ -61,7 +64,7 @@ class EngineProcess:
         self._drives = RestingDrives(
             self._bench.idle,
             self._clock,
-            self._tell_drives,
+            self._announce_drives,
             self.by_hand,
             self._bench.owned,
         )
@@ -114,13 +117,9 @@ class EngineProcess:
         socket_folder()
         self._once = asyncio.current_task()
 
-        def publish(event: Message) -> None:
+        def publish(event: RunEvent) -> None:
             self.registry.publish(event)
-            if (
-                event["event"] == "state"
-                and event.get("state") == ControlState.EXECUTE
-                and "kind" not in event
-            ):
+            if isinstance(event, StateChanged) and event.state is ControlState.EXECUTE:
                 ready()
 
         with loop_signals(self._deliver):
@@ -134,7 +133,7 @@ class EngineProcess:
                 await uncancelled(self._bench.end())
                 await uncancelled(self._server.end())
 
-    def start(self, request: Start) -> "asyncio.Future[Message]":
+    def start(self, request: Start) -> "asyncio.Future[Answer]":
         """Begin a run; the result is there when its record is open.
 
         Raises:
@@ -142,7 +141,7 @@ class EngineProcess:
         """
         return self._begin(request)
 
-    def resume(self, request: Resume) -> "asyncio.Future[Message]":
+    def resume(self, request: Resume) -> "asyncio.Future[Answer]":
         """Go on with a run; the result is there when its record is open.
 
         Raises:
@@ -150,7 +149,15 @@ class EngineProcess:
         """
         return self._begin(request)
 
-    def drop(self, reason: str) -> bool:
+    def stop(self, reason: str) -> bool:
+        """Stop the arm that is moved by hand, keep a run from beginning; return whether there was either."""
+        return self.by_hand.stop(reason) or self._drop(reason)
+
+    def abort(self, reason: str) -> bool:
+        """The same; what was moved by hand has to be cleared before anything begins."""
+        return self.by_hand.abort(reason) or self._drop(reason)
+
+    def _drop(self, reason: str) -> bool:
         """Keep a run from beginning; return whether there was one that was about to.
 
         One whose record is being made ends as stopped when it is there: half a record would look like a death.
@@ -178,7 +185,7 @@ class EngineProcess:
         self._aborted = ""
         for event in (Trigger.CLEAR, Trigger.CLEARED):
             self.registry.idle_state = transition(self.registry.idle_state, event).state
-            self.registry.say("state", state=self.registry.idle_state, reason=f"{who} cleared the abort")
+            self._announce_state(f"{who} cleared the abort")
         self._facts()
 
     def shut_down(self, who: str) -> None:
@@ -196,11 +203,11 @@ class EngineProcess:
         if self._job is not None and self._planning:
             self._job.cancel()
 
-    def _begin(self, request: Start | Resume) -> "asyncio.Future[Message]":
+    def _begin(self, request: Start | Resume) -> "asyncio.Future[Answer]":
         self._require_idle()
         if (occupied := self.by_hand.occupied) is not None:
             raise RefusedError(occupied)
-        opened: asyncio.Future[Message] = asyncio.get_running_loop().create_future()
+        opened: asyncio.Future[Answer] = asyncio.get_running_loop().create_future()
         self.registry.beginning, self._planning, self._dropped = True, True, ""
         self._job = asyncio.create_task(self._run(request, opened))
         return opened
@@ -226,12 +233,12 @@ class EngineProcess:
         """Let nothing begin before an operator has cleared it: what was done by hand was aborted."""
         self.registry.idle_state, self._aborted = ControlState.ABORTED, why
         self._facts()
-        self.registry.say("state", state=self.registry.idle_state, reason=why)
+        self._announce_state(why)
 
-    async def _run(self, request: Start | Resume, opened: "asyncio.Future[Message]") -> RunOutcome | None:
-        def tell(path: Path) -> None:
+    async def _run(self, request: Start | Resume, opened: "asyncio.Future[Answer]") -> RunOutcome | None:
+        def opened_at(path: Path) -> None:
             if not opened.done():
-                opened.set_result({"run": path.name, "path": str(path.resolve())})
+                opened.set_result(Opened(run=path.name, path=str(path.resolve())))
 
         outcome: RunOutcome | None = None
         try:
@@ -240,7 +247,9 @@ class EngineProcess:
             self._facts()
             await self._bench.idle.release()
             self._planning = False
-            outcome = await self._carry_out(request, planned, tell, self.registry.publish, keep_drives=True)
+            outcome = await self._carry_out(
+                request, planned, opened_at, self.registry.publish, keep_drives=True
+            )
         except asyncio.CancelledError:
             if not self._dropped:
                 raise
@@ -269,13 +278,13 @@ class EngineProcess:
                 ControlState.COMPLETE if outcome.status == "complete" else ControlState.STOPPED
             )
         self._facts()
-        self.registry.say("idle", state=self.registry.idle_state)
+        self.registry.announce(EngineIdle(state=self.registry.idle_state))
         return outcome
 
-    def _failed(self, error: Exception, opened: "asyncio.Future[Message]") -> None:
+    def _failed(self, error: Exception, opened: "asyncio.Future[Answer]") -> None:
         self._errors.error("a run could not be made", error)
         if opened.done():
-            self.registry.say("error", text=text_of(error), exit_code=int(exit_code_of(error)))
+            self.registry.announce(ErrorTold(text=text_of(error), exit_code=int(exit_code_of(error))))
         else:
             opened.set_exception(refusal_of(error))
 
@@ -294,7 +303,7 @@ class EngineProcess:
         request: Start | Resume,
         planned: PlannedRun,
         opened: Callable[[Path], None],
-        publish: Callable[[Message], None],
+        publish: Publish,
         *,
         keep_drives: bool,
     ) -> RunOutcome:
@@ -324,17 +333,21 @@ class EngineProcess:
             yield
 
     def _facts(self) -> None:
-        self.registry.facts |= {
-            "cell": str(self._cell.resolve()),
-            "runs": str(self._root.resolve()),
-            "aborted": self._aborted or None,
-            "drives": self._drives.facts,
-        }
+        self.registry.facts = replace(
+            self.registry.facts,
+            cell=str(self._cell.resolve()),
+            runs=str(self._root.resolve()),
+            aborted=self._aborted or None,
+            drives=self._drives.facts,
+        )
 
-    def _tell_drives(self, event: str, **fields: Json) -> None:
-        """Tell every client, and those that come later, when the drives go off."""
-        self.registry.facts["drives"] = self._drives.facts
-        self.registry.say(event, **fields)
+    def _announce_state(self, reason: str) -> None:
+        self.registry.announce(StateChanged(state=self.registry.idle_state, reason=reason))
+
+    def _announce_drives(self, event: AnyEvent) -> None:
+        """Send every client, and say in snapshots, when the drives go off."""
+        self._facts()
+        self.registry.announce(event)
 
     def _deliver(self, number: int) -> None:
         """Take a signal; the engine outlives its terminal, so SIGHUP means nothing to it."""

@@ -1,34 +1,10 @@
 """Questions to a person at a terminal: how they read, and what a typed line means."""
 
-from collections.abc import Mapping
-from typing import Literal
-
 from catseye.app.engine.operator import fault_of
-from catseye.procedures.kit.context import Json, Prompt
+from catseye.procedures.kit.context import Prompt
 
 MOTION_WORD = "move"
 """Typed, not a key, before the arm moves: nobody types it by mistake."""
-
-_Kind = Literal["confirm", "choice", "number", "text"]
-_KINDS: dict[str, _Kind] = {"confirm": "confirm", "choice": "choice", "number": "number", "text": "text"}
-
-
-def prompt_of(event: Mapping[str, Json]) -> Prompt:
-    """Return the prompt of an event or a snapshot."""
-    choices = event.get("choices")
-    timeout_s = event.get("timeout_s")
-    task = event.get("task")
-    return Prompt(
-        id=str(event["id"]),
-        kind=_KINDS[str(event["kind"])],
-        text=str(event["text"]),
-        choices=tuple(str(choice) for choice in choices) if isinstance(choices, list) else (),
-        unit=str(event.get("unit") or ""),
-        timeout_s=float(timeout_s) if isinstance(timeout_s, (int, float)) else None,
-        safe_answer=None if event.get("safe_answer") is None else str(event["safe_answer"]),
-        task=task if isinstance(task, dict) else None,
-        motion=event.get("motion") is True,
-    )
 
 
 def hint(prompt: Prompt) -> str:

@@ -5,12 +5,9 @@ from typing import Protocol
 
 from catseye.app.bench.by_hand import ByHand
 from catseye.app.bench.telemetry import Telemetry
-from catseye.app.engine.handle import RunHandle
-from catseye.app.errors import InterruptedRunError, LimitError
-from catseye.app.protocol.state import BEFORE_MOTION, ENDING, HELD, RUNNING, ControlState
-from catseye.app.service.client_registry import ClientRegistry, Member
-from catseye.app.service.errors import RefusedError
-from catseye.app.service.messages import (
+from catseye.app.errors import LimitError
+from catseye.app.protocol.answers import Answer, Climbed, OverrideLowered, Watching
+from catseye.app.protocol.requests import (
     AnyRequest,
     Control,
     HandOver,
@@ -18,7 +15,6 @@ from catseye.app.service.messages import (
     JogHold,
     JogMode,
     JogStep,
-    Message,
     Override,
     Plain,
     Raw,
@@ -29,9 +25,10 @@ from catseye.app.service.messages import (
     WalkFeed,
     Watch,
 )
-
-_OPEN = RUNNING | {ControlState.IDLE}
-"""An aborted run that goes on is IDLE until its operator has cleared it; it can be stopped then as ever."""
+from catseye.app.service.client_registry import ClientRegistry
+from catseye.app.service.errors import RefusedError
+from catseye.app.service.member import Member
+from catseye.app.service.steering import Steering
 
 
 class Engine(Protocol):
@@ -42,16 +39,20 @@ class Engine(Protocol):
         """What is done by hand between runs."""
         ...
 
-    def start(self, request: Start) -> "asyncio.Future[Message]":
+    def start(self, request: Start) -> "asyncio.Future[Answer]":
         """Begin a run; the result is there when its record is open."""
         ...
 
-    def resume(self, request: Resume) -> "asyncio.Future[Message]":
+    def resume(self, request: Resume) -> "asyncio.Future[Answer]":
         """Go on with a run; the result is there when its record is open."""
         ...
 
-    def drop(self, reason: str) -> bool:
-        """Keep a run that was asked for from beginning; return whether there was one."""
+    def stop(self, reason: str) -> bool:
+        """Stop the arm that is moved by hand, keep a run from beginning; return whether there was either."""
+        ...
+
+    def abort(self, reason: str) -> bool:
+        """The same; what was moved by hand has to be cleared before anything begins."""
         ...
 
     def clear(self, who: str) -> None:
@@ -78,8 +79,9 @@ class RequestHandler:
         self._registry = registry
         self._engine = engine
         self._telemetry = telemetry
+        self._steering = Steering(registry, engine)
 
-    def take(self, member: Member | None, request: AnyRequest) -> "Message | asyncio.Future[Message]":
+    def take(self, member: Member | None, request: AnyRequest) -> "Answer | asyncio.Future[Answer]":
         """Do what is asked and return what the answer carries, at once or later.
 
         Args:
@@ -95,37 +97,38 @@ class RequestHandler:
             raise RefusedError("a client says hello first, and once")
         match request:
             case Control(take=True):
-                self._registry.take_control(member, force=request.force)
+                self._registry.lease.take(member, force=request.force)
             case Control():
-                self._registry.release(member)
+                self._registry.lease.release(member)
             case HandOver():
-                self._registry.hand_over(member, request.to)
+                self._registry.lease.require(member)
+                self._registry.lease.hand_over(self._registry.member(request.to))
             case Reply():
-                self._registry.require_control(member)
+                self._registry.lease.require(member)
                 self._registry.broker.answer(request.prompt, request.text, member.text)
             case Override():
                 return self._override(member, request.percent)
             case Start():
-                self._registry.require_control(member)
+                self._registry.lease.require(member)
                 return self._engine_or_refuse().start(request)
             case Resume():
-                self._registry.require_control(member)
+                self._registry.lease.require(member)
                 return self._engine_or_refuse().resume(request)
             case JogMode() | JogStep() | JogHold() | Raw() | Send():
-                self._registry.require_control(member)
+                self._registry.lease.require(member)
                 return self._by_hand(member, request)
             case WalkFeed():
-                self._registry.require_control(member)
+                self._registry.lease.require(member)
                 self._feed(on=request.on)
             case Watch() if self._telemetry is not None:
                 return self._watch(member, request, self._telemetry)
             case _:
                 raise RefusedError(f"this engine does not do {request.op!r}")
-        return {}
+        return Answer()
 
     def _by_hand(
         self, member: Member, request: JogMode | JogStep | JogHold | Raw | Send
-    ) -> "Message | asyncio.Future[Message]":
+    ) -> "Answer | asyncio.Future[Answer]":
         by_hand = self._engine_or_refuse().by_hand
         match request:
             case JogMode():
@@ -139,96 +142,56 @@ class RequestHandler:
             case Send():
                 return by_hand.send(request)
 
-    def _plain(self, member: Member | None, request: Plain) -> Message:
+    def _plain(self, member: Member | None, request: Plain) -> Answer:
         who = member.text if member else "a client without a name"
         match request.op:
-            case "hold":
-                self._hold(who)
             case "stop":
-                self._stop(who)
+                self._steering.stop(who)
             case "abort":
-                self._abort(who)
+                self._steering.abort(who)
+            case "ladder":
+                return Climbed(rung=self._steering.climb(who))
+            case "hold":
+                self._steering.hold(who)
             case "unhold":
-                self._unhold(member, who)
+                self._registry.lease.require(member)
+                self._steering.unhold(who)
             case "release" if member is not None:
-                self._registry.release(member)
+                self._registry.lease.release(member)
             case "clear":
-                self._registry.require_control(member)
+                self._registry.lease.require(member)
                 self._engine_or_refuse().clear(who)
             case "shutdown":
                 self._shut_down(member, who)
-        return {}
+        return Answer()
 
-    def _watch(self, member: Member, request: Watch, telemetry: Telemetry) -> Message:
+    def _watch(self, member: Member, request: Watch, telemetry: Telemetry) -> Answer:
         if request.on:
             telemetry.prepare()
         self._registry.listen(member, request.op, on=request.on)
         if request.on:
             telemetry.wake()
-        return {"bench": telemetry.bench()} if request.op == "watch" else {}
+        return Watching(bench=telemetry.bench()) if request.op == "watch" else Answer()
 
     def _feed(self, *, on: bool) -> None:
-        feed = self._running().feed
+        feed = self._steering.running().feed
         if feed is None:
             raise RefusedError("the run under way is no walk: nothing keeps it going but itself")
         feed(on)
 
-    def _stop(self, who: str) -> None:
-        # A run is stopped whatever state the rest is in; nothing is done by hand during one.
-        engine, reason = self._engine, f"{who} stopped it"
-        if self._registry.run is not None or engine is None:
-            self._running().control.stop(f"{who} stopped the run")
-        elif not (engine.by_hand.stop(reason) or engine.drop(reason)):
-            raise RefusedError("no run is under way")
-
-    def _abort(self, who: str) -> None:
-        engine, reason = self._engine, f"{who} aborted it"
-        if self._registry.run is not None or engine is None:
-            self._running().control.abort(InterruptedRunError(f"{who} aborted the run"))
-        elif not (engine.by_hand.abort(reason) or engine.drop(reason)):
-            raise RefusedError("no run is under way")
-
-    def _hold(self, who: str) -> None:
-        control = self._running().control
-        if control.state in HELD:
-            return
-        if control.state in BEFORE_MOTION:
-            raise RefusedError(
-                "the devices are being connected and nothing moves: hold when it runs, or stop"
-            )
-        control.hold(f"{who} holds the run")
-
-    def _unhold(self, member: Member | None, who: str) -> None:
-        self._registry.require_control(member)
-        control = self._running().control
-        if control.state not in HELD:
-            raise RefusedError(f"the run is not held, it is in state {control.state}")
-        control.unhold(f"{who} lets the run go on")
-
-    def _override(self, member: Member, percent: float) -> Message:
-        self._registry.require_control(member)
+    def _override(self, member: Member, percent: float) -> Answer:
+        self._registry.lease.require(member)
         try:
-            now = self._running().lower_override(percent)
+            now = self._steering.running().lower_override(percent)
         except LimitError as error:
             raise RefusedError(str(error), error.exit_code) from error
-        return {"percent": percent, "until_the_next_motion": now}
+        return OverrideLowered(percent=percent, until_the_next_motion=now)
 
     def _shut_down(self, member: Member | None, who: str) -> None:
         if member is None:
             raise RefusedError("a client says hello first")
-        self._registry.require_control(member)
+        self._registry.lease.require(member)
         self._engine_or_refuse().shut_down(who)
-
-    def _running(self) -> RunHandle:
-        run = self._registry.run
-        if run is None:
-            raise RefusedError("no run is under way")
-        if run.control.ending is not None or run.control.state not in _OPEN:
-            # A stop may become an abort while it is under way.
-            if run.control.state in ENDING:
-                return run
-            raise RefusedError(f"the run has ended: it is in state {run.control.state}")
-        return run
 
     def _engine_or_refuse(self) -> Engine:
         if self._engine is None:

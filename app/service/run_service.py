@@ -30,7 +30,7 @@ class RunService:
         clock = SystemClock()
         self.registry = ClientRegistry(clock)
         self.registry.policy = policy
-        self.registry.console = console
+        self.registry.lease.console = console
         self.telemetry = Telemetry(self.registry, clock, root)
         self._server = Server(self.registry, clock, telemetry=self.telemetry)
 

@@ -11,10 +11,10 @@ from typing import Final
 from catseye.app.bench.telemetry import Telemetry
 from catseye.app.engine.handle import RunHandle
 from catseye.app.engine.waiting import cancel
+from catseye.app.protocol.message import MAX_LINE_BYTES
 from catseye.app.service.address import listening
 from catseye.app.service.client_registry import ClientRegistry
 from catseye.app.service.errors import ServiceError
-from catseye.app.service.messages import MAX_LINE_BYTES
 from catseye.app.service.request_handler import Engine, RequestHandler
 from catseye.app.service.session import Patience, Session
 from catseye.app.service.sparse_log import SparseLog

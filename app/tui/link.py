@@ -134,7 +134,8 @@ class EngineLink:
             async with asyncio.timeout(limit_s) as wait:
                 self._waits.add(wait)
                 try:
-                    return await self._client.request(op, **fields)
+                    answer: dict[str, Any] = await self._client.request(op, **fields)
+                    return answer
                 finally:
                     self._waits.discard(wait)
         except TimeoutError as error:
@@ -171,8 +172,8 @@ class EngineLink:
 
         path = await asyncio.to_thread(find_engine, self._root) or await self._start_engine()
         async with self._connected(path) as client:
-            self.picture.met(client.snapshot, self._clock.monotonic_s())
-            self._meet_process(client.snapshot.get("pid"))
+            self.picture.met(client.snapshot.json_object(), self._clock.monotonic_s())
+            self._meet_process(client.snapshot.pid)
             changed()
             ends = [
                 asyncio.create_task(self._take_events(client, changed)),
@@ -213,7 +214,8 @@ class EngineLink:
         changed()
         catching_up = asyncio.create_task(self._catch_up(changed))
         try:
-            async for event in client.events():
+            async for typed in client.events():
+                event = typed.json_object()
                 self._take(event)
                 if event["event"] == "run-started":
                     # It may go on after an interruption.

@@ -58,13 +58,13 @@ async def stop_by_every_way(
 
 async def _ask_alone(path: Path, op: StopOp) -> bool | None:
     """Ask on a connection of its own; return whether it was done, None when nobody answers."""
-    from catseye.app.service.messages import VERSION, decode_message, encode
+    from catseye.app.protocol.message import VERSION, decode_object, encode_object
 
     async def ask() -> bool:
         reader, writer = await asyncio.open_unix_connection(path)
         try:
-            writer.write(encode({"v": VERSION, "id": op, "op": op}))
-            return decode_message(await reader.readline()).get("ok") is True
+            writer.write(encode_object({"v": VERSION, "id": op, "op": op}))
+            return decode_object(await reader.readline()).get("ok") is True
         finally:
             writer.transport.abort()
 
@@ -76,10 +76,10 @@ async def _ask_alone(path: Path, op: StopOp) -> bool | None:
 
 async def _within(answer: Awaitable[T]) -> T | None:
     """Return an answer; None when none comes in time, or the connection is closed."""
-    from catseye.app.service.errors import BadMessageError, ServiceError
+    from catseye.app.service.errors import ServiceError
 
     try:
         async with asyncio.timeout(ANSWER_S):
             return await answer
-    except (TimeoutError, ServiceError, BadMessageError):
+    except (TimeoutError, ServiceError):
         return None

@@ -16,7 +16,6 @@ from contextlib import asynccontextmanager, suppress
 from datetime import datetime, timedelta
 from itertools import count
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
@@ -25,10 +24,12 @@ from catseye.app.bench.facts import facts_of
 from catseye.app.bench.observed import ObservedInterferometer
 from catseye.app.bench.telemetry import Telemetry
 from catseye.app.engine.waiting import cancel
+from catseye.app.protocol.answers import Opened
+from catseye.app.protocol.events import PointMeasured, RunEnded, StepStarted, encode_event
+from catseye.app.protocol.requests import Start
 from catseye.app.service.client import EngineClient, connect
 from catseye.app.service.client_registry import ClientRegistry
 from catseye.app.service.mailbox import Mailbox
-from catseye.app.service.messages import encode
 from catseye.drivers.roles.clock import SystemClock
 from catseye.drivers.umd.display import UmdDisplay
 from tests.benchmarks.stream_peers import RATE_HZ
@@ -62,16 +63,15 @@ async def measured(client: EngineClient, watching: Watching) -> tuple[Path, dict
     watched: dict[str, bool] = {}
     looking: bool | None = False
     steps = count()
-    opened = await client.request("start", procedure="open-loop", params={"reflectors": ["P2"]})
+    opened = await client.ask(Start(procedure="open-loop", params={"reflectors": ["P2"]}), Opened)
     async for event in client.events():
-        if event["event"] == "step-started":
+        if isinstance(event, StepStarted):
             looking = await watching(next(steps))
-        elif event["event"] == "point" and looking is not None:
-            point: Any = event["point"]
-            watched[str(point["time_utc"])] = looking
-        elif event["event"] == "run-ended":
-            assert event["exit_code"] == 0, event
-            return Path(str(opened["path"])), watched
+        elif isinstance(event, PointMeasured) and looking is not None:
+            watched[str(event.point["time_utc"])] = looking
+        elif isinstance(event, RunEnded):
+            assert event.exit_code == 0, event
+            return Path(opened.path), watched
     raise AssertionError("the engine is gone")
 
 
@@ -230,13 +230,14 @@ async def test_what_one_turn_of_telling_keeps_the_loop_from(tmp_path: Path) -> N
         for _ in range(200):
             telemetry.traffic.record("interferometer", "rx", b"1500 1500 123456 1 0 4711 101 123456789\r\n")
         start_s = time.thread_time()
-        telemetry.tell()
+        telemetry.publish()
         told_ms.append((time.thread_time() - start_s) * 1e3)
         for member in members:
             while len(member.mailbox):
                 message = await member.mailbox.take()
                 start_s = time.thread_time()
-                encode(message)
+                assert not isinstance(message, bytes)
+                encode_event(message)
                 told_ms.append((time.thread_time() - start_s) * 1e3)
     p99_ms = float(np.percentile(told_ms, 99))
     print(  # noqa: T201  # the figure
@@ -249,7 +250,9 @@ async def test_what_one_turn_of_telling_keeps_the_loop_from(tmp_path: Path) -> N
 async def read_out(mailbox: Mailbox) -> None:
     """Write out what a client is told, as its session does."""
     while True:
-        encode(await mailbox.take())
+        message = await mailbox.take()
+        assert not isinstance(message, bytes)
+        encode_event(message)
 
 
 async def test_a_watcher_delays_no_value_of_a_stream(tmp_path: Path) -> None:

@@ -38,7 +38,7 @@ class Said:
 
 
 @pytest.fixture
-def broker(tmp_path: Path) -> Path:
+def desk(tmp_path: Path) -> Path:
     """Return a folder with a good cell file of few nodes."""
     put_cell(tmp_path)
     return tmp_path
@@ -276,12 +276,12 @@ def identified(folder: Path, output: str = "result.json") -> Said:
     )
 
 
-def test_good_points_are_identified(broker: Path) -> None:
-    put_points(broker, rows())
-    said = identified(broker)
+def test_good_points_are_identified(desk: Path) -> None:
+    put_points(desk, rows())
+    said = identified(desk)
     assert said.code == 0, said
     assert json.loads(said.out)["link1_mm"]["value"] == pytest.approx(325.0, abs=1e-6)
-    assert (broker / "result.json").is_file()
+    assert (desk / "result.json").is_file()
 
 
 def changed(table: list[list[str]], row: int, column: int, value: str) -> list[list[str]]:
@@ -317,21 +317,21 @@ def changed(table: list[list[str]], row: int, column: int, value: str) -> list[l
     ],
 )
 def test_points_that_cannot_be_used_are_refused(
-    broker: Path, table: list[list[str]], header: str, code: int, parts: tuple[str, ...]
+    desk: Path, table: list[list[str]], header: str, code: int, parts: tuple[str, ...]
 ) -> None:
-    put_points(broker, table, header)
-    said = identified(broker)
+    put_points(desk, table, header)
+    said = identified(desk)
     assert_refused(said, code, *parts)
     assert said.out == ""
-    assert files(broker) == {"cell.toml", "points.csv"}
+    assert files(desk) == {"cell.toml", "points.csv"}
 
 
-def test_a_missing_output_folder_is_a_storage_failure(broker: Path) -> None:
-    put_points(broker, rows())
-    said = identified(broker, "absent/result.json")
+def test_a_missing_output_folder_is_a_storage_failure(desk: Path) -> None:
+    put_points(desk, rows())
+    said = identified(desk, "absent/result.json")
     assert_refused(said, 6, "absent/result.json: cannot be written", "make it first")
     assert said.out == ""
-    assert files(broker) == {"cell.toml", "points.csv"}
+    assert files(desk) == {"cell.toml", "points.csv"}
 
 
 @pytest.mark.parametrize(
@@ -351,11 +351,11 @@ def test_a_missing_output_folder_is_a_storage_failure(broker: Path) -> None:
     ],
 )
 def test_commands_that_cannot_be_carried_out_change_nothing(
-    broker: Path, arguments: list[str], parts: tuple[str, ...]
+    desk: Path, arguments: list[str], parts: tuple[str, ...]
 ) -> None:
-    before = (broker / "cell.toml").read_bytes()
-    said = catseye(broker, *arguments)
+    before = (desk / "cell.toml").read_bytes()
+    said = catseye(desk, *arguments)
     assert_refused(said, 2, *parts)
     assert said.out == ""
-    assert files(broker) == {"cell.toml"}
-    assert (broker / "cell.toml").read_bytes() == before
+    assert files(desk) == {"cell.toml"}
+    assert (desk / "cell.toml").read_bytes() == before

@@ -6,7 +6,8 @@ from typing import Any
 
 from catseye.app.bench.jogging import Jogging
 from catseye.app.cell.model import Cell
-from catseye.app.service.messages import JogHold, JogMode, JogStep
+from catseye.app.protocol.requests import JogHold, JogMode, JogStep
+from tests.unit.app.bench.benches import client
 from tests.unit.app.bench.timed_arm import HandFixture, TimedArm
 from tests.unit.drivers.virtual_time import run
 
@@ -14,15 +15,15 @@ Script = Callable[[HandFixture, Jogging], Awaitable[None]]
 
 
 def mode(**fields: Any) -> JogMode:
-    return JogMode.model_validate({"v": 1, "id": 1, "op": "jog", "on": True, **fields})
+    return JogMode.model_validate({"on": True, **fields})
 
 
 def step(**fields: Any) -> JogStep:
-    return JogStep.model_validate({"v": 1, "id": 1, "op": "jog-step", **fields})
+    return JogStep.model_validate({**fields})
 
 
 def hold(joint: str = "j1", direction: int = 1) -> JogHold:
-    return JogHold.model_validate({"v": 1, "id": 1, "op": "jog-hold", "joint": joint, "direction": direction})
+    return JogHold.model_validate({"joint": joint, "direction": direction})
 
 
 def now_s() -> float:
@@ -34,7 +35,7 @@ def jogged(cell: Cell, script: Script, robot: TimedArm | None = None, **fields: 
 
     async def work() -> HandFixture:
         fixture = HandFixture(cell, robot or TimedArm())
-        jog = Jogging(fixture.bench, mode(**fields), "Ada (test-1)")
+        jog = Jogging(fixture.bench, mode(**fields), client())
         await jog.begun
         await script(fixture, jog)
         jog.end("the script is over")

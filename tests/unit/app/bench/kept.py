@@ -11,6 +11,8 @@ from catseye.app.bench.observed import ObservedDevice, observed
 from catseye.app.bench.telemetry import Topic
 from catseye.app.engine.devices import Devices
 from catseye.app.engine.handle import RunHandle
+from catseye.app.protocol.events import AnyEvent
+from catseye.app.protocol.message import JsonObject
 from catseye.drivers.links.stream import ValueHook
 from catseye.drivers.roles.errors import DeviceError, LinkError
 from catseye.drivers.roles.readings import (
@@ -21,7 +23,6 @@ from catseye.drivers.roles.readings import (
     Joints,
     RobotStatus,
 )
-from catseye.procedures.kit.context import Json
 from tests.unit.drivers.virtual_time import VirtualClock
 
 
@@ -146,22 +147,22 @@ class PulledCell:
 
 @dataclass
 class Listeners:
-    """Implements `catseye.app.bench.telemetry.Audience`: what everybody was told, and when."""
+    """Implements `catseye.app.bench.telemetry.Audience`: what everybody received, and when."""
 
     topics: set[Topic] = field(default_factory=set)
     run: RunHandle | None = None
     asking: bool = False
-    told: list[tuple[float, str, dict[str, Json]]] = field(default_factory=list)
+    received: list[tuple[float, str, JsonObject]] = field(default_factory=list)
 
     def listens(self, topic: Topic) -> bool:
         return topic in self.topics
 
-    def tell(self, topic: Topic, event: str, fields: dict[str, Json]) -> None:
+    def publish_topic(self, topic: Topic, event: AnyEvent) -> None:
         assert topic in self.topics
-        self.told.append((VirtualClock().monotonic_s(), event, fields))
+        self.received.append((VirtualClock().monotonic_s(), event.event, event.json_object()))
 
     def of(self, event: str) -> list[dict[str, Any]]:
-        return [fields for _, told, fields in self.told if told == event]
+        return [fields for _, name, fields in self.received if name == event]
 
 
 async def disk(_folder: Path) -> int:

@@ -10,7 +10,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from catseye.app.bench.bench_message import bench_message
+from catseye.app.bench.bench_message import bench_status
 from catseye.app.bench.facts import BenchFacts, facts_of
 from catseye.app.bench.gauges import Gauges
 from catseye.app.cell.model import Cell, FurtherDevice, Material
@@ -28,7 +28,8 @@ def facts() -> BenchFacts:
 
 
 def told(gauges: Gauges, *, moving: bool = False, simulated: bool | None = None) -> dict[str, Any]:
-    return bench_message(facts(), gauges, moving=moving, simulated=simulated, free_bytes=1000)
+    status = bench_status(facts(), gauges, moving=moving, simulated=simulated, free_bytes=1000)
+    return status.json_object()
 
 
 def test_of_a_bench_that_has_said_nothing_the_cell_file_is_told() -> None:
@@ -38,6 +39,7 @@ def test_of_a_bench_that_has_said_nothing_the_cell_file_is_told() -> None:
     robot = {"name": "robot", "endpoint": cell.robot.endpoint, "driver": cell.robot.driver}
     assert message["devices"][0] == {
         **robot,
+        "moves_arm": True,
         "link": "closed",
         "identity": None,
         "error": None,

@@ -13,10 +13,12 @@ from catseye.app.bench.facts import DeviceFacts
 from catseye.app.errors import ArmInUseError
 from catseye.app.exitcode import ExitCode
 from catseye.app.guard import raw
-from catseye.app.service.client_registry import ClientRegistry, Member
+from catseye.app.protocol.answers import Answer, LinkTaken
+from catseye.app.protocol.requests import JogHold, JogMode, JogStep, Raw, Send
+from catseye.app.service.client_registry import ClientRegistry
 from catseye.app.service.errors import RefusedError
 from catseye.app.service.mailbox import Mailbox
-from catseye.app.service.messages import JogHold, JogMode, JogStep, Raw, Send
+from catseye.app.service.member import Member
 from catseye.drivers.roles.errors import LinkError
 from tests.unit.app.bench.benches import cell_from_template
 from tests.unit.app.bench.timed_arm import HandFixture, TimedArm
@@ -83,27 +85,27 @@ class Engine:
         self.aborts: list[str] = []
         self.by_hand = ByHand(self.registry, self.fixture.bench, self._require_idle, self.aborts.append)
         self.ada, self.ben = (self.registry.join("test", who, Mailbox(), print) for who in ("Ada", "Ben"))
-        self.registry.take_control(self.ada, force=False)
+        self.registry.lease.take(self.ada, force=False)
         self.wire = Wire()
         self.guard = FakeGuard()
         monkeypatch.setattr(raw, "open_transport", self._opened)
         monkeypatch.setattr(raw, "ArmGuard", lambda _endpoint: self.guard)
 
     def jog(self, *, on: bool = True, who: Member | None = None) -> "asyncio.Future[Any]":
-        return self.by_hand.jog(who or self.ada, JogMode(v=1, id=1, op="jog", on=on))
+        return self.by_hand.jog(who or self.ada, JogMode(on=on))
 
     def step(self, by: float) -> "asyncio.Future[Any]":
-        return self.by_hand.step(self.ada, JogStep(v=1, id=1, op="jog-step", joint="j1", by=by))
+        return self.by_hand.step(self.ada, JogStep(joint="j1", by=by))
 
     def hold(self, direction: int) -> Any:
-        request = {"v": 1, "id": 1, "op": "jog-hold", "joint": "j1", "direction": direction}
+        request = {"joint": "j1", "direction": direction}
         return self.by_hand.hold(JogHold.model_validate(request))
 
     def raw(self, device: str = "interferometer", **fields: Any) -> "asyncio.Future[Any]":
-        return self.by_hand.raw(self.ada, Raw(v=1, id=1, op="raw", device=device, **fields))
+        return self.by_hand.raw(self.ada, Raw(device=device, **fields))
 
     def send(self, data: str, device: str = "interferometer") -> "asyncio.Future[Any]":
-        return self.by_hand.send(Send(v=1, id=1, op="send", device=device, hex=data))
+        return self.by_hand.send(Send(device=device, hex=data))
 
     def _require_idle(self) -> None:
         if self.busy:
@@ -182,10 +184,10 @@ def test_without_a_jog_nothing_is_moved_and_nothing_to_stop(monkeypatch: pytest.
         for ask in (lambda: engine.step(1.0), lambda: engine.hold(1)):
             with pytest.raises(RefusedError, match="begin that first"):
                 ask()
-        assert engine.hold(0) == {}
+        assert engine.hold(0) == Answer()
         assert not engine.by_hand.stop("Ben stopped it")
         assert not engine.by_hand.abort("Ben aborted it")
-        assert await engine.jog(on=False) == {}
+        assert await engine.jog(on=False) == Answer()
 
     assert played(script, monkeypatch).arm.log == []
 
@@ -205,11 +207,11 @@ def test_the_arm_stops_when_its_client_loses_control(
         lost_s = asyncio.get_running_loop().time()
         match how:
             case "release":
-                engine.registry.release(engine.ada)
+                engine.registry.lease.release(engine.ada)
             case "hand over":
-                engine.registry.hand_over(engine.ada, engine.ben.name)
+                engine.registry.lease.hand_over(engine.ben)
             case "force":
-                engine.registry.take_control(engine.ben, force=True)
+                engine.registry.lease.take(engine.ben, force=True)
             case "left":
                 engine.registry.leave(engine.ada, None)
             case _:
@@ -251,14 +253,14 @@ def test_a_stop_ends_a_jog_and_an_abort_has_to_be_cleared(monkeypatch: pytest.Mo
 
 def test_bytes_go_out_and_what_comes_is_recorded(monkeypatch: pytest.MonkeyPatch) -> None:
     async def script(engine: Engine) -> None:
-        assert await engine.raw() == {"endpoint": "memory://counter"}
+        assert await engine.raw() == LinkTaken(endpoint="memory://counter")
         assert engine.fixture.parked_now == ["interferometer"]
-        assert await engine.send("610d") == {}
+        assert await engine.send("610d") == Answer()
         await asyncio.sleep(0.01)
         assert engine.fixture.wire == [("interferometer", "tx", b"a\r"), ("interferometer", "rx", b"A\r")]
-        assert await engine.raw(on=False) == {}
+        assert await engine.raw(on=False) == Answer()
         assert engine.fixture.parked_now == []
-        assert await engine.raw(on=False) == {}
+        assert await engine.raw(on=False) == Answer()
         with pytest.raises(RefusedError, match="was not taken: take it first"):
             engine.send("61")
 
@@ -309,7 +311,7 @@ def test_a_link_that_cannot_be_had_says_why(monkeypatch: pytest.MonkeyPatch) -> 
             await engine.raw()
         assert refused.value.code == ExitCode.DEVICE
 
-    assert played(script, monkeypatch).fixture.told == []
+    assert played(script, monkeypatch).fixture.announced == []
 
 
 def test_a_link_that_breaks_is_told_and_given_back(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -397,7 +399,7 @@ def test_a_stop_reaches_a_robot_whose_link_is_just_being_given_back(
         given_back = engine.raw("robot", on=False)
         await asyncio.sleep(0.1)
         if word == "release":
-            engine.registry.release(engine.ada)
+            engine.registry.lease.release(engine.ada)
         else:
             assert getattr(engine.by_hand, word)("Ben stopped it")
         await given_back

@@ -9,7 +9,9 @@ from catseye.app.bench.hand_arm import SILENCE_S
 from catseye.app.bench.jogging import Jogging
 from catseye.app.cell.model import Cell
 from catseye.app.exitcode import ExitCode
+from catseye.app.protocol.answers import Answer, Stepped
 from catseye.app.service.errors import RefusedError
+from tests.unit.app.bench.benches import client
 from tests.unit.app.bench.jogs import alive, fed, hold, jogged, mode, nothing, now_s, step
 from tests.unit.app.bench.timed_arm import HOME, HandFixture, StepsOnlyArm, TimedArm
 from tests.unit.drivers.virtual_time import run
@@ -43,7 +45,7 @@ def test_no_override_beyond_that_of_the_cell_and_none_is_raised(cell: Cell) -> N
 def test_real_devices_need_the_cells_name(cell: Cell, typed: str | None, code: ExitCode, text: str) -> None:
     async def work() -> HandFixture:
         fixture = HandFixture(cell, TimedArm(simulated=False))
-        jog = Jogging(fixture.bench, mode(arm=typed), "Ada")
+        jog = Jogging(fixture.bench, mode(arm=typed), client())
         with pytest.raises(RefusedError, match=text) as refused:
             await jog.begun
         assert refused.value.code == code
@@ -52,12 +54,12 @@ def test_real_devices_need_the_cells_name(cell: Cell, typed: str | None, code: E
 
     fixture = run(work())
     assert fixture.arm.log == []
-    assert fixture.told == []
+    assert fixture.announced == []
 
 
 def test_real_devices_move_when_the_cells_name_is_typed(cell: Cell) -> None:
     async def script(_fixture: HandFixture, jog: Jogging) -> None:
-        assert await alive(jog, step(joint="j1", by=1.0)) == {"joints": [1.0, 0.0, 50.0, 0.0]}
+        assert await alive(jog, step(joint="j1", by=1.0)) == Stepped(joints=(1.0, 0.0, 50.0, 0.0))
 
     assert jogged(cell, script, TimedArm(simulated=False), arm=cell.name).arm.said("move")
 
@@ -66,7 +68,7 @@ def test_the_devices_are_not_to_be_had(cell: Cell) -> None:
     async def work() -> None:
         fixture = HandFixture(cell, TimedArm())
         fixture.lend_error = RefusedError("the robot is not connected", ExitCode.DEVICE)
-        jog = Jogging(fixture.bench, mode(), "Ada")
+        jog = Jogging(fixture.bench, mode(), client())
         with pytest.raises(RefusedError, match="not connected") as refused:
             await jog.begun
         assert refused.value.code == ExitCode.DEVICE
@@ -77,8 +79,8 @@ def test_the_devices_are_not_to_be_had(cell: Cell) -> None:
 
 def test_a_step_ends_where_it_should(cell: Cell) -> None:
     async def script(_fixture: HandFixture, jog: Jogging) -> None:
-        assert await alive(jog, step(joint="j2", by=-2.5)) == {"joints": [0.0, -2.5, 50.0, 0.0]}
-        assert await alive(jog, step(joint="j4", by=7.0)) == {"joints": [0.0, -2.5, 50.0, 7.0]}
+        assert await alive(jog, step(joint="j2", by=-2.5)) == Stepped(joints=(0.0, -2.5, 50.0, 0.0))
+        assert await alive(jog, step(joint="j4", by=7.0)) == Stepped(joints=(0.0, -2.5, 50.0, 7.0))
 
     fixture = jogged(cell, script)
     assert [event["moving"] for event in fixture.events("jog")] == [None, "j2", None, "j4", None, None]
@@ -137,7 +139,7 @@ def test_one_motion_at_a_time(cell: Cell) -> None:
 def test_a_long_step_goes_on_while_its_client_lives(cell: Cell) -> None:
     async def script(_fixture: HandFixture, jog: Jogging) -> None:
         begun_s = now_s()
-        assert await alive(jog, step(joint="j1", by=50.0)) == {"joints": [50.0, 0.0, 50.0, 0.0]}
+        assert await alive(jog, step(joint="j1", by=50.0)) == Stepped(joints=(50.0, 0.0, 50.0, 0.0))
         assert now_s() - begun_s > 5.0
 
     jogged(cell, script)
@@ -166,7 +168,7 @@ def test_a_step_is_stopped_at_once(cell: Cell, how: str) -> None:
         await asyncio.sleep(1.0)
         asked_s = now_s()
         if how == "release":
-            assert jog.hold(hold(direction=0)) == {}
+            assert jog.hold(hold(direction=0)) == Answer()
         else:
             jog.end("Ben stopped it")
         with pytest.raises(RefusedError, match="stopped") as refused:
@@ -290,7 +292,7 @@ def test_a_robot_without_a_dead_man_is_moved_by_steps(cell: Cell) -> None:
     async def work() -> None:
         fixture = HandFixture(cell, TimedArm())
         fixture.robot = StepsOnlyArm(fixture.arm)
-        jog = Jogging(fixture.bench, mode(), "Ada")
+        jog = Jogging(fixture.bench, mode(), client())
         await jog.begun
         with pytest.raises(RefusedError, match="move by steps"):
             jog.hold(hold())

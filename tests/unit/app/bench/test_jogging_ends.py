@@ -12,6 +12,7 @@ from catseye.app.engine.waiting import cancel
 from catseye.app.exitcode import ExitCode
 from catseye.app.service.errors import RefusedError
 from catseye.drivers.roles.errors import LinkError
+from tests.unit.app.bench.benches import client
 from tests.unit.app.bench.jogs import alive, fed, hold, jogged, mode, nothing, now_s, step
 from tests.unit.app.bench.timed_arm import HandFixture, TimedArm
 from tests.unit.drivers.virtual_time import run
@@ -58,7 +59,7 @@ def test_no_drives_while_the_door_is_open(cell: Cell) -> None:
     async def work() -> None:
         fixture = HandFixture(cell, TimedArm())
         fixture.door.closed = False
-        jog = Jogging(fixture.bench, mode(), "Ada")
+        jog = Jogging(fixture.bench, mode(), client())
         with pytest.raises(RefusedError, match="the door is open"):
             await jog.begun
         await jog.over()
@@ -80,14 +81,14 @@ def test_an_alarm_between_motions_ends_the_jog(cell: Cell) -> None:
 def test_an_end_while_the_drives_come_on_leaves_them_off(cell: Cell) -> None:
     async def work() -> None:
         fixture = HandFixture(cell, TimedArm(answer_s=0.1))
-        jog = Jogging(fixture.bench, mode(), "Ada")
+        jog = Jogging(fixture.bench, mode(), client())
         await asyncio.sleep(0.45)
         jog.end("Ada released control")
         with pytest.raises(RefusedError, match="released control"):
             await jog.begun
         await jog.over()
         assert fixture.arm.said("servo")[-1] == "servo off"
-        assert fixture.told == []
+        assert fixture.announced == []
 
     run(work())
 
@@ -96,7 +97,7 @@ def test_an_end_while_the_drives_come_on_leaves_them_off(cell: Cell) -> None:
 def test_an_arm_that_does_not_stop_is_told_and_lets_nothing_begin(cell: Cell, stuck: bool) -> None:
     async def work() -> None:
         fixture = HandFixture(cell, TimedArm())
-        jog = Jogging(fixture.bench, mode(), "Ada")
+        jog = Jogging(fixture.bench, mode(), client())
         await jog.begun
         moving = jog.step(step(joint="j1", by=50.0), now_s)
         await asyncio.sleep(1.0)
@@ -166,7 +167,7 @@ def test_a_step_whose_client_is_watched_no_more_is_stopped(cell: Cell) -> None:
 def test_an_engine_that_ends_leaves_the_arm_at_rest(cell: Cell) -> None:
     async def work() -> TimedArm:
         fixture = HandFixture(cell, TimedArm())
-        jog = Jogging(fixture.bench, mode(), "Ada")
+        jog = Jogging(fixture.bench, mode(), client())
         await jog.begun
         feeding = asyncio.create_task(fed(jog, 5.0, hold()))
         await asyncio.sleep(1.0)
@@ -198,7 +199,7 @@ def test_the_end_tells_of_an_override_that_stays_low(
 def test_a_jog_that_is_ended_in_its_first_moment_answers(cell: Cell) -> None:
     async def work() -> None:
         fixture = HandFixture(cell, TimedArm())
-        jog = Jogging(fixture.bench, mode(), "Ada")
+        jog = Jogging(fixture.bench, mode(), client())
         jog.end("Ben stopped it")
         await jog.over()
         with pytest.raises(RefusedError, match="Ben stopped it") as refused:
@@ -215,7 +216,7 @@ def test_an_end_that_a_library_swallows_ends_the_jog_all_the_same(
 ) -> None:
     async def work() -> HandFixture:
         fixture = HandFixture(cell, TimedArm())
-        jog = Jogging(fixture.bench, mode(), "Ada")
+        jog = Jogging(fixture.bench, mode(), client())
 
         async def deaf(percent: float) -> float:
             with suppress(asyncio.CancelledError):
@@ -241,7 +242,7 @@ def test_a_robot_that_nobody_knows_is_not_moved(cell: Cell) -> None:
     async def work() -> None:
         fixture = HandFixture(cell, TimedArm(simulated=False))
         fixture.bench = replace(fixture.bench, identities=dict)
-        jog = Jogging(fixture.bench, mode(), "Ada")
+        jog = Jogging(fixture.bench, mode(), client())
         with pytest.raises(RefusedError, match="not known which robot answers"):
             await jog.begun
         await jog.over()
@@ -255,7 +256,7 @@ def test_a_driver_that_fails_at_the_end_lets_nothing_begin(
 ) -> None:
     async def work() -> None:
         fixture = HandFixture(cell, TimedArm())
-        jog = Jogging(fixture.bench, mode(), "Ada")
+        jog = Jogging(fixture.bench, mode(), client())
         await jog.begun
 
         async def broken() -> None:

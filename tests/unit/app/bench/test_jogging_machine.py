@@ -10,9 +10,9 @@ from hypothesis import strategies as st
 from hypothesis.stateful import RuleBasedStateMachine, invariant, precondition, rule
 
 from catseye.app.bench.jogging import Jogging
+from catseye.app.protocol.requests import JogHold, JogMode, JogStep
 from catseye.app.service.errors import RefusedError
-from catseye.app.service.messages import JogHold, JogMode, JogStep
-from tests.unit.app.bench.benches import cell_from_template
+from tests.unit.app.bench.benches import cell_from_template, client
 from tests.unit.app.bench.timed_arm import HandFixture, TimedArm
 from tests.unit.drivers.virtual_time import runner
 
@@ -57,8 +57,8 @@ class JogMachine(RuleBasedStateMachine):
         """Somebody begins to jog, and may not wait until it has begun."""
 
         async def work() -> None:
-            request = JogMode.model_validate({"v": 1, "id": 1, "op": "jog", "on": True, "percent": PERCENT})
-            self.jog = Jogging(self.fixture.bench, request, "Ada")
+            request = JogMode.model_validate({"on": True, "percent": PERCENT})
+            self.jog = Jogging(self.fixture.bench, request, client())
             self.jog.begun.add_done_callback(lambda begun: begun.exception())
             self.quiet_after = None
 
@@ -75,7 +75,7 @@ class JogMachine(RuleBasedStateMachine):
 
         async def work() -> None:
             self.heard_s = asyncio.get_running_loop().time()
-            request = JogStep(v=1, id=1, op="jog-step", joint=joint, by=by)
+            request = JogStep(joint=joint, by=by)
             assert self.jog is not None
             try:
                 step = self.jog.step(request, lambda: self.heard_s)
@@ -96,7 +96,7 @@ class JogMachine(RuleBasedStateMachine):
                 self.heard_s = self.fed_s = asyncio.get_running_loop().time()
                 assert self.jog is not None
                 try:
-                    answer = self.jog.hold(JogHold(v=1, id=1, op="jog-hold", joint=joint, direction=way))
+                    answer = self.jog.hold(JogHold(joint=joint, direction=way))
                 except RefusedError:
                     return
                 if isinstance(answer, asyncio.Future):
@@ -115,7 +115,7 @@ class JogMachine(RuleBasedStateMachine):
             self.heard_s = asyncio.get_running_loop().time()
             assert self.jog is not None
             try:
-                self.jog.hold(JogHold(v=1, id=1, op="jog-hold", joint="j1", direction=0))
+                self.jog.hold(JogHold(joint="j1", direction=0))
             except RefusedError:
                 return
 

@@ -13,9 +13,10 @@ from catseye.app.cell.bench import air_rule, bench_of
 from catseye.app.cell.model import Cell
 from catseye.app.engine.devices import Devices
 from catseye.app.engine.interlock import Light
+from catseye.app.protocol.events import AnyEvent
+from catseye.app.protocol.message import JsonObject
 from catseye.drivers.roles.errors import DeviceError, RefusedError
 from catseye.drivers.roles.readings import Identity, Joints, RobotStatus
-from catseye.procedures.kit.context import Json
 from tests.unit.app.guard.fakes import FakeGuard
 from tests.unit.drivers.virtual_time import VirtualClock
 
@@ -195,7 +196,7 @@ class HandFixture:
         self.guard = FakeGuard()
         self.robot: Any = arm
         self.robots: dict[str, Any] = {"robot": arm}
-        self.told: list[dict[str, Json]] = []
+        self.announced: list[JsonObject] = []
         self.wire: list[tuple[str, str, bytes]] = []
         self.lent_now = False
         self.parked_now: list[str] = []
@@ -216,7 +217,7 @@ class HandFixture:
             self._facts,
             self._identities,
             self._record,
-            self._tell,
+            self._announce,
             VirtualClock(),
             Path(),
             lambda: self.door,
@@ -248,8 +249,8 @@ class HandFixture:
         finally:
             self.parked_now.remove(device)
 
-    def events(self, name: str) -> list[dict[str, Json]]:
-        return [event for event in self.told if event["event"] == name]
+    def events(self, name: str) -> list[JsonObject]:
+        return [event for event in self.announced if event["event"] == name]
 
     async def _facts(self) -> BenchFacts:
         return self.facts_now
@@ -260,5 +261,5 @@ class HandFixture:
     def _record(self, device: str, direction: str, data: bytes) -> None:
         self.wire.append((device, direction, data))
 
-    def _tell(self, event: str, **fields: Json) -> None:
-        self.told.append({"event": event, **fields})
+    def _announce(self, event: AnyEvent) -> None:
+        self.announced.append(event.json_object())

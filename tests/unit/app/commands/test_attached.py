@@ -61,7 +61,7 @@ async def test_a_person_steers_answers_and_leaves_the_run_as_it_is(
         await settled()
         keyboard("nonsense\nq\n")
         assert await task == ExitCode.DONE
-        assert not bench.registry.controlled
+        assert bench.registry.lease.holder is None
         assert bench.state() == "EXECUTE"
         assert bench.noted("client-lost") == []
     said = capsys.readouterr().err
@@ -96,7 +96,7 @@ async def test_ctrl_c_with_control_holds_then_stops(keyboard: Callable[[str], No
         await comes(bench, "HOLDING")
         os.kill(os.getpid(), signal.SIGINT)
         await comes(bench, "STOPPED")
-        bench.publish("run-ended", status="stopped", exit_code=130, text="", path="run-1")
+        bench.publish("run-ended", status="stopped", exit_code=130, text="", path="run-1", drives_on=False)
         assert await task == ExitCode.INTERRUPTED
 
 
@@ -121,7 +121,7 @@ async def test_a_terminal_that_lost_control_does_not_ask_any_more(
         await settled()
         keyboard("g\nq\n")
         assert await task == ExitCode.DONE
-        assert bench.registry.controlled
+        assert bench.registry.lease.holder is not None
         assert bench.state() == "EXECUTE"
     assert f"control taken by force: Ben ({ben.name}) has it" in capsys.readouterr().err
 
@@ -134,7 +134,7 @@ async def test_a_program_gets_events_and_answers_under_its_own_numbers(
         keyboard('{"id": "a", "op": "hold"}\nrubbish\n{"v": 1, "id": 7, "op": "clear"}\n{"op": "nothing"}\n')
         await comes(bench, "HOLDING")
         await settled()
-        bench.publish("run-ended", status="stopped", exit_code=1, text="", path="run-1")
+        bench.publish("run-ended", status="stopped", exit_code=1, text="", path="run-1", drives_on=False)
         assert await task == 1
     lines: list[dict[str, Any]] = [json.loads(line) for line in capsys.readouterr().out.splitlines()]
     assert lines[0]["snapshot"]["run"] == "run-1"

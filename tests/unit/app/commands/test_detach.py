@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 from catseye.app.commands.engine import detach, engine_command
-from catseye.app.service.messages import encode
+from catseye.app.protocol.requests import Resume, Start, encode_request
 
 
 @pytest.mark.parametrize(("script", "code"), [("exit 0", 70), ("exit 3", 3), ("kill -TERM $$", 143)])
@@ -21,7 +21,7 @@ def test_an_engine_that_says_nothing_has_an_exit_code(
     engine.chmod(0o755)
     monkeypatch.setattr(sys, "executable", str(engine))
     with pytest.raises(SystemExit) as ended:
-        detach({"op": "start"}, tmp_path / "cell.toml", tmp_path, as_json=False)
+        detach(Start(procedure="script"), tmp_path / "cell.toml", tmp_path, as_json=False)
     assert ended.value.code == code
 
 
@@ -39,7 +39,7 @@ def test_a_fault_in_the_start_shows_where_when_asked(
     monkeypatch.setattr(os, "setsid", lambda: None)
     for debug, expected in (("", "set CATSEYE_DEBUG=1 and repeat"), ("1", "in run_once")):
         monkeypatch.setenv("CATSEYE_DEBUG", debug)
-        asked = encode({"v": 1, "id": 1, "op": "resume", "run": "last"})
+        asked = encode_request(1, Resume(run="last"))
         monkeypatch.setattr(sys, "stdin", io.TextIOWrapper(io.BytesIO(asked)))
         with pytest.raises(SystemExit) as ended:
             engine_command(tmp_path / "cell.toml", tmp_path, None, once=True)

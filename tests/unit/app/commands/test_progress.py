@@ -8,7 +8,17 @@ import pytest
 from catseye.app.commands.narrator import Narrator
 from catseye.app.commands.output import table
 from catseye.app.commands.progress import ProgressBar, duration_text
-from catseye.procedures.kit.context import Json
+from catseye.app.protocol.events import (
+    AnyEvent,
+    ErrorTold,
+    PointMeasured,
+    Progressed,
+    PromptAsked,
+    RunEnded,
+    StateChanged,
+    WarningTold,
+)
+from catseye.app.protocol.state import ControlState
 
 
 @pytest.mark.parametrize(
@@ -85,12 +95,12 @@ def test_a_total_of_nothing_is_done(capsys: pytest.CaptureFixture[str]) -> None:
 
 def test_the_narrator_tells_people_on_stderr_only(capsys: pytest.CaptureFixture[str]) -> None:
     narrator = Narrator("job", as_json=False)
-    narrator.publish({"event": "warning", "text": "the beam is weak"})
-    narrator.publish({"event": "error", "text": "no link"})
-    narrator.publish({"event": "prompt", "id": "go", "text": "Close the door"})
-    narrator.publish({"event": "state", "state": "ABORTED", "reason": "alarm"})
-    narrator.publish({"event": "state", "state": "EXECUTE", "reason": "started"})
-    narrator.publish({"event": "run-ended", "status": "failed", "path": "runs/1"})
+    narrator.publish(WarningTold(text="the beam is weak"))
+    narrator.publish(ErrorTold(text="no link", exit_code=3))
+    narrator.publish(PromptAsked(id="go", kind="confirm", text="Close the door"))
+    narrator.publish(StateChanged(state=ControlState.ABORTED, reason="alarm"))
+    narrator.publish(StateChanged(state=ControlState.EXECUTE, reason="started"))
+    narrator.publish(RunEnded(status="failed", exit_code=70, text="", path="runs/1", drives_on=False))
     out, err = capsys.readouterr()
     assert out == ""
     assert err.splitlines() == [
@@ -104,14 +114,14 @@ def test_the_narrator_tells_people_on_stderr_only(capsys: pytest.CaptureFixture[
 
 def test_the_narrator_gives_programs_every_event_as_a_line(capsys: pytest.CaptureFixture[str]) -> None:
     narrator = Narrator("job", as_json=True)
-    events: list[dict[str, Json]] = [
-        {"event": "point", "text": "θ1\n20°"},
-        {"event": "progress", "done": 1, "total": 2, "text": ""},
+    events: list[AnyEvent] = [
+        PointMeasured(step="θ1\n20°", point={}),
+        Progressed(done=1.0, total=2.0, text="", elapsed_s=1.0, remaining_s=1.0),
     ]
     for event in events:
         narrator.publish(event)
     out = capsys.readouterr().out
-    assert [json.loads(line) for line in out.splitlines()] == events
+    assert [json.loads(line) for line in out.splitlines()] == [event.json_object() for event in events]
 
 
 def test_numbers_of_a_table_stand_to_the_right() -> None:

@@ -6,7 +6,8 @@ import pytest
 
 from catseye.app.commands.narrator import Narrator
 from catseye.app.commands.question_line import live_text
-from catseye.procedures.kit.context import Json
+from catseye.app.protocol.events import LiveData, LiveShown, PromptAnswered, PromptAsked, WarningTold
+from catseye.app.protocol.state import ControlState
 
 
 class Screen:
@@ -42,37 +43,30 @@ class Screen:
                 self.column += len(part)
 
 
-def live(value: float, accepted: bool) -> dict[str, Json]:
-    data: dict[str, Json] = {
-        "name": "offset",
-        "value": value,
-        "unit": "mm",
-        "low": -0.1,
-        "high": 0.1,
-        "accepted": accepted,
-        "text": "turn the stage clockwise",
-    }  # fmt: skip - as in the event
-    return {"event": "state", "state": "EXECUTE", "kind": "live", "data": data}
+def data(
+    name: str, value: float, unit: str, *limits: float | None, accepted: bool = True, text: str = ""
+) -> LiveData:
+    low, high = limits
+    return LiveData(name=name, value=value, unit=unit, low=low, high=high, accepted=accepted, text=text)
+
+
+def live(value: float, accepted: bool) -> LiveShown:
+    found = data("offset", value, "mm", -0.1, 0.1, accepted=accepted, text="turn the stage clockwise")
+    return LiveShown(state=ControlState.EXECUTE, data=found)
 
 
 @pytest.mark.parametrize(
-    ("data", "text"),
+    ("shown", "text"),
     [
-        (live(0.43, False)["data"], "offset 0.430 mm  [-0.1 … 0.1]  outside  turn the stage clockwise"),
-        (
-            {"name": "signal", "value": 0.5, "unit": "", "low": 0.1, "high": None, "accepted": True},
-            "signal 0.50  [0.1 … ]  ok",
-        ),
-        (
-            {"name": "drift", "value": 1.25, "unit": "µm", "low": None, "high": None, "accepted": True},
-            "drift 1.2 µm",
-        ),
-        (live(0.489638, False)["data"], "offset 0.490 mm  [-0.1 … 0.1]  outside  turn the stage clockwise"),
-        (live(-0.0001, True)["data"], "offset 0.000 mm  [-0.1 … 0.1]  ok  turn the stage clockwise"),
+        (live(0.43, False).data, "offset 0.430 mm  [-0.1 … 0.1]  outside  turn the stage clockwise"),
+        (data("signal", 0.5, "", 0.1, None), "signal 0.50  [0.1 … ]  ok"),
+        (data("drift", 1.25, "µm", None, None), "drift 1.2 µm"),
+        (live(0.489638, False).data, "offset 0.490 mm  [-0.1 … 0.1]  outside  turn the stage clockwise"),
+        (live(-0.0001, True).data, "offset 0.000 mm  [-0.1 … 0.1]  ok  turn the stage clockwise"),
     ],
 )
-def test_a_live_value_reads_with_its_band(data: dict[str, Json], text: str) -> None:
-    assert live_text(data) == text
+def test_a_live_value_reads_with_its_band(shown: LiveData, text: str) -> None:
+    assert live_text(shown) == text
 
 
 def test_what_is_typed_stays_while_the_value_above_it_changes(capsys: pytest.CaptureFixture[str]) -> None:
@@ -83,9 +77,7 @@ def test_what_is_typed_stays_while_the_value_above_it_changes(capsys: pytest.Cap
         screen.write(capsys.readouterr().err)
         return [row.rstrip() for row in screen.rows]
 
-    narrator.publish(
-        {"event": "prompt", "id": "stage/1", "kind": "confirm", "text": "Turn the stage.", "motion": True}
-    )
+    narrator.publish(PromptAsked(id="stage/1", kind="confirm", text="Turn the stage.", motion=True))
     assert shown() == ["question stage/1: Turn the stage.", "(the arm moves: type move, or no) >"]
     narrator.publish(live(0.43, False))
     shown()
@@ -97,10 +89,10 @@ def test_what_is_typed_stays_while_the_value_above_it_changes(capsys: pytest.Cap
         "offset 0.050 mm  [-0.1 … 0.1]  ok  turn the stage clockwise",
         "(the arm moves: type move, or no) > mo",
     ]
-    narrator.publish({"event": "warning", "text": "the signal is weak"})
+    narrator.publish(WarningTold(text="the signal is weak"))
     screen.write(capsys.readouterr().err + "move\n")
     narrator.entered()
-    narrator.publish({"event": "answer", "id": "stage/1", "answer": "yes", "who": "Ada"})
+    narrator.publish(PromptAnswered(id="stage/1", answer="yes", who="Ada"))
     assert shown()[3:] == [
         "warning: the signal is weak",
         "(the arm moves: type move, or no) > move",

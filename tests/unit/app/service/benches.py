@@ -7,16 +7,17 @@ from collections.abc import AsyncIterator, Mapping
 from contextlib import AsyncExitStack, asynccontextmanager
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import Any
+from typing import Any, cast
 
 from catseye.app.engine.control import RunControl
 from catseye.app.engine.gate import MotionGate
 from catseye.app.engine.halt import HaltLimits
 from catseye.app.engine.handle import RunHandle
+from catseye.app.protocol.events import RunEvent, event_of
+from catseye.app.protocol.message import MAX_LINE_BYTES, JsonObject
 from catseye.app.protocol.state import ControlState
 from catseye.app.service.client import EngineClient, over
 from catseye.app.service.client_registry import ClientRegistry
-from catseye.app.service.messages import MAX_LINE_BYTES, Message
 from catseye.app.service.server import Server
 from catseye.procedures.kit.context import Json
 from tests.patience import HANG_S
@@ -100,7 +101,8 @@ class ServiceBench:
         return self.control.state
 
     def publish(self, event: str, **fields: Json) -> None:
-        self.registry.publish({"t": "now", "event": event, "run": "run-1", **fields})
+        found = event_of({"t": "now", "event": event, "run": "run-1", **fields})
+        self.registry.publish(cast(RunEvent, found))
 
     def noted(self, kind: str) -> list[dict[str, Json]]:
         return [data for noted, data in self.notes if noted == kind]
@@ -139,11 +141,12 @@ class ServiceBench:
         self.publish("state", state=state, reason=reason)
 
 
-async def event_of(client: EngineClient, event: str, **fields: Json) -> Message:
-    """Wait for an event with these fields."""
+async def next_event(client: EngineClient, event: str, **fields: Json) -> JsonObject:
+    """Wait for an event with these fields; return it as it is on the wire."""
     async with asyncio.timeout(HANG_S):
-        async for message in client.events():
-            if message["event"] == event and all(message.get(key) == value for key, value in fields.items()):
+        async for found in client.events():
+            message = found.json_object()
+            if found.event == event and all(message.get(key) == value for key, value in fields.items()):
                 return message
     raise AssertionError(f"the connection ended without {event}")
 

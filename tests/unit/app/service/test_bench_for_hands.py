@@ -1,13 +1,14 @@
 """What whoever works by hand is told about the bench: nothing of devices that are not connected now."""
 
 from pathlib import Path
-from typing import Any, cast
+from typing import cast
 
 import pytest
 
 from catseye.app.bench.lending import HandBench
 from catseye.app.cell.template import TEMPLATE
 from catseye.app.engine.devices import Devices
+from catseye.app.protocol.events import JogChanged
 from catseye.app.service.client_registry import ClientRegistry
 from catseye.app.service.engine_bench import EngineBench
 from catseye.app.service.errors import RefusedError
@@ -79,8 +80,10 @@ def test_of_links_that_are_not_held_nothing_is_known(known: Known) -> None:
 
 
 def test_the_snapshot_has_the_jog_that_is_under_way(known: Known) -> None:
-    told: dict[str, Any] = {"by": "Ada", "percent": 5.0, "moving": None}
-    known.hands.tell("jog", on=True, **told)
-    assert known.registry.snapshot()["jog"] == {"on": True, **told}
-    known.hands.tell("jog", on=False, **told)
-    assert known.registry.snapshot()["jog"] is None
+    jog = JogChanged(on=True, by="Ada (test-1)", client="test-1", percent=5.0, moving=None)
+    known.hands.announce(jog)
+    snapshot = known.registry.snapshot().json_object()
+    fields = {"on": True, "by": "Ada (test-1)", "client": "test-1", "percent": 5.0, "moving": None}
+    assert snapshot["jog"] == fields
+    known.hands.announce(jog.model_copy(update={"on": False}))
+    assert known.registry.snapshot().jog is None

@@ -13,6 +13,7 @@ from typing import Any
 
 import pytest
 
+from catseye.app.protocol.requests import Plain
 from catseye.app.service.address import listening
 from catseye.app.service.client_registry import MOST_CLIENTS
 from catseye.app.service.errors import RefusedError
@@ -31,7 +32,7 @@ async def test_one_client_too_many_is_refused_and_let_go() -> None:
         assert (answer["ok"], "32 clients are connected" in answer["error"]) == (False, True)
         assert await late.rest() == []
         for client in clients:
-            assert (await client.request("ping"))["ok"] is True
+            assert (await client.request(Plain(op="ping")))["ok"] is True
         close(late)
 
 
@@ -40,7 +41,7 @@ async def test_a_place_that_is_left_is_free_again() -> None:
     async with ServiceBench().running() as bench, bench.clients(*names):
         for who in ("Ada", "Ben"):
             async with bench.client(who) as client:
-                assert len(client.snapshot["clients"]) == MOST_CLIENTS
+                assert len(client.snapshot.clients) == MOST_CLIENTS
             await settled()
 
 
@@ -62,7 +63,7 @@ async def test_a_client_without_hello_is_let_go_after_two_seconds() -> None:
         bench.clock.advance(0.2)
         [told] = await idle.rest()
         assert "no hello within 2 s" in told["error"]
-        assert (await client.request("ping"))["ok"] is True
+        assert (await client.request(Plain(op="ping")))["ok"] is True
         close(idle)
 
 
@@ -70,8 +71,8 @@ async def test_idle_connections_make_room_for_those_that_speak() -> None:
     async with ServiceBench().running() as bench, bench.client() as client:
         idle = [await bench.raw() for _ in range(3 * MOST_STRANGERS)]
         async with bench.client("Ben") as ben:
-            assert (await ben.request("ping"))["ok"] is True
-        assert (await client.request("ping"))["ok"] is True
+            assert (await ben.request(Plain(op="ping")))["ok"] is True
+        assert (await client.request(Plain(op="ping")))["ok"] is True
         [told] = await idle[0].rest()
         assert "wait without hello" in told["error"]
         close(*idle)
@@ -86,10 +87,10 @@ async def test_shutdown_takes_hello_and_control() -> None:
         stranger = await bench.raw()
         assert "hello first" in (await stranger.ask("shutdown"))["error"]
         with pytest.raises(RefusedError, match="which nobody holds: take control first"):
-            await client.request("shutdown")
+            await client.request(Plain(op="shutdown"))
         assert ended == []
         await client.take_control()
-        await client.request("shutdown")
+        await client.request(Plain(op="shutdown"))
         assert len(ended) == 1
         close(stranger)
 

@@ -1,6 +1,7 @@
 """Questions that lie open until somebody who may answers them."""
 
 import asyncio
+import json
 from collections.abc import Callable
 from pathlib import Path
 
@@ -9,13 +10,15 @@ import pytest
 from catseye.app.engine.host import run_procedure
 from catseye.app.engine.operator import Answer
 from catseye.app.engine.request import RunOutcome
+from catseye.app.protocol.events import PromptAsked, RunEvent, encode_event, event_of
+from catseye.app.protocol.prompts import MotionAfter
 from catseye.app.service.console import Console
 from catseye.app.service.errors import RefusedError
 from catseye.app.service.prompt_broker import PromptBroker
-from catseye.app.service.questions import answer_of, hint, prompt_of
+from catseye.app.service.questions import answer_of, hint
 from catseye.app.service.run_service import RunService
 from catseye.app.store.reader import RunReader
-from catseye.procedures.kit.context import Context, Json, Prompt
+from catseye.procedures.kit.context import Context, Prompt
 from tests.unit.app.engine.fakes import FakeBench, Script
 from tests.unit.app.service.benches import ServiceBench, settled
 
@@ -112,18 +115,8 @@ def test_what_is_typed_at_a_terminal(prompt: Prompt, typed: str, answer: str, fa
     assert hint(prompt)
 
 
-def test_a_question_comes_back_from_its_event() -> None:
-    event: dict[str, Json] = {
-        "id": "s",
-        "kind": "choice",
-        "text": "Turn.",
-        "choices": ["done", "skip"],
-        "unit": "",
-        "timeout_s": 5.0,
-        "task": {"do": "turn-screw", "turns": 0.5},
-        "motion": True,
-    }  # fmt: skip - as in the event
-    assert prompt_of(event) == Prompt(
+def test_a_question_comes_back_whole_from_its_event() -> None:
+    prompt = Prompt(
         "s",
         "choice",
         "Turn.",
@@ -131,13 +124,19 @@ def test_a_question_comes_back_from_its_event() -> None:
         timeout_s=5.0,
         task={"do": "turn-screw", "turns": 0.5},
         motion=True,
+        rests_after=("skip",),
     )
+    asked = PromptAsked.of(prompt, MotionAfter(override_percent=10.0, speed_deg_s=None))
+    [line] = encode_event(asked).splitlines()
+    event = event_of(json.loads(line))
+    assert isinstance(event, PromptAsked)
+    assert event.prompt == prompt
 
 
 async def test_the_console_answers_commands_and_questions() -> None:
     async with ServiceBench().running() as bench:
         said: list[str] = []
-        bench.registry.console = "Ada"
+        bench.registry.lease.console = "Ada"
         console = Console(bench.registry, "Ada", said.append)
         console.take("hold")
         assert bench.state() == "HOLDING"
@@ -177,8 +176,8 @@ async def attended(
     """Run with a service whose console acts when a question is open."""
     service = RunService("hold", "Ada", bench.root)
 
-    def publish(event: dict[str, Json]) -> None:
-        if event["event"] == "prompt":
+    def publish(event: RunEvent) -> None:
+        if isinstance(event, PromptAsked):
             asyncio.get_running_loop().call_soon(act, service)
 
     request = bench.request(procedure, answerer=service.registry.broker, on_open=service.serve)
@@ -230,7 +229,7 @@ async def test_a_machine_without_sockets_runs_on_and_warns(tmp_path: Path, runti
 async def test_who_comes_later_is_told_for_how_long_a_question_has_been_open() -> None:
     bench = ServiceBench()
     async with bench.running():
-        assert bench.registry.snapshot()["prompt_open_s"] is None
+        assert bench.registry.snapshot().prompt_open_s is None
         bench.publish(
             "prompt",
             id="height",
@@ -241,6 +240,6 @@ async def test_who_comes_later_is_told_for_how_long_a_question_has_been_open() -
             timeout_s=60.0,
         )
         bench.clock.advance(25.0)
-        assert bench.registry.snapshot()["prompt_open_s"] == 25.0
+        assert bench.registry.snapshot().prompt_open_s == 25.0
         bench.publish("answer", id="height", answer="3", who="Ada")
-        assert bench.registry.snapshot()["prompt_open_s"] is None
+        assert bench.registry.snapshot().prompt_open_s is None
