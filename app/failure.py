@@ -5,6 +5,7 @@ import sys
 import traceback
 from typing import Final
 
+from catseye.app.commands.reporting import report_failure
 from catseye.app.errors import ReaderGoneError, exit_code_of
 from catseye.drivers.roles.text import harmless_lines
 
@@ -16,17 +17,20 @@ SEE_WHERE: Final = f"set {_DEBUG}=1 and repeat to see where it happened"
 
 def tell(error: BaseException) -> int:
     """Write what went wrong to stderr and return the exit code."""
+    code = int(exit_code_of(error))
+    texts = (
+        _texts(error)
+        if _is_ours(error)
+        else [_internal(error), f"this is a fault of the program; {SEE_WHERE}"]
+    )
     if trace := trace_of(error):
         sys.stderr.write(trace)
-    elif _is_ours(error):
-        for text in _texts(error):
-            sys.stderr.write(f"catseye: {harmless_lines(text)}\n")
     else:
-        sys.stderr.write(
-            f"catseye: internal error: {type(error).__name__}: {error}\n"
-            f"catseye: this is a fault of the program; {SEE_WHERE}\n"
-        )
-    return int(exit_code_of(error))
+        for text in texts:
+            sys.stderr.write(f"catseye: {harmless_lines(text)}\n")
+    if texts:
+        report_failure("\n".join(texts), code)
+    return code
 
 
 def trace_of(error: BaseException) -> str:
@@ -42,6 +46,10 @@ def _texts(error: BaseException) -> list[str]:
     if isinstance(error, BaseExceptionGroup):
         return [text for inner in error.exceptions for text in _texts(inner)]
     return [str(error)]
+
+
+def _internal(error: BaseException) -> str:
+    return f"internal error: {type(error).__name__}: {error}"
 
 
 def _is_ours(error: BaseException) -> bool:

@@ -12,7 +12,7 @@ from catseye.app.analysis.validation import TAKE_UP_DEG
 from catseye.app.cell.bench import bench_of
 from catseye.app.cell.load import load_cell
 from catseye.app.cell.model import Cell
-from catseye.app.commands.output import emit, emit_json, say, table
+from catseye.app.commands.output import emit, emit_json, say, table, warn
 from catseye.app.errors import LimitError, MeasurementRejectedError, UsageError
 from catseye.app.files.atomic import require_other_file, write_atomically
 from catseye.app.files.compensated_path import Origin, write_compensated_csv, write_compensated_json
@@ -58,7 +58,7 @@ def compensate_command(
     arm = arm_of(identified)
     origin = _origin(result, identified)
     for text in arm_remarks(identified):
-        say(f"warning: {text}")
+        warn(text)
     if form == "kw-ssfk":
         _write_tables(arm, origin, output, path, as_json)
         return
@@ -77,7 +77,7 @@ def compensate_command(
     else:
         write_compensated_csv(compensated, origin, output)
     for text in warnings:
-        say(f"warning: {text}")
+        warn(text)
     facts = _facts(compensated)
     if as_json:
         emit_json({"output": [str(output)], "form": form, **facts, "warnings": warnings})

@@ -7,7 +7,7 @@ from catseye.app.cell.load import load_cell
 from catseye.app.cell.model import Cell
 from catseye.app.cell.plausible import implausible
 from catseye.app.cell.template import TEMPLATE
-from catseye.app.commands.output import emit, emit_json, say
+from catseye.app.commands.output import emit, emit_json, say, warn
 from catseye.app.engine.interlock import NO_DOOR
 from catseye.app.errors import ConfigError, UsageError
 from catseye.app.files.atomic import write_atomically
@@ -38,7 +38,7 @@ def validate_command(file: Path, as_json: bool) -> None:
     else:
         say(f"{file}: cell {loaded.cell.name} is valid")
     for text in doubts:
-        say(f"warning: {text}")
+        warn(text)
 
 
 def _trouble_with_devices(cell: Cell) -> list[str]:

@@ -11,7 +11,7 @@ from catseye.app.cell.load import load_cell
 from catseye.app.cell.model import Cell
 from catseye.app.cell.plausible import implausible
 from catseye.app.commands.controller_look import look_at_controller
-from catseye.app.commands.output import emit, emit_json, say
+from catseye.app.commands.output import emit, emit_json, warn
 from catseye.app.engine.compensation import AirRule, Compensation
 from catseye.app.engine.gate import JointLimits
 from catseye.app.engine.interlock import NO_DOOR, RemoteIo
@@ -57,7 +57,7 @@ def doctor_command(file: Path, device: str | None, as_json: bool) -> None:
     findings = asyncio.run(_examine_all(loaded.cell, device))
     doubts = implausible(loaded.cell)
     for text in doubts:
-        say(f"warning: {text}")
+        warn(text)
     if as_json:
         devices = [asdict(finding) for finding in findings]
         emit_json({"cell": loaded.cell.name, "devices": devices, "warnings": doubts})

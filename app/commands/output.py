@@ -5,6 +5,7 @@ import os
 import sys
 from collections.abc import Iterable, Sequence
 
+from catseye.app.commands.reporting import report_warning
 from catseye.app.errors import OutputError, ReaderGoneError
 from catseye.drivers.roles.text import harmless_lines
 
@@ -43,6 +44,12 @@ def say(text: str) -> None:
     """Write a line of talk to stderr at once, harmless to a terminal."""
     sys.stderr.write(harmless_lines(text) + "\n")
     sys.stderr.flush()
+
+
+def warn(text: str) -> None:
+    """Warn people on stderr, and the program that started this one."""
+    say(f"warning: {text}")
+    report_warning(text)
 
 
 def table(header: Sequence[str], rows: Iterable[Sequence[object]]) -> str:

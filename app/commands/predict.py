@@ -8,7 +8,7 @@ import numpy as np
 from catseye.app.analysis.path_range import lines_text, outside_text
 from catseye.app.analysis.path_start import start_text
 from catseye.app.analysis.validation import TAKE_UP_DEG, established_rows
-from catseye.app.commands.output import emit, emit_json, say, table
+from catseye.app.commands.output import emit, emit_json, say, table, warn
 from catseye.app.errors import MeasurementRejectedError
 from catseye.app.files.atomic import require_other_file
 from catseye.app.files.identified_arm import arm_of, arm_remarks, nominal_of
@@ -44,7 +44,7 @@ def predict_command(
     warnings = [text for text in warnings if text]
     write_predicted_csv(commanded, prediction, output)
     for text in warnings:
-        say(f"warning: {text}")
+        warn(text)
     if as_json:
         emit_json(
             {"output": str(output), "model": arm.layout.model, **_facts(prediction), "warnings": warnings}

@@ -5,6 +5,8 @@ import sys
 import time
 from collections.abc import Callable
 
+from catseye.app.commands.reporting import report_progress
+
 _BAR = 30
 _REDRAW_S = 0.1
 _PLAIN_EVERY = 0.1
@@ -35,7 +37,7 @@ class ProgressBar:
         self._clock = wall_clock
         self._start_s = wall_clock()
         self._drawn_s = -1.0
-        self._told = 0.0
+        self._written = 0.0
         self._live = sys.stderr.isatty()
         self._open = False
 
@@ -44,17 +46,24 @@ class ProgressBar:
         share = min(1.0, done / total) if total > 0.0 else 1.0
         now = self._clock()
         elapsed_s = now - self._start_s
-        left = duration_text(elapsed_s / share - elapsed_s) if share > 0.01 else "?"
+        left_s = elapsed_s / share - elapsed_s if share > 0.01 else None
+        left = "?" if left_s is None else duration_text(left_s)
         line = f"{share:4.0%}  {duration_text(elapsed_s)} gone, {left} left  {text}"
-        if self._live and (now - self._drawn_s > _REDRAW_S or share == 1.0):
+        redraw = now - self._drawn_s > _REDRAW_S or share == 1.0
+        if redraw:
+            report_progress(self._title, share, elapsed_s, left_s, text)
+            self._drawn_s = now
+        if self._live and redraw:
             filled = round(_BAR * share)
             sys.stderr.write(f"\r\x1b[K{self._title} [{'#' * filled}{'.' * (_BAR - filled)}] {line}")
             sys.stderr.flush()
-            self._drawn_s, self._open = now, True
-        elif not self._live and (share >= self._told + _PLAIN_EVERY or (share == 1.0 and self._told < 1.0)):
+            self._open = True
+        elif not self._live and (
+            share >= self._written + _PLAIN_EVERY or (share == 1.0 and self._written < 1.0)
+        ):
             sys.stderr.write(f"{self._title} {line}\n")
             sys.stderr.flush()
-            self._told = share
+            self._written = share
 
     def note(self, text: str) -> None:
         """Show a line that is redrawn, on a terminal, in place of the bar."""

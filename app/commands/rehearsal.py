@@ -1,6 +1,6 @@
 """What a rehearsal found, as a step table or as data."""
 
-from catseye.app.commands.output import emit, emit_json, say, table
+from catseye.app.commands.output import emit, emit_json, say, table, warn
 from catseye.app.commands.progress import duration_text
 from catseye.app.engine.arm_model import AT_REST, Speeds
 from catseye.app.engine.dry_run import DryRunContext, DryStep
@@ -39,7 +39,7 @@ def tell_rehearsal(planned: PlannedRun, context: DryRunContext, *, as_json: bool
     else:
         emit(table(_HEADER, [_row(step) for step in context.steps]))
     for text in (*_warnings(context), *_excesses(context)):
-        say(f"warning: {text}")
+        warn(text)
     say(_totals(planned, context))
     if context.prompts:
         say(_questions(context))

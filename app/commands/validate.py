@@ -6,7 +6,7 @@ from catseye.app.analysis.file_validation import FileValidation, validate_files
 from catseye.app.analysis.joint_maps import ARCSEC_PER_MDEG
 from catseye.app.analysis.reporting import require_html
 from catseye.app.analysis.validation import ModelOnPath
-from catseye.app.commands.output import emit, emit_json, say, table
+from catseye.app.commands.output import emit, emit_json, say, table, warn
 from catseye.app.errors import MeasurementRejectedError
 from catseye.app.report.agreement_text import agreement_text
 from catseye.app.report.numbers import probability
@@ -45,7 +45,7 @@ def validate_command(
     for text in found.left_out:
         say(f"left out: {text}")
     for text in found.remarks:
-        say(f"warning: {text}")
+        warn(text)
     for model in found.validation.models:
         say(agreement_text(model))
     if output is not None:
