@@ -366,10 +366,13 @@ class RunControl:
     def _apply(self, trigger: Trigger, reason: str) -> None:
         result = transition(self.state, trigger)
         self.state = result.state
-        for effect in result.effects:
-            self._do(effect, trigger, reason)
-        self._count_waiting()
-        self._changed.set()
+        try:
+            for effect in result.effects:
+                self._do(effect, trigger, reason)
+        finally:
+            # Publishing comes last, and what fails in it keeps nobody waiting at a checkpoint.
+            self._count_waiting()
+            self._changed.set()
 
     def _hold_if_asked(self) -> None:
         reasons, self._holds_first = self._holds_first, []

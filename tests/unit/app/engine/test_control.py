@@ -66,6 +66,23 @@ async def test_a_stop_during_a_move_reaches_the_robot_before_anything_else(bench
     assert bench.control.reports[0].standstill
 
 
+async def test_a_stop_needs_no_event_that_can_be_built(bench: Bench) -> None:
+    def broken(_state: ControlState, _reason: str) -> None:
+        raise ValueError("no event can be built")
+
+    control = RunControl(bench.clock, broken, HaltLimits(standstill_s=0.5))
+    control.attach(bench.robot)
+    control.state = ControlState.HELD
+    held = asyncio.create_task(control.checkpoint())
+    await turns()
+    with pytest.raises(ValueError, match="no event"):
+        control.stop("F12")
+    with pytest.raises(InterruptedRunError, match="F12"):
+        await held
+    await turns()
+    assert "stop" in bench.robot.calls
+
+
 async def test_no_motion_follows_a_stop(bench: Bench) -> None:
     bench.control.stop("F12")
     with pytest.raises(InterruptedRunError):
