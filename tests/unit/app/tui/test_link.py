@@ -151,7 +151,7 @@ async def test_order_to_a_deaf_engine_ends_with_a_text(root: Path) -> None:
         await until(lambda: link.picture.bench is not None)
         engine.deaf = True
         with pytest.raises(ServiceError, match="does not answer"):
-            await link.request("start")
+            await link.request("start", procedure="open-loop")
         assert link.picture.silent_since_s is not None
 
 
