@@ -19,7 +19,7 @@ from catseye.app.engine.devices import DeviceBuilder
 from catseye.app.engine.dry_run import DryRunContext
 from catseye.app.engine.gate import JointLimits
 from catseye.app.engine.handle import OnOpen
-from catseye.app.engine.hands import Hands
+from catseye.app.engine.hands import SimulatedOperator
 from catseye.app.engine.host import run_procedure
 from catseye.app.engine.operator import Answerer
 from catseye.app.engine.request import RunOutcome, RunRequest
@@ -252,10 +252,14 @@ def _meta_of_resumption(planned: PlannedRun, speed: float) -> dict[str, Json]:
     return meta
 
 
-def _hands(cell: Cell) -> Hands | None:
+def _hands(cell: Cell) -> SimulatedOperator | None:
     """Return the hands of the emulated operator; the tracker of an emulated bench is its control port."""
     tracker = cell.tracker
-    return Hands(tracker.endpoint) if tracker is not None and tracker.driver == "bench-tracker" else None
+    return (
+        SimulatedOperator(tracker.endpoint)
+        if tracker is not None and tracker.driver == "bench-tracker"
+        else None
+    )
 
 
 def read_answers(path: Path | None) -> dict[str, str]:

@@ -5,7 +5,7 @@ import math
 import numpy as np
 
 from catseye.app.bench.facts import BenchFacts, DeviceFacts
-from catseye.app.bench.gauges import Gauges, LinkGauge, Stamped
+from catseye.app.bench.gauges import LatestValues, LinkValues, Stamped
 from catseye.app.cell.bench import may_move_an_arm
 from catseye.app.engine.compensation import AirRule
 from catseye.app.protocol.bench import (
@@ -28,39 +28,39 @@ _AIMED_AT_MM = 25.0
 
 
 def bench_status(
-    facts: BenchFacts, gauges: Gauges, *, moving: bool, simulated: bool | None, free_bytes: int | None
+    facts: BenchFacts, latest: LatestValues, *, moving: bool, simulated: bool | None, free_bytes: int | None
 ) -> BenchStatus:
     """Return the bench as it is now.
 
     Args:
         facts: of the bench.
-        gauges: what its devices reported.
+        latest: what its devices reported.
         moving: the run under way moves the arm.
         simulated: of the run under way, where that is known.
         free_bytes: of the disk that runs are stored on; None where that is not known.
     """
-    door = gauges.door_closed
+    door = latest.door_closed
     return BenchStatus(
         cell=facts.cell,
-        simulated=_simulated(gauges) if simulated is None else simulated,
+        simulated=_simulated(latest) if simulated is None else simulated,
         disk_free_bytes=free_bytes,
-        devices=tuple(_device(device, gauges) for device in facts.devices),
-        robot=_robot(facts, gauges, moving=moving),
-        beam=_beam(gauges),
-        air=_air(gauges, facts.air),
+        devices=tuple(_device(device, latest) for device in facts.devices),
+        robot=_robot(facts, latest, moving=moving),
+        beam=_beam(latest),
+        air=_air(latest, facts.air),
         door_closed=None if door is None else door.value,
-        layout=_layout(facts, None if gauges.joints is None else gauges.joints.value),
+        layout=_layout(facts, None if latest.joints is None else latest.joints.value),
     )
 
 
-def _simulated(gauges: Gauges) -> bool | None:
+def _simulated(latest: LatestValues) -> bool | None:
     """Return whether all devices that are known are emulated; None when none is known."""
-    known = [link.identity.simulated for link in gauges.links.values() if link.identity is not None]
+    known = [link.identity.simulated for link in latest.links.values() if link.identity is not None]
     return all(known) if known else None
 
 
-def _device(device: DeviceFacts, gauges: Gauges) -> DeviceStatus:
-    link = gauges.links.get(device.name) or LinkGauge()
+def _device(device: DeviceFacts, latest: LatestValues) -> DeviceStatus:
+    link = latest.links.get(device.name) or LinkValues()
     return DeviceStatus(
         name=device.name,
         endpoint=device.endpoint,
@@ -69,7 +69,7 @@ def _device(device: DeviceFacts, gauges: Gauges) -> DeviceStatus:
         link=link.state,
         identity=None if link.identity is None else _identity(link.identity),
         error=link.error,
-        age_s=None if link.heard_s is None else gauges.age_s(link.heard_s),
+        age_s=None if link.heard_s is None else latest.age_s(link.heard_s),
     )
 
 
@@ -82,13 +82,13 @@ def _identity(identity: DeviceIdentity) -> Identity:
     )
 
 
-def _oldest_s(gauges: Gauges, *values: Stamped[object] | None) -> float:
+def _oldest_s(latest: LatestValues, *values: Stamped[object] | None) -> float:
     """Return the age of the oldest value: what is shown together is no fresher than that."""
-    return max(gauges.age_s(value.time_s) for value in values if value is not None)
+    return max(latest.age_s(value.time_s) for value in values if value is not None)
 
 
-def _robot(facts: BenchFacts, gauges: Gauges, *, moving: bool) -> RobotStatus | None:
-    seen, joints = gauges.status, gauges.joints
+def _robot(facts: BenchFacts, latest: LatestValues, *, moving: bool) -> RobotStatus | None:
+    seen, joints = latest.status, latest.joints
     if seen is None:
         return None
     status = seen.value
@@ -102,15 +102,15 @@ def _robot(facts: BenchFacts, gauges: Gauges, *, moving: bool) -> RobotStatus | 
         emergency_stop=status.emergency_stop,
         teach_mode=status.teach_mode,
         moving=moving or status.running,
-        age_s=_oldest_s(gauges, seen, joints),
+        age_s=_oldest_s(latest, seen, joints),
     )
 
 
-def _beam(gauges: Gauges) -> BeamStatus | None:
-    seen, length = gauges.beam, gauges.displacement_mm
+def _beam(latest: LatestValues) -> BeamStatus | None:
+    seen, length = latest.beam, latest.displacement_mm
     if seen is None:
         return None
-    beam, spread_mm = seen.value, gauges.columns.spread()
+    beam, spread_mm = seen.value, latest.columns.spread()
     return BeamStatus(
         signal=_number(beam.signal),
         signal_native=getattr(beam, "signal_native", ""),
@@ -119,14 +119,14 @@ def _beam(gauges: Gauges) -> BeamStatus | None:
         overspeed=beam.overspeed,
         laser_ready=beam.laser_ready,
         displacement_mm=None if length is None else length.value,
-        mean_mm=gauges.columns.mean(),
+        mean_mm=latest.columns.mean(),
         spread_um=None if spread_mm is None else 1e3 * spread_mm,
-        age_s=_oldest_s(gauges, seen, length),
+        age_s=_oldest_s(latest, seen, length),
     )
 
 
-def _air(gauges: Gauges, rule: AirRule) -> AirStatus | None:
-    seen = gauges.air
+def _air(latest: LatestValues, rule: AirRule) -> AirStatus | None:
+    seen = latest.air
     if seen is None:
         return None
     air = seen.value
@@ -136,7 +136,7 @@ def _air(gauges: Gauges, rule: AirRule) -> AirStatus | None:
         humidity_percent=_number(air.humidity_percent),
         refractive_index=_index(air, rule),
         formula=rule.formula,
-        age_s=gauges.age_s(seen.time_s),
+        age_s=latest.age_s(seen.time_s),
     )
 
 

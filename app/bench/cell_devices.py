@@ -2,7 +2,7 @@
 
 from typing import Any
 
-from catseye.app.bench.gauges import Gauges
+from catseye.app.bench.gauges import LatestValues
 from catseye.app.bench.idle import CellDevices
 from catseye.app.bench.observed import ObservedDevice, ObservedSensor, observed
 from catseye.app.cell.model import Cell
@@ -12,12 +12,12 @@ from catseye.drivers.roles.clock import Clock
 from catseye.drivers.roles.protocols import Environment
 
 
-def cell_devices(cell: Cell, gauges: Gauges, clock: Clock, record: WireRecorder) -> CellDevices:
-    """Return every device of a cell, seen by gauges and not connected.
+def cell_devices(cell: Cell, latest: LatestValues, clock: Clock, record: WireRecorder) -> CellDevices:
+    """Return every device of a cell, seen by latest and not connected.
 
     Args:
         cell: names drivers and endpoints.
-        gauges: are told what the devices tell.
+        latest: takes what the devices report.
         clock: real time.
         record: takes what goes over the wires.
 
@@ -25,19 +25,19 @@ def cell_devices(cell: Cell, gauges: Gauges, clock: Clock, record: WireRecorder)
         ConfigError: a driver is not installed or a setting is wrong.
     """
     material = None if cell.material is None else cell.material.sensor
-    devices = observed(device_builder(cell, clock)(record), gauges, material)
+    devices = observed(device_builder(cell, clock)(record), latest, material)
     kept: dict[str, ObservedDevice] = {}
     for device in devices.named().values():
         if isinstance(device, ObservedDevice):
             kept[device.name] = device
     for further in cell.device:
         if further.name != material:
-            kept[further.name] = _further(further.name, further_device(further, clock, record), gauges)
+            kept[further.name] = _further(further.name, further_device(further, clock, record), latest)
     return CellDevices(devices, kept)
 
 
-def _further(name: str, driver: Any, gauges: Gauges) -> ObservedDevice:
+def _further(name: str, driver: Any, latest: LatestValues) -> ObservedDevice:
     """Return a device whose values are not those of the beam's air, seen."""
     if isinstance(driver, Environment):
-        return ObservedSensor(name, driver, gauges)
-    return ObservedDevice(name, driver, gauges)
+        return ObservedSensor(name, driver, latest)
+    return ObservedDevice(name, driver, latest)

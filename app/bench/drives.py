@@ -6,7 +6,7 @@ from contextlib import AbstractAsyncContextManager
 from datetime import timedelta
 from typing import Final, Protocol
 
-from catseye.app.bench.lending import Announce, Lender
+from catseye.app.bench.lending import Announce, DeviceSource
 from catseye.app.engine.drives import leave_drives
 from catseye.app.engine.waiting import cancel
 from catseye.app.errors import CatseyeError
@@ -19,7 +19,7 @@ _LIMIT_S: Final = 6.0
 """For the answer of the controller, real s."""
 
 
-class Hands(Protocol):
+class ManualWork(Protocol):
     """What is done by hand."""
 
     @property
@@ -37,7 +37,7 @@ class RestingDrives:
     """Counts down while the arm rests; a jog restarts the count.
 
     Args:
-        lender: of the robot.
+        pool: of the robot.
         clock: real time.
         announce: sends every client an event.
         hands: what is done by hand meanwhile, and is no rest.
@@ -49,14 +49,14 @@ class RestingDrives:
 
     def __init__(
         self,
-        lender: Lender,
+        pool: DeviceSource,
         clock: Clock,
         announce: Announce,
-        hands: Hands,
+        hands: ManualWork,
         owned: Callable[[], AbstractAsyncContextManager[None]],
     ) -> None:
         self.facts: DrivesFields | None = None
-        self._lender = lender
+        self._pool = pool
         self._clock = clock
         self._announce = announce
         self._hands = hands
@@ -114,7 +114,7 @@ class RestingDrives:
     async def _switch_off(self, why: str) -> None:
         self.facts = self._after_s = None
         try:
-            async with self._lender.lent_robot("robot") as robot, self._owned():
+            async with self._pool.acquired_robot("robot") as robot, self._owned():
                 left = await leave_drives(robot, self._clock, _LIMIT_S, keep=False)
         except (CatseyeError, DeviceError) as error:
             self._announce(DrivesChanged(on=True, reason=f"the drives are not certain to be off: {error}"))

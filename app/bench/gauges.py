@@ -19,7 +19,7 @@ class Stamped(Generic[T_co]):
 
     Attributes:
         value: as it was told.
-        time_s: on the clock of the gauges, s.
+        time_s: on the clock of the latest, s.
     """
 
     value: T_co
@@ -27,7 +27,7 @@ class Stamped(Generic[T_co]):
 
 
 @dataclass
-class LinkGauge:
+class LinkValues:
     """What is known of one device's link.
 
     Attributes:
@@ -43,7 +43,7 @@ class LinkGauge:
     heard_s: float | None = None
 
 
-class Gauges:
+class LatestValues:
     """Keeps what devices tell, whoever asked them.
 
     Args:
@@ -66,7 +66,7 @@ class Gauges:
 
     def clear(self) -> None:
         """Forget everything: another cell is looked at."""
-        self.links: dict[str, LinkGauge] = {}
+        self.links: dict[str, LinkValues] = {}
         self.status: Stamped[ControllerStatus] | None = None
         self.joints: Stamped[Joints] | None = None
         self.beam: Stamped[BeamStatus] | None = None
@@ -75,13 +75,13 @@ class Gauges:
         self.door_closed: Stamped[bool] | None = None
         self.columns = Columns()
 
-    def link(self, device: str) -> LinkGauge:
+    def link(self, device: str) -> LinkValues:
         """Return what is known of a device's link."""
-        return self.links.setdefault(device, LinkGauge())
+        return self.links.setdefault(device, LinkValues())
 
     def wanted(self, device: str) -> None:
         """A device will be connected; how it was lost before is forgotten."""
-        self.links[device] = LinkGauge("connecting", self.link(device).identity)
+        self.links[device] = LinkValues("connecting", self.link(device).identity)
 
     def connecting(self, device: str) -> None:
         """A device is being connected."""
@@ -89,7 +89,7 @@ class Gauges:
 
     def connected(self, device: str, identity: DeviceIdentity) -> None:
         """A device answers and says who it is."""
-        self.links[device] = LinkGauge("ok", identity, None, self._clock.monotonic_s())
+        self.links[device] = LinkValues("ok", identity, None, self._clock.monotonic_s())
 
     def answered(self, device: str) -> None:
         """A device has answered, be it with a refusal."""
@@ -109,7 +109,7 @@ class Gauges:
 
     def taken(self, device: str) -> None:
         """A link was taken from its driver by hand."""
-        self.links[device] = LinkGauge("raw", self.link(device).identity)
+        self.links[device] = LinkValues("raw", self.link(device).identity)
 
     def take_status(self, status: ControllerStatus) -> None:
         """Take the controller's state."""

@@ -25,7 +25,7 @@ SILENCE_S: Final = 0.5
 _TICK_S = 0.05
 
 
-class Teller(Protocol):
+class MotionListener(Protocol):
     """Is told what becomes of motions."""
 
     def moves(self, joint: str | None, reason: str) -> None:
@@ -50,14 +50,20 @@ class HandArm:
         gate: of every motion.
         clock: real time.
         limits: how long a halt may take.
-        teller: is told what becomes of motions.
+        listener: is told what becomes of motions.
 
     Attributes:
         motion: under way; None while the arm stands.
     """
 
     def __init__(
-        self, robot: Robot, bench: Bench, gate: JogGate, clock: Clock, limits: HaltLimits, teller: Teller
+        self,
+        robot: Robot,
+        bench: Bench,
+        gate: JogGate,
+        clock: Clock,
+        limits: HaltLimits,
+        listener: MotionListener,
     ) -> None:
         self.motion: HandMotion | None = None
         self._robot = robot
@@ -65,7 +71,7 @@ class HandArm:
         self._gate = gate
         self._clock = clock
         self._limits = limits
-        self._teller = teller
+        self._listener = listener
         self._task: asyncio.Task[Answer] | None = None
 
     def step(self, request: JogStep, heard_s: Callable[[], float]) -> "asyncio.Task[Answer]":
@@ -162,14 +168,14 @@ class HandArm:
         except Exception as error:
             reason = str(error)
             if motion.unconfirmed:
-                self._teller.unsafe(motion.unconfirmed)
+                self._listener.unsafe(motion.unconfirmed)
             elif motion.began and not isinstance(error, InterruptedRunError):
-                self._teller.failed(error)
+                self._listener.failed(error)
             raise refusal_of(error) from error
         finally:
             self.motion = None
             if motion.began:
-                self._teller.moves(None, motion.hold.reason if motion.hold and not reason else reason)
+                self._listener.moves(None, motion.hold.reason if motion.hold and not reason else reason)
 
     async def _step(self, motion: HandMotion, request: JogStep, heard_s: Callable[[], float]) -> Answer:
         targets: list[Joints] = []
@@ -180,7 +186,7 @@ class HandArm:
             await self._gate.require(*targets, here=here)
 
         async def move() -> None:
-            self._teller.moves(request.joint, "")
+            self._listener.moves(request.joint, "")
             await self._robot.move_joints(targets[0])
 
         async def alive() -> None:
@@ -191,7 +197,7 @@ class HandArm:
 
     async def _hold(self, motion: HandMotion, hold: Hold, answer: "asyncio.Future[Answer]") -> Answer:
         def begun() -> None:
-            self._teller.moves(hold.joint, "")
+            self._listener.moves(hold.joint, "")
             if not answer.done():
                 answer.set_result(Moving(moving=hold.joint))
 

@@ -120,7 +120,7 @@ class Jogging:
 
     async def _serve(self) -> None:
         try:
-            async with self._bench.lender.lent() as devices:
+            async with self._bench.pool.acquired() as devices:
                 await self._jog(devices)
         except asyncio.CancelledError:
             self._failure = self._failure or InterruptedRunError(self._reason or "the engine ends")

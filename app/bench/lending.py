@@ -14,26 +14,26 @@ from catseye.drivers.roles.clock import Clock
 from catseye.drivers.roles.protocols import DeviceIdentity, Robot
 
 
-class Lender(Protocol):
-    """Holds the links of the devices between runs; `catseye.app.bench.idle.IdleBench` fits."""
+class DeviceSource(Protocol):
+    """Holds the links of the devices between runs; `catseye.app.bench.idle.DevicePool` fits."""
 
-    def lent(self) -> AbstractAsyncContextManager[Devices]:
-        """Lend the connected devices; nobody else asks the robot anything meanwhile.
+    def acquired(self) -> AbstractAsyncContextManager[Devices]:
+        """Give the connected devices; nobody else asks the robot anything meanwhile.
 
         Raises:
             RefusedError: they cannot be had now.
         """
         ...
 
-    def lent_robot(self, device: str) -> AbstractAsyncContextManager[Robot]:
-        """Lend one robot of the cell by itself, to whoever has to stop it.
+    def acquired_robot(self, device: str) -> AbstractAsyncContextManager[Robot]:
+        """Give one robot of the cell by itself, to whoever has to stop it.
 
         Raises:
             RefusedError: it cannot be had now.
         """
         ...
 
-    def parked(self, device: str) -> AbstractAsyncContextManager[None]:
+    def detached(self, device: str) -> AbstractAsyncContextManager[None]:
         """Have one driver let its link go.
 
         Raises:
@@ -51,7 +51,7 @@ class HandBench:
     """A bench as whoever works on it by hand needs it.
 
     Attributes:
-        lender: of the devices.
+        pool: of the devices.
         facts: finds what cell file and last search say, now.
         identities: returns who answers, by the device's name, as far as it is known.
         record: takes the bytes that pass on a raw link.
@@ -61,7 +61,7 @@ class HandBench:
         door: returns the block with the interlock; None where there is none, or nothing is connected.
     """
 
-    lender: Lender
+    pool: DeviceSource
     facts: Callable[[], Awaitable[BenchFacts]]
     identities: Callable[[], Mapping[str, DeviceIdentity]]
     record: WireRecorder

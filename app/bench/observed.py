@@ -1,9 +1,9 @@
-"""Devices whose answers pass on to gauges: what anybody asks of them is seen by everybody who watches."""
+"""Devices whose answers pass on to latest: what anybody asks of them is seen by everybody who watches."""
 
 from collections.abc import Awaitable, Callable, Sequence
 from typing import Any, Literal, Protocol, TypeVar, runtime_checkable
 
-from catseye.app.bench.gauges import Gauges
+from catseye.app.bench.gauges import LatestValues
 from catseye.app.engine.devices import Devices
 from catseye.app.engine.interlock import Light, RemoteIo
 from catseye.drivers.roles.errors import DeviceError, LinkError, ProtocolError
@@ -49,21 +49,21 @@ class Streaming(Protocol):
 
 
 class ObservedDevice:
-    """Tells gauges how the link of a device fares.
+    """Tells latest how the link of a device fares.
 
     Args:
         name: of the device in the cell file.
         driver: that does the work.
-        gauges: are told.
+        latest: takes what is observed.
 
     Attributes:
         driver: what stands behind this.
     """
 
-    def __init__(self, name: str, driver: Connecting, gauges: Gauges) -> None:
+    def __init__(self, name: str, driver: Connecting, latest: LatestValues) -> None:
         self.name = name
         self.driver: Any = driver
-        self._gauges = gauges
+        self._latest = latest
         self._pending = 0
 
     @property
@@ -79,13 +79,13 @@ class ObservedDevice:
 
     async def connect(self) -> DeviceIdentity:
         """Open the link and check who answers."""
-        self._gauges.connecting(self.name)
+        self._latest.connecting(self.name)
         try:
             identity: DeviceIdentity = await self.driver.connect()
         except DeviceError as error:
-            self._gauges.lost(self.name, str(error))
+            self._latest.lost(self.name, str(error))
             raise
-        self._gauges.connected(self.name, identity)
+        self._latest.connected(self.name, identity)
         return identity
 
     async def close(self) -> None:
@@ -93,7 +93,7 @@ class ObservedDevice:
         try:
             await self.driver.close()
         finally:
-            self._gauges.closed(self.name)
+            self._latest.closed(self.name)
 
     async def _told(self, answer: Awaitable[T]) -> T:
         """Return an answer; what becomes of the link is seen on the way."""
@@ -101,14 +101,14 @@ class ObservedDevice:
         try:
             found = await answer
         except (LinkError, ProtocolError) as error:
-            self._gauges.lost(self.name, str(error))
+            self._latest.lost(self.name, str(error))
             raise
         except DeviceError:
-            self._gauges.answered(self.name)
+            self._latest.answered(self.name)
             raise
         finally:
             self._pending -= 1
-        self._gauges.answered(self.name)
+        self._latest.answered(self.name)
         return found
 
 
@@ -120,7 +120,7 @@ class ObservedRobot(ObservedDevice):
     async def status(self) -> ControllerStatus:
         """Return the controller's state."""
         status = await self._told(self.driver.status())
-        self._gauges.take_status(status)
+        self._latest.take_status(status)
         return status
 
     async def servo(self, *, on: bool) -> None:
@@ -138,7 +138,7 @@ class ObservedRobot(ObservedDevice):
     async def joints(self) -> Joints:
         """Return the reported joint positions."""
         joints = await self._told(self.driver.joints())
-        self._gauges.take_joints(joints)
+        self._latest.take_joints(joints)
         return joints
 
     async def stop(self) -> None:
@@ -161,11 +161,11 @@ class ObservedInterferometer(ObservedDevice):
 
     driver: Interferometer
 
-    def __init__(self, name: str, driver: Interferometer, gauges: Gauges) -> None:
-        super().__init__(name, driver, gauges)
+    def __init__(self, name: str, driver: Interferometer, latest: LatestValues) -> None:
+        super().__init__(name, driver, latest)
         self.streams = isinstance(driver, Streaming)
         if isinstance(driver, Streaming):
-            driver.on_value = lambda _time_s, displacement_mm: gauges.take_displacement(displacement_mm)
+            driver.on_value = lambda _time_s, displacement_mm: latest.take_displacement(displacement_mm)
 
     @property
     def compensated(self) -> Literal["none", "instrument"]:
@@ -180,13 +180,13 @@ class ObservedInterferometer(ObservedDevice):
         """Return one reading."""
         reading = await self._told(self.driver.read())
         if not self.streams:
-            self._gauges.take_displacement(reading.displacement_mm)
+            self._latest.take_displacement(reading.displacement_mm)
         return reading
 
     async def status(self) -> BeamStatus:
         """Return the state of the beam."""
         beam = await self._told(self.driver.status())
-        self._gauges.take_beam(beam)
+        self._latest.take_beam(beam)
         return beam
 
 
@@ -206,7 +206,7 @@ class ObservedAir(ObservedSensor):
     async def sample(self) -> Air:
         """Return the state of the air now."""
         air = await super().sample()
-        self._gauges.take_air(air)
+        self._latest.take_air(air)
         return air
 
 
@@ -218,7 +218,7 @@ class ObservedIo(ObservedDevice):
     async def door_closed(self) -> bool:
         """Return whether the door is closed now."""
         closed = await self._told(self.driver.door_closed())
-        self._gauges.take_door(closed)
+        self._latest.take_door(closed)
         return closed
 
     async def show(self, light: Light) -> None:
@@ -236,24 +236,24 @@ class ObservedTracker(ObservedDevice):
         return await self._told(self.driver.locate())
 
 
-def observed(devices: Devices, gauges: Gauges, material: str | None) -> Devices:
+def observed(devices: Devices, latest: LatestValues, material: str | None) -> Devices:
     """Return devices that do the same and are seen.
 
     Args:
         devices: of a run, or of the bench between runs.
-        gauges: are told.
+        latest: takes what is observed.
         material: name of the sensor of the links' temperature in the cell file.
     """
     robot = devices.robot
     way = isinstance(robot, WayRobot)
     return Devices(
-        ObservedWayRobot("robot", robot, gauges) if way else ObservedRobot("robot", robot, gauges),
-        ObservedInterferometer("interferometer", devices.interferometer, gauges),
-        ObservedAir("environment", devices.environment, gauges),
-        None if devices.tracker is None else ObservedTracker("tracker", devices.tracker, gauges),
-        None if devices.io is None else ObservedIo("io", devices.io, gauges),
+        ObservedWayRobot("robot", robot, latest) if way else ObservedRobot("robot", robot, latest),
+        ObservedInterferometer("interferometer", devices.interferometer, latest),
+        ObservedAir("environment", devices.environment, latest),
+        None if devices.tracker is None else ObservedTracker("tracker", devices.tracker, latest),
+        None if devices.io is None else ObservedIo("io", devices.io, latest),
         None
         if devices.material is None
-        else ObservedSensor(material or "material", devices.material, gauges),
+        else ObservedSensor(material or "material", devices.material, latest),
         devices.guard,
     )

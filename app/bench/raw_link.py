@@ -138,7 +138,7 @@ class RawLink:
         device = _device(facts, self.device)
         self._require_permission(facts, device)
         opened = await self._opening(device, owned)
-        async with self._bench.lender.parked(self.device), opened as transport:
+        async with self._bench.pool.detached(self.device), opened as transport:
             try:
                 async with raw_door(
                     self._bench.door() if self._moves else None,
@@ -213,7 +213,7 @@ class RawLink:
     async def _stop_what_moves(self) -> None:
         """Stop what was started by hand: whoever started it is gone."""
         try:
-            async with self._bench.lender.lent_robot(self.device) as robot:
+            async with self._bench.pool.acquired_robot(self.device) as robot:
                 report = await halt(robot, self._bench.clock, HaltLimits(), lambda: None)
         except Exception as error:  # noqa: BLE001  # whatever fails: nobody but the operator can look now
             self.aborted = f"whether the arm of {self.device} moves is not known: look at it ({error})"

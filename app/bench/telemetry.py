@@ -9,7 +9,7 @@ from typing import Literal, Protocol
 
 from catseye.app.bench.bench_message import bench_status
 from catseye.app.bench.facts import BenchFacts
-from catseye.app.bench.gauges import Gauges
+from catseye.app.bench.gauges import LatestValues
 from catseye.app.bench.observed import observed
 from catseye.app.bench.run_sampler import RunSampler
 from catseye.app.bench.traffic import Traffic
@@ -76,7 +76,7 @@ class Telemetry:
         look_at_disk: returns the free bytes of the disk of a folder, however long that takes.
 
     Attributes:
-        gauges: of the bench.
+        latest: of the bench.
         traffic: of the links.
         facts: of the bench that is watched; None until one is known.
         prepare: sees to it that the facts of the bench are known; raises RefusedError when they cannot be.
@@ -90,7 +90,7 @@ class Telemetry:
         root: Path,
         look_at_disk: Callable[[Path], Awaitable[int | None]] = free_bytes_aside,
     ) -> None:
-        self.gauges = Gauges(clock)
+        self.latest = LatestValues(clock)
         self.traffic = Traffic(clock)
         self.facts: BenchFacts | None = None
         self.prepare: Callable[[], None] = lambda: None
@@ -100,13 +100,13 @@ class Telemetry:
         self._root = root
         self._free_on_disk = look_at_disk
         self._free_bytes: int | None = None
-        self._sampler = RunSampler(self.gauges, clock)
+        self._sampler = RunSampler(self.latest, clock)
         self._task: asyncio.Task[None] | None = None
 
     def describe(self, facts: BenchFacts) -> None:
         """Take the facts of the bench that is watched from now on; another bench's values are forgotten."""
         if self.facts is None or (facts.cell, facts.devices) != (self.facts.cell, self.facts.devices):
-            self.gauges.clear()
+            self.latest.clear()
         self.facts = facts
 
     def observe(self, facts: BenchFacts, build: DeviceBuilder) -> DeviceBuilder:
@@ -125,7 +125,7 @@ class Telemetry:
                 record(device, direction, data)
                 self.traffic.record(device, direction, data)
 
-            devices = observed(build(both), self.gauges, facts.material)
+            devices = observed(build(both), self.latest, facts.material)
             self._sampler.devices = devices
             return devices
 
@@ -138,7 +138,7 @@ class Telemetry:
         run = self._audience.run
         return bench_status(
             self.facts,
-            self.gauges,
+            self.latest,
             moving=run is not None and run.control.moving,
             simulated=None if run is None else run.simulated,
             free_bytes=self._free_bytes,
@@ -149,7 +149,7 @@ class Telemetry:
         self.traffic.listening = self._audience.listens("traffic")
         if self._task is None or self._task.done():
             # What came while nobody watched is no news.
-            self.gauges.columns.take(self._clock.monotonic_s())
+            self.latest.columns.take(self._clock.monotonic_s())
             self._task = asyncio.create_task(self._serve())
             self.on_watched(True)
 
@@ -191,7 +191,7 @@ class Telemetry:
             self.on_watched(False)
 
     def _samples(self) -> SamplesTaken:
-        columns = self.gauges.columns
+        columns = self.latest.columns
         taken = columns.take(self._clock.monotonic_s())
         return SamplesTaken(
             quantity="displacement_mm",

@@ -9,7 +9,7 @@ from pathlib import Path
 from catseye.app.aim import find_aim
 from catseye.app.bench.cell_devices import cell_devices
 from catseye.app.bench.facts import BenchFacts, facts_of
-from catseye.app.bench.idle import CellDevices, IdleBench
+from catseye.app.bench.idle import CellDevices, DevicePool
 from catseye.app.bench.lending import HandBench
 from catseye.app.bench.telemetry import Telemetry
 from catseye.app.cell.bench import bench_of
@@ -43,8 +43,8 @@ class EngineBench:
     def __init__(self, registry: ClientRegistry, clock: Clock, cell: Path, root: Path) -> None:
         self.telemetry = Telemetry(registry, clock, root)
         self.telemetry.prepare = self._prepare
-        self.idle = IdleBench(
-            self._make, self.telemetry.gauges, clock, lambda text: registry.announce(WarningTold(text=text))
+        self.idle = DevicePool(
+            self._make, self.telemetry.latest, clock, lambda text: registry.announce(WarningTold(text=text))
         )
         self.telemetry.on_watched = self.idle.watched
         self._registry = registry
@@ -129,7 +129,7 @@ class EngineBench:
         """Return who answers now: of a link that is not held nothing is known."""
         if self.idle.devices() is None:
             return {}
-        links = self.telemetry.gauges.links.items()
+        links = self.telemetry.latest.links.items()
         return {name: link.identity for name, link in links if link.identity and link.state == "ok"}
 
     def _announce(self, event: AnyEvent) -> None:
@@ -161,7 +161,7 @@ class EngineBench:
         """
         cell = await asyncio.to_thread(lambda: load_cell(self._cell).cell)
         self.telemetry.describe(await asyncio.to_thread(self._aimed, cell))
-        return cell_devices(cell, self.telemetry.gauges, self._clock, self.telemetry.traffic.record)
+        return cell_devices(cell, self.telemetry.latest, self._clock, self.telemetry.traffic.record)
 
     def _aimed(self, cell: Cell) -> BenchFacts:
         """Return the facts of a cell with the places that the last search found, if they still hold."""

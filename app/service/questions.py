@@ -10,7 +10,7 @@ MOTION_WORD = "move"
 def hint(prompt: Prompt) -> str:
     """Return what can be typed."""
     match prompt.kind:
-        case "confirm" if prompt.motion:
+        case "confirm" if prompt.moves_after("yes"):
             return f"the arm moves: type {MOTION_WORD}, or no"
         case "confirm":
             return "yes or no"
@@ -32,10 +32,11 @@ def answer_of(prompt: Prompt, typed: str) -> tuple[str, str]:
         return "", f"type {hint(prompt)}"
     if prompt.kind == "confirm":
         text = text.lower()
-        if prompt.motion and text in {"yes", "y"}:
+        moves = prompt.moves_after("yes")
+        if moves and text in {"yes", "y"}:
             return "", f"the arm moves after this: type {MOTION_WORD}, or no"
         text = {"y": "yes", "n": "no"}.get(text, text)
-        if prompt.motion and text == MOTION_WORD:
+        if moves and text == MOTION_WORD:
             text = "yes"
     fault = fault_of(prompt, text)
     return ("", fault) if fault else (text, "")

@@ -224,7 +224,7 @@ async def test_what_one_turn_of_telling_keeps_the_loop_from(tmp_path: Path) -> N
     for _ in range(200):
         start_s = time.thread_time()
         for number in range(200):
-            telemetry.gauges.take_displacement(1e-6 * number)
+            telemetry.latest.take_displacement(1e-6 * number)
         taken_us.append((time.thread_time() - start_s) / 200 * 1e6)
         telemetry.traffic.listening = True
         for _ in range(200):
@@ -267,7 +267,7 @@ async def test_a_watcher_delays_no_value_of_a_stream(tmp_path: Path) -> None:
         driver = UmdDisplay.at(
             endpoint, SystemClock(), lambda way, data: telemetry.traffic.record("interferometer", way, data)
         )
-        counter = ObservedInterferometer("interferometer", driver, telemetry.gauges)
+        counter = ObservedInterferometer("interferometer", driver, telemetry.latest)
         await counter.connect()
         samples = driver.samples()
         for second in range(20):

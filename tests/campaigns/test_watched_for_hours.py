@@ -12,7 +12,7 @@ from pathlib import Path
 import pytest
 
 from catseye.app.bench.facts import facts_of
-from catseye.app.bench.idle import IdleBench
+from catseye.app.bench.idle import DevicePool
 from catseye.app.bench.telemetry import Telemetry
 from catseye.app.bench.traffic import MOST_LINES
 from catseye.app.service.client_registry import ClientRegistry
@@ -35,7 +35,7 @@ async def _watched(folder: Path) -> tuple[int, int]:
     hub, cell, clock = ClientRegistry(VirtualClock()), PulledCell(), VirtualClock()
     telemetry = Telemetry(hub, clock, folder, disk)
     telemetry.describe(facts_of(cell_from_template(), bench_from_template()))
-    bench = IdleBench(lambda: cell.made(telemetry.gauges), telemetry.gauges, clock, print)
+    bench = DevicePool(lambda: cell.made(telemetry.latest), telemetry.latest, clock, print)
     telemetry.on_watched = bench.watched
     member = hub.join("test", "Ada", Mailbox(), lambda _reason: None)
     hub.listen(member, "watch", on=True)

@@ -4,7 +4,7 @@ import tomllib
 
 from catseye.app.bench.bench_message import bench_status
 from catseye.app.bench.facts import facts_of
-from catseye.app.bench.gauges import Gauges
+from catseye.app.bench.gauges import LatestValues
 from catseye.app.cell.bench import bench_of
 from catseye.app.cell.model import Cell
 from catseye.app.cell.template import TEMPLATE
@@ -23,8 +23,8 @@ def bench_from_template() -> Bench:
 
 def bench_seen(*, disk_free_bytes: int | None = None) -> BenchSeen:
     """Return the event of a bench of which nothing but the cell file is known."""
-    facts, gauges = facts_of(cell_from_template(), bench_from_template()), Gauges(ManualClock())
-    status = bench_status(facts, gauges, moving=False, simulated=None, free_bytes=disk_free_bytes)
+    facts, latest = facts_of(cell_from_template(), bench_from_template()), LatestValues(ManualClock())
+    status = bench_status(facts, latest, moving=False, simulated=None, free_bytes=disk_free_bytes)
     return BenchSeen(**dict(status))
 
 

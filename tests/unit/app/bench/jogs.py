@@ -40,7 +40,7 @@ def jogged(cell: Cell, script: Script, robot: TimedArm | None = None, **fields: 
         await script(fixture, jog)
         jog.end("the script is over")
         await jog.over()
-        assert not fixture.lent_now
+        assert not fixture.acquired_now
         return fixture
 
     return run(work())

@@ -5,7 +5,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from catseye.app.bench.gauges import Gauges
+from catseye.app.bench.gauges import LatestValues
 from catseye.app.bench.idle import CellDevices
 from catseye.app.bench.observed import ObservedDevice, observed
 from catseye.app.bench.telemetry import Topic
@@ -131,13 +131,13 @@ class PulledCell:
     def everyone(self) -> tuple[Pulled, ...]:
         return self.robot, self.counter, self.air
 
-    def observed(self, gauges: Gauges) -> Devices:
-        return observed(Devices(self.robot, self.counter, self.air), gauges, None)  # type: ignore[arg-type]  # a plain text stands for the literal
+    def observed(self, latest: LatestValues) -> Devices:
+        return observed(Devices(self.robot, self.counter, self.air), latest, None)  # type: ignore[arg-type]  # a plain text stands for the literal
 
-    async def made(self, gauges: Gauges) -> CellDevices:
+    async def made(self, latest: LatestValues) -> CellDevices:
         if self.fault is not None:
             raise self.fault
-        devices = self.observed(gauges)
+        devices = self.observed(latest)
         kept: dict[str, ObservedDevice] = {}
         for device in devices.named().values():
             assert isinstance(device, ObservedDevice)

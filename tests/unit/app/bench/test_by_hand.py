@@ -130,8 +130,8 @@ def played(script: Script, monkeypatch: pytest.MonkeyPatch) -> Engine:
         assert engine.by_hand.occupied is None
         assert not engine.arm.moving
         assert not engine.wire.is_open
-        assert engine.fixture.parked_now == []
-        assert not engine.fixture.lent_now
+        assert engine.fixture.detached_now == []
+        assert not engine.fixture.acquired_now
         await asyncio.sleep(0.1)
         assert asyncio.all_tasks() == {asyncio.current_task()}
         return engine
@@ -254,12 +254,12 @@ def test_a_stop_ends_a_jog_and_an_abort_has_to_be_cleared(monkeypatch: pytest.Mo
 def test_bytes_go_out_and_what_comes_is_recorded(monkeypatch: pytest.MonkeyPatch) -> None:
     async def script(engine: Engine) -> None:
         assert await engine.raw() == LinkTaken(endpoint="memory://counter")
-        assert engine.fixture.parked_now == ["interferometer"]
+        assert engine.fixture.detached_now == ["interferometer"]
         assert await engine.send("610d") == Answer()
         await asyncio.sleep(0.01)
         assert engine.fixture.wire == [("interferometer", "tx", b"a\r"), ("interferometer", "rx", b"A\r")]
         assert await engine.raw(on=False) == Answer()
-        assert engine.fixture.parked_now == []
+        assert engine.fixture.detached_now == []
         assert await engine.raw(on=False) == Answer()
         with pytest.raises(RefusedError, match="was not taken: take it first"):
             engine.send("61")
@@ -276,7 +276,7 @@ def test_several_links_may_be_open(monkeypatch: pytest.MonkeyPatch) -> None:
     async def script(engine: Engine) -> None:
         await engine.raw("interferometer")
         await engine.raw("robot")
-        assert engine.fixture.parked_now == ["interferometer", "robot"]
+        assert engine.fixture.detached_now == ["interferometer", "robot"]
         await engine.raw("robot", on=False)
 
     # What was started by hand goes on at the operator's word: no stop is sent.
@@ -384,7 +384,7 @@ def test_a_stop_reaches_a_robot_that_is_sent_raw_bytes(monkeypatch: pytest.Monke
         await engine.raw("robot")
         assert getattr(engine.by_hand, word)("Ben stopped it")
         await asyncio.sleep(1.0)
-        assert engine.fixture.parked_now == ["interferometer"]
+        assert engine.fixture.detached_now == ["interferometer"]
 
     assert played(script, monkeypatch).arm.said("stop") == ["stop"]
 
@@ -433,7 +433,7 @@ def test_an_arm_is_given_back_after_its_stop(monkeypatch: pytest.MonkeyPatch) ->
 def test_a_robot_that_cannot_be_stopped_after_that_is_warned_about(monkeypatch: pytest.MonkeyPatch) -> None:
     async def script(engine: Engine) -> None:
         await engine.raw("robot")
-        engine.fixture.lend_error = RefusedError("the robot is not connected")
+        engine.fixture.acquire_error = RefusedError("the robot is not connected")
         engine.registry.leave(engine.ada, "it closed the connection")
         await asyncio.sleep(1.0)
 
@@ -455,7 +455,7 @@ def test_a_link_that_is_ended_in_its_first_moment_answers(monkeypatch: pytest.Mo
 def test_whatever_keeps_a_robot_from_being_stopped_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
     async def script(engine: Engine) -> None:
         await engine.raw("robot")
-        engine.fixture.lend_error = ValueError("no number: b'?'")
+        engine.fixture.acquire_error = ValueError("no number: b'?'")
         engine.registry.leave(engine.ada, "it closed the connection")
         await asyncio.sleep(1.0)
         assert engine.by_hand.occupied is None

@@ -67,7 +67,7 @@ def test_real_devices_move_when_the_cells_name_is_typed(cell: Cell) -> None:
 def test_the_devices_are_not_to_be_had(cell: Cell) -> None:
     async def work() -> None:
         fixture = HandFixture(cell, TimedArm())
-        fixture.lend_error = RefusedError("the robot is not connected", ExitCode.DEVICE)
+        fixture.acquire_error = RefusedError("the robot is not connected", ExitCode.DEVICE)
         jog = Jogging(fixture.bench, mode(), client())
         with pytest.raises(RefusedError, match="not connected") as refused:
             await jog.begun

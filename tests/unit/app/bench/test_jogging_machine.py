@@ -225,7 +225,7 @@ class JogMachine(RuleBasedStateMachine):
         async def work() -> None:
             assert not self.arm.moving
             assert not self.arm.state.servo_on
-            assert not self.fixture.lent_now
+            assert not self.fixture.acquired_now
 
         self.do(work)
 

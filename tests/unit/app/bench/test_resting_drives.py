@@ -36,14 +36,14 @@ class Bench:
         assert isinstance(event, DrivesChanged)
         self.announced.append(event)
 
-    def lent(self) -> AbstractAsyncContextManager[Any]:
+    def acquired(self) -> AbstractAsyncContextManager[Any]:
         raise NotImplementedError
 
-    def parked(self, device: str) -> AbstractAsyncContextManager[None]:
+    def detached(self, device: str) -> AbstractAsyncContextManager[None]:
         raise NotImplementedError
 
     @asynccontextmanager
-    async def lent_robot(self, device: str) -> AsyncIterator[FakeRobot]:
+    async def acquired_robot(self, device: str) -> AsyncIterator[FakeRobot]:
         assert device == "robot"
         if self.away:
             raise RefusedError("robot is not connected: no answer")

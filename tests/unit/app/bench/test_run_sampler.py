@@ -5,7 +5,7 @@ from collections.abc import Awaitable, Callable
 
 import pytest
 
-from catseye.app.bench.gauges import Gauges
+from catseye.app.bench.gauges import LatestValues
 from catseye.app.bench.run_sampler import RunSampler
 from catseye.app.engine.control import RunControl
 from catseye.app.protocol.state import ControlState
@@ -18,11 +18,11 @@ class Run:
 
     def __init__(self) -> None:
         self.cell = PulledCell()
-        self.gauges = Gauges(VirtualClock())
+        self.latest = LatestValues(VirtualClock())
         self.control = RunControl(VirtualClock(), lambda _state, _reason: None)
         self.control.state = ControlState.EXECUTE
-        self.sampler = RunSampler(self.gauges, VirtualClock())
-        self.sampler.devices = self.cell.observed(self.gauges)
+        self.sampler = RunSampler(self.latest, VirtualClock())
+        self.sampler.devices = self.cell.observed(self.latest)
         self.asking = False
 
     async def ticks(self, duration_s: float) -> list[str]:
@@ -106,9 +106,9 @@ def test_the_length_is_read_where_the_run_looks_at_the_signal_alone() -> None:
         for _ in range(50):
             await bench.sampler.devices.interferometer.status()
             await bench.ticks(0.2)
-            length = bench.gauges.displacement_mm
+            length = bench.latest.displacement_mm
             assert length is not None
-            assert bench.gauges.age_s(length.time_s) < 1.0
+            assert bench.latest.age_s(length.time_s) < 1.0
         assert bench.cell.counter.log.count("read") <= 40
 
     played(play)
@@ -140,6 +140,6 @@ def test_a_device_that_does_not_answer_is_asked_seldom_and_ends_nothing() -> Non
         asked = await bench.ticks(60.0)
         # A second each, and twenty without.
         assert asked == ["status"] * 3
-        assert bench.gauges.links["interferometer"].state == "lost"
+        assert bench.latest.links["interferometer"].state == "lost"
 
     played(play)

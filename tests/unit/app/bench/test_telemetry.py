@@ -49,14 +49,14 @@ def test_a_bench_that_nobody_knows_is_told_as_nothing(tmp_path: Path) -> None:
 def test_five_messages_a_second_with_every_column_once(tmp_path: Path) -> None:
     async def play(telemetry: Telemetry, listeners: Listeners) -> None:
         telemetry.describe(FACTS)
-        telemetry.gauges.take_displacement(-1.0)
+        telemetry.latest.take_displacement(-1.0)
         await asyncio.sleep(1.0)
         listeners.topics.add("watch")
         telemetry.wake()
         telemetry.wake()
         for number in range(1000):
             await asyncio.sleep(0.001)
-            telemetry.gauges.take_displacement(float(number))
+            telemetry.latest.take_displacement(float(number))
         await asyncio.sleep(0.3)
         benches, samples = listeners.of("bench"), listeners.of("samples")
         assert len(benches) == len(samples) == 7
@@ -121,7 +121,7 @@ def test_devices_of_a_run_are_seen_and_their_traffic_goes_both_ways(tmp_path: Pa
         devices = telemetry.observe(FACTS, build)(lambda *line: stored.append(line))
         await devices.robot.joints()
         assert stored == [("robot", "tx", b"hello")]
-        assert telemetry.gauges.joints is not None
+        assert telemetry.latest.joints is not None
         await asyncio.sleep(0.3)
         assert len(listeners.of("wire")) == 1
 
@@ -133,7 +133,7 @@ def test_another_bench_makes_the_values_of_the_first_one_void_and_another_aim_do
 ) -> None:
     async def play(telemetry: Telemetry, listeners: Listeners) -> None:
         telemetry.describe(FACTS)
-        telemetry.gauges.take_beam(CounterStatus(True, False, False, True, 0.8))
+        telemetry.latest.take_beam(CounterStatus(True, False, False, True, 0.8))
         aimed = bench_from_template().aimed({"P1": (1.0, 2.0)}, 0.5)
         telemetry.describe(facts_of(cell_from_template(), aimed))
         assert status_of(telemetry).beam is not None

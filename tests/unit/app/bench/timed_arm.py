@@ -198,9 +198,9 @@ class HandFixture:
         self.robots: dict[str, Any] = {"robot": arm}
         self.announced: list[JsonObject] = []
         self.wire: list[tuple[str, str, bytes]] = []
-        self.lent_now = False
-        self.parked_now: list[str] = []
-        self.lend_error: Exception | None = None
+        self.acquired_now = False
+        self.detached_now: list[str] = []
+        self.acquire_error: Exception | None = None
         self.facts_now = BenchFacts(
             cell.name,
             (
@@ -224,30 +224,30 @@ class HandFixture:
         )
 
     @asynccontextmanager
-    async def lent(self) -> AsyncIterator[Devices]:
-        if self.lend_error:
-            raise self.lend_error
-        self.lent_now = True
+    async def acquired(self) -> AsyncIterator[Devices]:
+        if self.acquire_error:
+            raise self.acquire_error
+        self.acquired_now = True
         try:
             await asyncio.sleep(0)
             none = cast(Any, None)
             yield Devices(self.robot, none, none, io=self.door, guard=self.guard)
         finally:
-            self.lent_now = False
+            self.acquired_now = False
 
     @asynccontextmanager
-    async def lent_robot(self, device: str) -> AsyncIterator[Any]:
-        if self.lend_error:
-            raise self.lend_error
+    async def acquired_robot(self, device: str) -> AsyncIterator[Any]:
+        if self.acquire_error:
+            raise self.acquire_error
         yield self.robots[device]
 
     @asynccontextmanager
-    async def parked(self, device: str) -> AsyncIterator[None]:
-        self.parked_now.append(device)
+    async def detached(self, device: str) -> AsyncIterator[None]:
+        self.detached_now.append(device)
         try:
             yield
         finally:
-            self.parked_now.remove(device)
+            self.detached_now.remove(device)
 
     def events(self, name: str) -> list[JsonObject]:
         return [event for event in self.announced if event["event"] == name]

@@ -13,7 +13,7 @@ from catseye.app.engine.context import RunContext
 from catseye.app.engine.control import RunControl
 from catseye.app.engine.devices import Devices
 from catseye.app.engine.gate import JointLimits, MotionGate
-from catseye.app.engine.hands import Hands
+from catseye.app.engine.hands import SimulatedOperator
 from catseye.app.engine.host import run_procedure
 from catseye.app.engine.operator import Answer, Operator
 from catseye.app.errors import (
@@ -37,8 +37,8 @@ from tests.unit.app.engine.fakes import AWAY, HOME, LIMITS, FakeBench, FakeRobot
 READY = RobotStatus(True, False, True, False, False, 20.0, 0, "")
 
 
-class Willing(Hands):
-    """Hands that do whatever they are told, or break."""
+class Willing(SimulatedOperator):
+    """SimulatedOperator that do whatever they are told, or break."""
 
     async def do(self, task: Mapping[str, Json]) -> dict[str, Json]:
         if task["do"] == "break":

@@ -29,7 +29,7 @@ class Known:
         self.registry = ClientRegistry(clock)
         self.bench = EngineBench(self.registry, clock, self.cell, folder / "runs")
         self.bench.telemetry.describe(self.bench.facts())
-        self.bench.telemetry.gauges.connected("robot", ROBOT)
+        self.bench.telemetry.latest.connected("robot", ROBOT)
         self.awake: Devices | None = cast(Devices, object())
         monkeypatch.setattr(self.bench.idle, "devices", lambda: self.awake)
 
@@ -72,9 +72,9 @@ async def test_other_devices_than_those_connected_are_refused(known: Known, old:
 
 def test_of_links_that_are_not_held_nothing_is_known(known: Known) -> None:
     assert known.hands.identities() == {"robot": ROBOT}
-    known.bench.telemetry.gauges.lost("robot", str(LinkError("gone")))
+    known.bench.telemetry.latest.lost("robot", str(LinkError("gone")))
     assert known.hands.identities() == {}
-    known.bench.telemetry.gauges.connected("robot", ROBOT)
+    known.bench.telemetry.latest.connected("robot", ROBOT)
     known.awake = None
     assert known.hands.identities() == {}
 

@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 
 from catseye.app.bench.cell_devices import cell_devices
-from catseye.app.bench.gauges import Gauges
+from catseye.app.bench.gauges import LatestValues
 from catseye.app.bench.observed import ObservedAir, ObservedSensor
 from catseye.app.cell.model import FurtherDevice, Material
 from catseye.app.cell.template import TEMPLATE
@@ -29,7 +29,7 @@ def test_every_device_of_a_cell_is_kept_once_and_by_the_name_in_its_file() -> No
         update={"device": [steel, floor], "material": Material(sensor="steel", cte_per_k=1e-5)}
     )
     lines: list[tuple[str, str, bytes]] = []
-    made = cell_devices(cell, Gauges(ManualClock()), ManualClock(), lambda *line: lines.append(line))
+    made = cell_devices(cell, LatestValues(ManualClock()), ManualClock(), lambda *line: lines.append(line))
     assert list(made.kept) == ["robot", "interferometer", "environment", "tracker", "steel", "floor"]
     assert all(name == device.name for name, device in made.kept.items())
     material: object = made.devices.material
