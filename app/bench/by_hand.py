@@ -5,7 +5,7 @@ from collections.abc import Callable, Coroutine
 from typing import Any
 
 from catseye.app.bench.jogging import Jogging
-from catseye.app.bench.lending import HandBench
+from catseye.app.bench.lending import ManualBench
 from catseye.app.bench.raw_link import RawLink
 from catseye.app.protocol.answers import Answer
 from catseye.app.protocol.requests import JogHold, JogMode, JogStep, Raw, Send
@@ -14,7 +14,7 @@ from catseye.app.service.errors import RefusedError
 from catseye.app.service.member import Member
 
 
-class ByHand:
+class ManualControl:
     """Carries out `jog`, `jog-step`, `jog-hold`, `raw` and `send`.
 
     Args:
@@ -30,7 +30,7 @@ class ByHand:
     def __init__(
         self,
         registry: ClientRegistry,
-        bench: HandBench,
+        bench: ManualBench,
         require_idle: Callable[[], None],
         on_abort: Callable[[str], None],
     ) -> None:

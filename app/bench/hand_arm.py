@@ -5,7 +5,7 @@ from collections.abc import Callable, Coroutine
 from typing import Any, Final, Literal, Protocol
 
 from catseye.app.bench.approach import Approach
-from catseye.app.bench.hand_motion import HandMotion
+from catseye.app.bench.hand_motion import ManualMotion
 from catseye.app.bench.hold import Hold, Sight
 from catseye.app.bench.jog_gate import JogGate
 from catseye.app.bench.steps import step_target
@@ -41,7 +41,7 @@ class MotionListener(Protocol):
         ...
 
 
-class HandArm:
+class ManualArm:
     """Moves an arm by hand.
 
     Args:
@@ -65,7 +65,7 @@ class HandArm:
         limits: HaltLimits,
         listener: MotionListener,
     ) -> None:
-        self.motion: HandMotion | None = None
+        self.motion: ManualMotion | None = None
         self._robot = robot
         self._bench = bench
         self._gate = gate
@@ -86,7 +86,7 @@ class HandArm:
         """
         if self.motion is not None:
             raise RefusedError(f"{self.motion.joint} is moving: wait until the arm stands, or stop it")
-        motion = HandMotion(request.joint, self._robot, self._clock, self._limits)
+        motion = ManualMotion(request.joint, self._robot, self._clock, self._limits)
         return self._begin(motion, self._step(motion, request, heard_s))
 
     def hold(self, request: JogHold) -> "Answer | asyncio.Future[Answer]":
@@ -127,7 +127,7 @@ class HandArm:
         if self._task is not None:
             await asyncio.wait({self._task})
 
-    def _release(self, motion: HandMotion, reason: str) -> None:
+    def _release(self, motion: ManualMotion, reason: str) -> None:
         if motion.hold is not None:
             motion.hold.release(reason)
         else:
@@ -142,7 +142,7 @@ class HandArm:
             )
         sight = Sight(self._robot.joints, self._gate.require_permission)
         hold = Hold(driver, request.joint, self._approach(request), sight, self._clock)
-        motion = HandMotion(request.joint, self._robot, self._clock, self._limits, hold)
+        motion = ManualMotion(request.joint, self._robot, self._clock, self._limits, hold)
         answer: asyncio.Future[Answer] = asyncio.get_running_loop().create_future()
         task = self._begin(motion, self._hold(motion, hold, answer))
         task.add_done_callback(lambda ended: _settle(answer, ended, hold))
@@ -155,13 +155,13 @@ class HandArm:
         way: Literal[-1, 1] = 1 if request.direction > 0 else -1
         return Approach(ranges[request.joint], way, share * fastest_deg_s[request.joint])
 
-    def _begin(self, motion: HandMotion, work: Coroutine[Any, Any, Answer]) -> "asyncio.Task[Answer]":
+    def _begin(self, motion: ManualMotion, work: Coroutine[Any, Any, Answer]) -> "asyncio.Task[Answer]":
         self.motion = motion
         self._gate.belong_to(motion.require_unstopped)
         self._task = asyncio.create_task(self._conducted(motion, work))
         return self._task
 
-    async def _conducted(self, motion: HandMotion, work: Coroutine[Any, Any, Answer]) -> Answer:
+    async def _conducted(self, motion: ManualMotion, work: Coroutine[Any, Any, Answer]) -> Answer:
         reason = ""
         try:
             return await work
@@ -177,7 +177,7 @@ class HandArm:
             if motion.began:
                 self._listener.moves(None, motion.hold.reason if motion.hold and not reason else reason)
 
-    async def _step(self, motion: HandMotion, request: JogStep, heard_s: Callable[[], float]) -> Answer:
+    async def _step(self, motion: ManualMotion, request: JogStep, heard_s: Callable[[], float]) -> Answer:
         targets: list[Joints] = []
 
         async def gate() -> None:
@@ -195,7 +195,7 @@ class HandArm:
         await motion.carry_out(gate, move, alive)
         return Stepped(joints=tuple(await self._robot.joints()))
 
-    async def _hold(self, motion: HandMotion, hold: Hold, answer: "asyncio.Future[Answer]") -> Answer:
+    async def _hold(self, motion: ManualMotion, hold: Hold, answer: "asyncio.Future[Answer]") -> Answer:
         def begun() -> None:
             self._listener.moves(hold.joint, "")
             if not answer.done():

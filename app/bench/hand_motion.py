@@ -18,7 +18,7 @@ Watch = Callable[[], Awaitable[None]]
 """Goes on until the motion ends; what it raises breaks the motion off."""
 
 
-class HandMotion:
+class ManualMotion:
     """A step, or a joint that is kept moving.
 
     Args:

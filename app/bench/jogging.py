@@ -6,9 +6,9 @@ from contextlib import nullcontext
 from typing import Final
 
 from catseye.app.bench.facts import BenchFacts
-from catseye.app.bench.hand_arm import HandArm
+from catseye.app.bench.hand_arm import ManualArm
 from catseye.app.bench.jog_gate import JogGate
-from catseye.app.bench.lending import HandBench
+from catseye.app.bench.lending import ManualBench
 from catseye.app.engine.before_motion import unconfirmed_text
 from catseye.app.engine.devices import Devices, require_permission
 from catseye.app.engine.door_watch import DoorWatch
@@ -47,7 +47,7 @@ class Jogging:
     """
 
     def __init__(
-        self, bench: HandBench, request: JogMode, client: Client, limits: HaltLimits | None = None
+        self, bench: ManualBench, request: JogMode, client: Client, limits: HaltLimits | None = None
     ) -> None:
         self.client = client
         self.begun: asyncio.Future[Answer] = asyncio.get_running_loop().create_future()
@@ -56,7 +56,7 @@ class Jogging:
         self._request = request
         self._limits = limits or HaltLimits()
         self._gate: JogGate | None = None
-        self._arm: HandArm | None = None
+        self._arm: ManualArm | None = None
         self._reason = ""
         self._left_lower = ""
         self._failure: Exception | None = None
@@ -73,11 +73,11 @@ class Jogging:
         await asyncio.wait({self._task})
 
     def step(self, request: JogStep, heard_s: Callable[[], float]) -> "asyncio.Future[Answer]":
-        """Begin a step; see HandArm.step."""
+        """Begin a step; see ManualArm.step."""
         return self._ready_arm().step(request, heard_s)
 
     def hold(self, request: JogHold) -> "Answer | asyncio.Future[Answer]":
-        """Keep a joint moving, or stop it; see HandArm.hold."""
+        """Keep a joint moving, or stop it; see ManualArm.hold."""
         return self._ready_arm().hold(request)
 
     def end(self, reason: str) -> None:
@@ -111,7 +111,7 @@ class Jogging:
         self._failure = SafetyError(f"{self.aborted} ({self._failure})" if self._failure else self.aborted)
         self.end(self.aborted)
 
-    def _ready_arm(self) -> HandArm:
+    def _ready_arm(self) -> ManualArm:
         if self._arm is None or self._reason:
             raise RefusedError(
                 f"the jog is over: {self._reason}" if self._reason else "the jog is only beginning"
@@ -149,7 +149,7 @@ class Jogging:
             if self._reason:
                 # A cancellation that comes together with an answer may be lost on its way through a library.
                 raise InterruptedRunError(self._reason)
-            self._arm = HandArm(robot, facts.bench, gate, self._bench.clock, self._limits, self)
+            self._arm = ManualArm(robot, facts.bench, gate, self._bench.clock, self._limits, self)
             self.begun.set_result(answers.Jogging(override_percent=override_percent, simulated=simulated))
             self._announce(None)
             await self._stand_by(robot, self._arm)
@@ -194,7 +194,7 @@ class Jogging:
             )
         return {name: known[name] for name in devices.named() if name in known}
 
-    async def _stand_by(self, robot: Robot, arm: HandArm) -> None:
+    async def _stand_by(self, robot: Robot, arm: ManualArm) -> None:
         """Look at the arm while it stands, until the end.
 
         Raises:

@@ -47,7 +47,7 @@ Announce = Callable[[AnyEvent], None]
 
 
 @dataclass(frozen=True)
-class HandBench:
+class ManualBench:
     """A bench as whoever works on it by hand needs it.
 
     Attributes:

@@ -7,7 +7,7 @@ from functools import partial
 from typing import Final
 
 from catseye.app.bench.facts import BenchFacts, DeviceFacts
-from catseye.app.bench.lending import HandBench
+from catseye.app.bench.lending import ManualBench
 from catseye.app.bench.raw_door import RawDoor, raw_door
 from catseye.app.cell.bench import may_move_an_arm
 from catseye.app.engine.halt import HaltLimits, halt
@@ -38,7 +38,7 @@ class RawLink:
         aborted: why nothing may move before somebody has looked at the bench; empty while all is well.
     """
 
-    def __init__(self, bench: HandBench, request: Raw, client: Client) -> None:
+    def __init__(self, bench: ManualBench, request: Raw, client: Client) -> None:
         self.device = request.device
         self.begun: asyncio.Future[Answer] = asyncio.get_running_loop().create_future()
         self.aborted = ""

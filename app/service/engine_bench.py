@@ -10,7 +10,7 @@ from catseye.app.aim import find_aim
 from catseye.app.bench.cell_devices import cell_devices
 from catseye.app.bench.facts import BenchFacts, facts_of
 from catseye.app.bench.idle import CellDevices, DevicePool
-from catseye.app.bench.lending import HandBench
+from catseye.app.bench.lending import ManualBench
 from catseye.app.bench.telemetry import Telemetry
 from catseye.app.cell.bench import bench_of
 from catseye.app.cell.load import load_cell
@@ -64,9 +64,9 @@ class EngineBench:
         """Return a builder of a run's devices that are seen by those who watch."""
         return self.telemetry.observe(facts_of(planned.loaded.cell, planned.bench), build)
 
-    def for_hands(self) -> HandBench:
+    def for_hands(self) -> ManualBench:
         """Return the bench for whoever works on it by hand between runs."""
-        return HandBench(
+        return ManualBench(
             self.idle,
             self._find_facts,
             self._identities,

@@ -10,7 +10,7 @@ from dataclasses import replace
 from functools import partial
 from pathlib import Path
 
-from catseye.app.bench.by_hand import ByHand
+from catseye.app.bench.by_hand import ManualControl
 from catseye.app.bench.drives import RestingDrives
 from catseye.app.cell.load import load_cell
 from catseye.app.engine.announcer import Publish
@@ -60,7 +60,7 @@ class EngineProcess:
         self._errors = SparseLog(_log, self._clock)
         self.registry = ClientRegistry(self._clock, waits=True)
         self._bench = EngineBench(self.registry, self._clock, cell, root)
-        self.by_hand = ByHand(self.registry, self._bench.for_hands(), self._require_idle, self._abort)
+        self.by_hand = ManualControl(self.registry, self._bench.for_hands(), self._require_idle, self._abort)
         self._drives = RestingDrives(
             self._bench.idle,
             self._clock,

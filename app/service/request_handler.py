@@ -3,7 +3,7 @@
 import asyncio
 from typing import Protocol
 
-from catseye.app.bench.by_hand import ByHand
+from catseye.app.bench.by_hand import ManualControl
 from catseye.app.bench.telemetry import Telemetry
 from catseye.app.errors import LimitError
 from catseye.app.protocol.answers import Answer, Climbed, OverrideLowered, Watching
@@ -35,7 +35,7 @@ class Engine(Protocol):
     """An engine that outlives its runs."""
 
     @property
-    def by_hand(self) -> ByHand:
+    def by_hand(self) -> ManualControl:
         """What is done by hand between runs."""
         ...
 

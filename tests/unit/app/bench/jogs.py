@@ -8,10 +8,10 @@ from catseye.app.bench.jogging import Jogging
 from catseye.app.cell.model import Cell
 from catseye.app.protocol.requests import JogHold, JogMode, JogStep
 from tests.unit.app.bench.benches import client
-from tests.unit.app.bench.timed_arm import HandFixture, TimedArm
+from tests.unit.app.bench.timed_arm import ManualFixture, TimedArm
 from tests.unit.drivers.virtual_time import run
 
-Script = Callable[[HandFixture, Jogging], Awaitable[None]]
+Script = Callable[[ManualFixture, Jogging], Awaitable[None]]
 
 
 def mode(**fields: Any) -> JogMode:
@@ -30,11 +30,11 @@ def now_s() -> float:
     return asyncio.get_running_loop().time()
 
 
-def jogged(cell: Cell, script: Script, robot: TimedArm | None = None, **fields: Any) -> HandFixture:
+def jogged(cell: Cell, script: Script, robot: TimedArm | None = None, **fields: Any) -> ManualFixture:
     """Begin a jog, do what the script says, end it if the script has not; return what is left."""
 
-    async def work() -> HandFixture:
-        fixture = HandFixture(cell, robot or TimedArm())
+    async def work() -> ManualFixture:
+        fixture = ManualFixture(cell, robot or TimedArm())
         jog = Jogging(fixture.bench, mode(**fields), client())
         await jog.begun
         await script(fixture, jog)
@@ -61,5 +61,5 @@ async def alive(jog: Jogging, request: JogStep) -> Any:
     return await jog.step(request, now_s)
 
 
-async def nothing(_fixture: HandFixture, _jog: Jogging) -> None:
+async def nothing(_fixture: ManualFixture, _jog: Jogging) -> None:
     """End it as soon as it has begun."""

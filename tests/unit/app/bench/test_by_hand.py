@@ -8,7 +8,7 @@ from typing import Any
 
 import pytest
 
-from catseye.app.bench.by_hand import ByHand
+from catseye.app.bench.by_hand import ManualControl
 from catseye.app.bench.facts import DeviceFacts
 from catseye.app.errors import ArmInUseError
 from catseye.app.exitcode import ExitCode
@@ -21,7 +21,7 @@ from catseye.app.service.mailbox import Mailbox
 from catseye.app.service.member import Member
 from catseye.drivers.roles.errors import LinkError
 from tests.unit.app.bench.benches import cell_from_template
-from tests.unit.app.bench.timed_arm import HandFixture, TimedArm
+from tests.unit.app.bench.timed_arm import ManualFixture, TimedArm
 from tests.unit.app.guard.fakes import FakeGuard
 from tests.unit.drivers.virtual_time import VirtualClock, run
 
@@ -78,12 +78,14 @@ class Engine:
     """An engine with two clients, of which Ada holds control."""
 
     def __init__(self, monkeypatch: pytest.MonkeyPatch) -> None:
-        self.fixture = HandFixture(cell_from_template(), TimedArm())
+        self.fixture = ManualFixture(cell_from_template(), TimedArm())
         self.arm = self.fixture.arm
         self.registry = ClientRegistry(VirtualClock())
         self.busy: RefusedError | None = None
         self.aborts: list[str] = []
-        self.by_hand = ByHand(self.registry, self.fixture.bench, self._require_idle, self.aborts.append)
+        self.by_hand = ManualControl(
+            self.registry, self.fixture.bench, self._require_idle, self.aborts.append
+        )
         self.ada, self.ben = (self.registry.join("test", who, Mailbox(), print) for who in ("Ada", "Ben"))
         self.registry.lease.take(self.ada, force=False)
         self.wire = Wire()

@@ -13,7 +13,7 @@ from catseye.app.bench.jogging import Jogging
 from catseye.app.protocol.requests import JogHold, JogMode, JogStep
 from catseye.app.service.errors import RefusedError
 from tests.unit.app.bench.benches import cell_from_template, client
-from tests.unit.app.bench.timed_arm import HandFixture, TimedArm
+from tests.unit.app.bench.timed_arm import ManualFixture, TimedArm
 from tests.unit.drivers.virtual_time import runner
 
 PERCENT = 5.0
@@ -30,7 +30,7 @@ class JogMachine(RuleBasedStateMachine):
         super().__init__()
         self.runner = runner()
         # Near enough to its limits that steps and holds reach them.
-        self.fixture = HandFixture(CELL, TimedArm(speed_deg_s=15.0, pose=(150.0, -120.0, 50.0, 340.0)))
+        self.fixture = ManualFixture(CELL, TimedArm(speed_deg_s=15.0, pose=(150.0, -120.0, 50.0, 340.0)))
         self.arm = self.fixture.arm
         self.jog: Jogging | None = None
         self.heard_s = self.fed_s = -10.0

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any, Literal, cast
 
 from catseye.app.bench.facts import BenchFacts, DeviceFacts
-from catseye.app.bench.lending import HandBench
+from catseye.app.bench.lending import ManualBench
 from catseye.app.cell.bench import air_rule, bench_of
 from catseye.app.cell.model import Cell
 from catseye.app.engine.devices import Devices
@@ -187,7 +187,7 @@ class Door:
         """There are no lamps."""
 
 
-class HandFixture:
+class ManualFixture:
     """Everything that moving by hand needs, around one arm."""
 
     def __init__(self, cell: Cell, arm: TimedArm) -> None:
@@ -212,7 +212,7 @@ class HandFixture:
             air_rule(cell),
             None,
         )
-        self.bench = HandBench(
+        self.bench = ManualBench(
             self,
             self._facts,
             self._identities,

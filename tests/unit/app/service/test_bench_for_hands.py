@@ -5,7 +5,7 @@ from typing import cast
 
 import pytest
 
-from catseye.app.bench.lending import HandBench
+from catseye.app.bench.lending import ManualBench
 from catseye.app.cell.template import TEMPLATE
 from catseye.app.engine.devices import Devices
 from catseye.app.protocol.events import JogChanged
@@ -34,7 +34,7 @@ class Known:
         monkeypatch.setattr(self.bench.idle, "devices", lambda: self.awake)
 
     @property
-    def hands(self) -> HandBench:
+    def hands(self) -> ManualBench:
         return self.bench.for_hands()
 
     def write(self, **edit: str) -> None:
