@@ -41,7 +41,7 @@ class ManualMotion:
         self.hold = hold
         self.began = False
         self._over = False
-        self._control = RunControl(clock, _tell_nobody, limits)
+        self._control = RunControl(clock, _ignore, limits)
         self._control.attach(robot)
         self._control.starting()
         self._control.started()
@@ -119,5 +119,5 @@ class ManualMotion:
             self.break_off(error)
 
 
-def _tell_nobody(_state: ControlState, _reason: str) -> None:
+def _ignore(_state: ControlState, _reason: str) -> None:
     """Clients are told what moves, not the states of each motion."""

@@ -95,7 +95,7 @@ class ObservedDevice:
         finally:
             self._latest.closed(self.name)
 
-    async def _told(self, answer: Awaitable[T]) -> T:
+    async def _answered(self, answer: Awaitable[T]) -> T:
         """Return an answer; what becomes of the link is seen on the way."""
         self._pending += 1
         try:
@@ -119,31 +119,31 @@ class ObservedRobot(ObservedDevice):
 
     async def status(self) -> ControllerStatus:
         """Return the controller's state."""
-        status = await self._told(self.driver.status())
+        status = await self._answered(self.driver.status())
         self._latest.take_status(status)
         return status
 
     async def servo(self, *, on: bool) -> None:
         """Switch the drives."""
-        await self._told(self.driver.servo(on=on))
+        await self._answered(self.driver.servo(on=on))
 
     async def set_override(self, percent: float) -> float:
         """Set the speed override; return what the controller reads back."""
-        return await self._told(self.driver.set_override(percent))
+        return await self._answered(self.driver.set_override(percent))
 
     async def move_joints(self, target: Joints) -> None:
         """Interpolate all joints to the target."""
-        await self._told(self.driver.move_joints(target))
+        await self._answered(self.driver.move_joints(target))
 
     async def joints(self) -> Joints:
         """Return the reported joint positions."""
-        joints = await self._told(self.driver.joints())
+        joints = await self._answered(self.driver.joints())
         self._latest.take_joints(joints)
         return joints
 
     async def stop(self) -> None:
         """Stop now, past any command under way."""
-        await self._told(self.driver.stop())
+        await self._answered(self.driver.stop())
 
 
 class ObservedWayRobot(ObservedRobot):
@@ -153,7 +153,7 @@ class ObservedWayRobot(ObservedRobot):
 
     async def follow(self, way: Sequence[Joints]) -> None:
         """Move through all targets in order."""
-        await self._told(self.driver.follow(way))
+        await self._answered(self.driver.follow(way))
 
 
 class ObservedInterferometer(ObservedDevice):
@@ -174,18 +174,18 @@ class ObservedInterferometer(ObservedDevice):
 
     async def zero(self) -> int:
         """Zero the count; return the new zero's number."""
-        return await self._told(self.driver.zero())
+        return await self._answered(self.driver.zero())
 
     async def read(self) -> LengthReading:
         """Return one reading."""
-        reading = await self._told(self.driver.read())
+        reading = await self._answered(self.driver.read())
         if not self.streams:
             self._latest.take_displacement(reading.displacement_mm)
         return reading
 
     async def status(self) -> BeamStatus:
         """Return the state of the beam."""
-        beam = await self._told(self.driver.status())
+        beam = await self._answered(self.driver.status())
         self._latest.take_beam(beam)
         return beam
 
@@ -197,7 +197,7 @@ class ObservedSensor(ObservedDevice):
 
     async def sample(self) -> Air:
         """Return the state of the air now."""
-        return await self._told(self.driver.sample())
+        return await self._answered(self.driver.sample())
 
 
 class ObservedAir(ObservedSensor):
@@ -217,13 +217,13 @@ class ObservedIo(ObservedDevice):
 
     async def door_closed(self) -> bool:
         """Return whether the door is closed now."""
-        closed = await self._told(self.driver.door_closed())
+        closed = await self._answered(self.driver.door_closed())
         self._latest.take_door(closed)
         return closed
 
     async def show(self, light: Light) -> None:
         """Light one lamp and put the others out."""
-        await self._told(self.driver.show(light))
+        await self._answered(self.driver.show(light))
 
 
 class ObservedTracker(ObservedDevice):
@@ -233,7 +233,7 @@ class ObservedTracker(ObservedDevice):
 
     async def locate(self) -> Position:
         """Return the position of the J4 axis."""
-        return await self._told(self.driver.locate())
+        return await self._answered(self.driver.locate())
 
 
 def observed(devices: Devices, latest: LatestValues, material: str | None) -> Devices:

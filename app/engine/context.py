@@ -115,7 +115,7 @@ class RunContext:
         self._air = AirCache(devices.environment, clock, air.max_age_s)
         self._material = devices.material and AirCache(devices.material, clock, _MATERIAL_MAX_AGE_S)
         self._compensation = Compensation(devices.interferometer.compensated, air)
-        self._doubts_told: set[str] = set()
+        self._doubts: set[str] = set()
         self._progress = Progress(clock)
         self._asked_s = 0.0
         self._poll_s = poll_s
@@ -422,7 +422,7 @@ class RunContext:
             readings,
             self._waited,
         )
-        await self._tell_doubt(measured.air)
+        await self._warn_of_doubt(measured.air)
         material_c = (await self._material.get()).temperature_c if self._material else None
         return replace(measured, beam_ok=measured.beam_ok and self._zeroed, material_c=material_c)
 
@@ -432,12 +432,12 @@ class RunContext:
         self._compensation.zeroed(await self._air.get(), dead_path_mm)
         return number
 
-    async def _tell_doubt(self, air: Air) -> None:
+    async def _warn_of_doubt(self, air: Air) -> None:
         """Warn once of each thing that is wrong with the samples of the air."""
         kind = ", ".join(missing_quantities(air)) or "range"
-        doubt = None if kind in self._doubts_told else self._compensation.doubt(air)
+        doubt = None if kind in self._doubts else self._compensation.doubt(air)
         if doubt is not None:
-            self._doubts_told.add(kind)
+            self._doubts.add(kind)
             await self.warn(doubt)
 
     async def _locate(self, tracker: Tracker, settle_time_s: float) -> Location:

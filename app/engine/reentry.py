@@ -59,20 +59,20 @@ class Reentry:
             changes = _changes(self._devices.get(name) or {}, facts)
             if changes and name in _OF_THE_POINTS and not changes.keys().isdisjoint(_IDENTIFYING):
                 raise UsageError(
-                    f"{self._name}: the {name} is another one ({_told(changes)}): its points and new ones would not "
-                    "belong together, nothing was moved; connect the former one, or start a new run; the points so "
-                    "far stay usable"
+                    f"{self._name}: the {name} is another one ({_changes_text(changes)}): its points and new ones "
+                    "would not belong together, nothing was moved; connect the former one, or start a new run; "
+                    "the points so far stay usable"
                 )
             if changes:
-                notes.append(f"the {name} is not as it was before the interruption: {_told(changes)}")
+                notes.append(f"the {name} is not as it was before the interruption: {_changes_text(changes)}")
         return notes
 
-    async def clear(self, ask: Ask, tell: Callable[[ControlState, str], None]) -> None:
+    async def clear(self, ask: Ask, publish: Callable[[ControlState, str], None]) -> None:
         """Lead the run out of ABORTED, which only its operator can.
 
         Args:
             ask: puts a question to the operator.
-            tell: publishes and stores a state and its reason.
+            publish: publishes and stores a state and its reason.
 
         Raises:
             SafetyError: the operator does not clear.
@@ -89,8 +89,8 @@ class Reentry:
                 f"catseye resume {self._name}"
             )
         clearing = transition(ControlState.ABORTED, Trigger.CLEAR).state
-        tell(clearing, "the operator has found and removed the cause of the abort")
-        tell(transition(clearing, Trigger.CLEARED).state, "cleared; the run goes on")
+        publish(clearing, "the operator has found and removed the cause of the abort")
+        publish(transition(clearing, Trigger.CLEARED).state, "cleared; the run goes on")
 
     async def ask_for_reflectors(self, ask: Ask, note: Note) -> None:
         """Ask whether the bench is still the one of the points.
@@ -144,7 +144,7 @@ def _changes(before: Mapping[str, Json], now: Any) -> dict[str, tuple[Json, Json
     }
 
 
-def _told(changes: Mapping[str, tuple[Json, Json]]) -> str:
+def _changes_text(changes: Mapping[str, tuple[Json, Json]]) -> str:
     return ", ".join(f"{key} {now}, was {before}" for key, (before, now) in changes.items())
 
 

@@ -3,12 +3,13 @@
 from collections.abc import Mapping
 from typing import Any, Final, Literal, Self
 
-from pydantic import Field, JsonValue, ValidationError
+from pydantic import Field, ValidationError
 
 from catseye.app.protocol.bench import BenchStatus, Samples, WireLine
 from catseye.app.protocol.loss import LossPolicy
 from catseye.app.protocol.message import (
     VERSION,
+    JsonData,
     Message,
     MessageError,
     absent,
@@ -150,7 +151,7 @@ class Happened(Event):
     event: Literal["state"] = "state"
     state: ControlState
     kind: str
-    data: dict[str, JsonValue]
+    data: JsonData
 
 
 class StepStarted(Event):
@@ -193,7 +194,7 @@ class PointMeasured(Event):
 
     event: Literal["point"] = "point"
     step: str
-    point: dict[str, JsonValue]
+    point: JsonData
 
 
 class PromptAsked(PromptFields, Event):

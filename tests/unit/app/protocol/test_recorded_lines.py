@@ -1,14 +1,16 @@
 """One recorded line of each message: what the models read they write again, key by key, in the same order."""
 
 import json
+from typing import Any
 
 import pytest
 
 from catseye.app.protocol.answers import Climbed, Opened, Welcome, answer_as, encode_answer
 from catseye.app.protocol.commands import command_event_of, engine_line_of
-from catseye.app.protocol.events import Unknown, encode_event, event_of
+from catseye.app.protocol.events import Happened, Unknown, encode_event, event_of
 from catseye.app.protocol.message import MessageError
 from catseye.app.protocol.requests import decode_request, encode_request
+from catseye.app.protocol.state import ControlState
 
 _STAMP = '"v": 1, "t": "2026-11-21T09:44:55.012345+00:00"'
 _RUN = f'{_STAMP}, "event": "%s", "run": "20261121T094455Z_open-loop_64469e"'
@@ -207,3 +209,9 @@ def test_a_report_of_a_command_is_written_as_it_was_read(line: str) -> None:
 def test_an_event_that_lacks_a_field_is_named() -> None:
     with pytest.raises(MessageError, match="run-ended: exit_code: Field required"):
         event_of({"event": "run-ended", "status": "complete", "text": "", "path": "x", "drives_on": False})
+
+
+def test_tuples_of_a_procedure_become_lists() -> None:
+    data: dict[str, Any] = {"place": (1.0, (2.0, None)), "rows": [{"at": (3,)}]}
+    event = Happened(state=ControlState.EXECUTE, kind="seen", data=data)
+    assert event.json_object()["data"] == {"place": [1.0, [2.0, None]], "rows": [{"at": [3]}]}
