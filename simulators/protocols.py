@@ -18,7 +18,7 @@ from catseye.simulators.options import LengthOptions, choice, flag, number, whol
 from catseye.simulators.serving import Session
 from catseye.simulators.umd.session import Umd, UmdOptions, UmdSession
 from catseye.simulators.vaisala.session import Ptu300, Ptu300Session
-from catseye.simulators.world import World
+from catseye.simulators.context import World
 
 Note = Callable[[str], None]
 """Is told each request of a client."""

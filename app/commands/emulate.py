@@ -12,7 +12,7 @@ from catseye.app.commands.output import emit_json, say
 from catseye.app.emulation import emulation_config
 from catseye.app.errors import ConfigError
 from catseye.simulators.config import EmulationConfig
-from catseye.simulators.launch import EmulatedBench
+from catseye.simulators.emulated_bench import EmulatedBench
 
 SUFFIXES = {"none": "", "cr": "\r", "crlf": "\r\n"}
 """What the emulated controller may end its answers with on TCP."""

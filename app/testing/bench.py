@@ -16,7 +16,7 @@ from catseye.simulators.config import (
     ErrorBudget,
     ReflectorPlace,
 )
-from catseye.simulators.launch import EmulatedBench
+from catseye.simulators.emulated_bench import EmulatedBench
 
 _TIMEOUT_S = 10.0
 _LONGEST_ANSWER_BYTES = 1 << 22

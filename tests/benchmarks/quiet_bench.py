@@ -12,7 +12,7 @@ from pathlib import Path
 from catseye.app.cell.load import load_cell
 from catseye.app.emulation import emulation_config
 from catseye.simulators.config import ErrorBudget, TruthText
-from catseye.simulators.launch import EmulatedBench
+from catseye.simulators.emulated_bench import EmulatedBench
 
 
 async def serve(cell: Path) -> None:

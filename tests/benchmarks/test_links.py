@@ -18,7 +18,7 @@ from catseye.drivers.melfa.robot import MelfaR3
 from catseye.drivers.melfa.session import Session
 from catseye.drivers.melfa.settings import MelfaSettings
 from catseye.simulators.config import EmulationConfig, ErrorBudget, ReflectorPlace
-from catseye.simulators.launch import EmulatedBench
+from catseye.simulators.emulated_bench import EmulatedBench
 
 ROUNDS = 2000
 BATCHES = 7

@@ -20,7 +20,7 @@ from catseye.drivers.clock import SystemClock
 from catseye.drivers.melfa.robot import MelfaR3
 from catseye.procedures.motion.approach import Command, with_take_up
 from catseye.simulators.config import EmulationConfig, ErrorBudget, TruthText
-from catseye.simulators.launch import EmulatedBench
+from catseye.simulators.emulated_bench import EmulatedBench
 from tests.system.command import SPEED, catseye, emulated
 from tests.system.test_validation_path import truth
 from tests.unit.simulators.benches import QUIET

@@ -13,7 +13,7 @@ from catseye.drivers.melfa.datalink.robot import MelfaDatalink
 from catseye.drivers.melfa.mxt.robot import MelfaMxt
 from catseye.drivers.readings import Joints
 from catseye.simulators.config import EmulatedDevice
-from catseye.simulators.launch import EmulatedBench
+from catseye.simulators.emulated_bench import EmulatedBench
 from tests.patience import HANG_S
 from tests.unit.simulators.benches import QUIET
 

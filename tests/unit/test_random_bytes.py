@@ -28,7 +28,7 @@ from catseye.drivers.tracker.bench_tracker import ObjectDecoder
 from catseye.drivers.umd.codec import SampleDecoder
 from catseye.simulators.bench.bench import Bench
 from catseye.simulators.config import EmulatedDevice
-from catseye.simulators.launch import EmulatedBench
+from catseye.simulators.emulated_bench import EmulatedBench
 from catseye.simulators.protocols import PROTOCOLS, session_maker
 from catseye.simulators.serving import Pending, Session
 from tests.unit.simulators.benches import QUIET

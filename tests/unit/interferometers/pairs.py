@@ -17,7 +17,7 @@ from catseye.simulators.melfa.controller import Controller
 from catseye.simulators.protocols import session_maker
 from catseye.simulators.serving import Pending, Session
 from catseye.simulators.timekeeper import TimeKeeper
-from catseye.simulators.world import World
+from catseye.simulators.context import World
 from tests.unit.drivers.peers import FarEnd, StepClock
 from tests.unit.simulators.benches import QUIET, aimed, go, quiet_bench
 

@@ -15,7 +15,7 @@ from catseye.drivers.errors import ProtocolError, RefusedError, WrongDeviceError
 from catseye.drivers.memory import MemoryTransport
 from catseye.simulators.attocube.cutter import JsonCutter
 from catseye.simulators.serving import Session
-from catseye.simulators.world import World
+from catseye.simulators.context import World
 from tests.transcripts import attocube_ids as transcript
 from tests.unit.drivers.peers import Peer, StepClock
 from tests.unit.interferometers.pairs import new_session, paired, quiet_world

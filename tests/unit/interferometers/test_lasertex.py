@@ -17,7 +17,7 @@ from catseye.drivers.memory import MemoryTransport
 from catseye.simulators.air_probe import AirFault
 from catseye.simulators.lasertex import frames
 from catseye.simulators.serving import Session
-from catseye.simulators.world import World
+from catseye.simulators.context import World
 from tests.transcripts import lasertex_hpi as transcript
 from tests.unit.drivers.peers import Peer, StepClock
 from tests.unit.interferometers.pairs import new_session, paired, quiet_world

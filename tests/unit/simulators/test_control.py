@@ -9,8 +9,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from catseye.simulators.control import LONGEST_BYTES, ControlSession
-from catseye.simulators.launch import EmulatedBench
+from catseye.simulators.control_port.session import LONGEST_BYTES, ControlSession
+from catseye.simulators.emulated_bench import EmulatedBench
 from catseye.simulators.melfa.session import MelfaSession
 from catseye.simulators.modbus.air_sensor import AirSensor
 from catseye.simulators.tracker import Tracker

@@ -6,7 +6,7 @@ from typing import Any
 import pytest
 
 from catseye.simulators.config import Screws
-from catseye.simulators.launch import EmulatedBench
+from catseye.simulators.emulated_bench import EmulatedBench
 from catseye.simulators.truth import TrueArm
 from tests.unit.simulators.benches import QUIET, perfect_arm, without_j4_play
 from tests.unit.simulators.test_control import Panel
@@ -23,7 +23,7 @@ CONFIG = replace(
 @pytest.fixture
 def panel(monkeypatch: pytest.MonkeyPatch) -> Panel:
     """Return a client of a nominal bench whose straight arm looks at P2, 130 mm away."""
-    monkeypatch.setattr("catseye.simulators.launch.draw_truth", _nominal)
+    monkeypatch.setattr("catseye.simulators.emulated_bench.draw_truth", _nominal)
     return Panel(EmulatedBench(CONFIG))
 
 

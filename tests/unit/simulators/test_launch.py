@@ -10,7 +10,7 @@ from dataclasses import replace
 import pytest
 
 from catseye.simulators.config import EmulatedDevice
-from catseye.simulators.launch import EmulatedBench, EmulationConfig, EmulatorError, ServedEndpoint
+from catseye.simulators.emulated_bench import EmulatedBench, EmulationConfig, EmulatorError, ServedEndpoint
 from tests.patience import HANG_S
 from tests.unit.simulators.benches import QUIET, aimed
 

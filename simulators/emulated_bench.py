@@ -6,7 +6,7 @@ from types import TracebackType
 from catseye.simulators.air_probe import AirProbe
 from catseye.simulators.bench.bench import Bench
 from catseye.simulators.config import EmulatedDevice, EmulationConfig, ErrorBudget, ReflectorPlace
-from catseye.simulators.control import ControlSession, Desk
+from catseye.simulators.control_port.session import ControlSession, Desk
 from catseye.simulators.errors import EmulatorError
 from catseye.simulators.journal import Journal
 from catseye.simulators.melfa.controller import Controller
@@ -16,7 +16,7 @@ from catseye.simulators.protocols import session_maker
 from catseye.simulators.timekeeper import TimeKeeper
 from catseye.simulators.tracker import Tracker
 from catseye.simulators.truth import TrueArm, draw_truth, true_arm, truth_document
-from catseye.simulators.world import World
+from catseye.simulators.context import World
 
 __all__ = [
     "EmulatedBench",

@@ -29,7 +29,7 @@ from catseye.simulators.ports.port import Port
 from catseye.simulators.serving import Answer, Session
 from catseye.simulators.tracker import Tracker
 from catseye.simulators.truth import truth_document
-from catseye.simulators.world import World
+from catseye.simulators.context import World
 
 LONGEST_BYTES = 65_536
 
