@@ -42,7 +42,7 @@ from catseye.app.store.reader import RunReader
 from catseye.calibration.identification import Identification
 from catseye.calibration.layout import ModelName
 from catseye.procedures.bench import Bench
-from catseye.simulators.truth import true_arm
+from catseye.simulators.world.scara.truth import true_arm
 
 _PORTS = ("10001", "10002", "10502", "10099")
 _JOBS: tuple[tuple[str, tuple[str, ...]], ...] = (

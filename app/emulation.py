@@ -23,7 +23,7 @@ from catseye.simulators.config import (
     Screws,
     TruthText,
 )
-from catseye.simulators.protocols import PROTOCOLS
+from catseye.simulators.registry import PROTOCOLS
 
 _READY_TIMEOUT_S = 20.0
 _LONGEST_ANSWER_BYTES = 1 << 20

@@ -2,13 +2,13 @@
 
 from dataclasses import dataclass, field
 
-from catseye.simulators.air_probe import AirProbe
-from catseye.simulators.bench.bench import Bench, Instrument
 from catseye.simulators.config import EmulationConfig
-from catseye.simulators.journal import Journal
 from catseye.simulators.melfa.controller import Controller
 from catseye.simulators.modbus.remote_io import Door, RemoteIo
-from catseye.simulators.timekeeper import TimeKeeper
+from catseye.simulators.world.air_probe import AirProbe
+from catseye.simulators.world.bench import Bench, Instrument
+from catseye.simulators.world.journal import Journal
+from catseye.simulators.world.timekeeper import TimeKeeper
 
 
 @dataclass(frozen=True)

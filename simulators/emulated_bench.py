@@ -3,20 +3,20 @@
 from dataclasses import dataclass
 from types import TracebackType
 
-from catseye.simulators.air_probe import AirProbe
-from catseye.simulators.bench.bench import Bench
 from catseye.simulators.config import EmulatedDevice, EmulationConfig, ErrorBudget, ReflectorPlace
+from catseye.simulators.context import World
 from catseye.simulators.control_port.session import ControlSession, Desk
 from catseye.simulators.errors import EmulatorError
-from catseye.simulators.journal import Journal
 from catseye.simulators.melfa.controller import Controller
 from catseye.simulators.options import whole
 from catseye.simulators.ports.port import Port
-from catseye.simulators.protocols import session_maker
-from catseye.simulators.timekeeper import TimeKeeper
-from catseye.simulators.tracker import Tracker
-from catseye.simulators.truth import TrueArm, draw_truth, true_arm, truth_document
-from catseye.simulators.context import World
+from catseye.simulators.registry import session_maker
+from catseye.simulators.world.air_probe import AirProbe
+from catseye.simulators.world.bench import Bench
+from catseye.simulators.world.journal import Journal
+from catseye.simulators.world.scara.truth import TrueArm, draw_truth, true_arm, truth_document
+from catseye.simulators.world.timekeeper import TimeKeeper
+from catseye.simulators.world.tracker import Tracker
 
 __all__ = [
     "EmulatedBench",

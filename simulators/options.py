@@ -4,9 +4,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Self
 
-from catseye.simulators.bench.counter import Reading
 from catseye.simulators.config import EmulatedDevice
 from catseye.simulators.errors import EmulatorError
+from catseye.simulators.world.counter import Reading
 
 
 def number(device: EmulatedDevice, key: str, default: float) -> float:

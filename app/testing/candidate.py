@@ -7,7 +7,7 @@ from typing import Any, Literal, get_args
 
 from catseye.drivers.registry import load_driver
 from catseye.simulators.config import Option
-from catseye.simulators.protocols import PROTOCOLS
+from catseye.simulators.registry import PROTOCOLS
 
 Kind = Literal["robot", "interferometer", "environment", "tracker", "io"]
 

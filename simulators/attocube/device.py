@@ -9,11 +9,11 @@ remembered and has no effect. The environment unit's index is that of helium-neo
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from catseye.simulators.air_probe import AirProbe
-from catseye.simulators.bench.air import AirSample
-from catseye.simulators.bench.bench import Instrument
-from catseye.simulators.bench.counter import Reading
 from catseye.simulators.options import LengthOptions
+from catseye.simulators.world.air import AirSample
+from catseye.simulators.world.air_probe import AirProbe
+from catseye.simulators.world.bench import Instrument
+from catseye.simulators.world.counter import Reading
 
 PM_PER_MM = 1e9
 AXES = (0, 1, 2)

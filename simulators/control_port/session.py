@@ -22,14 +22,14 @@ from typing import Literal
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
-from catseye.simulators.air_probe import AirFault
-from catseye.simulators.errors import EmulatorError
-from catseye.simulators.lossy import Lossy
-from catseye.simulators.ports.port import Port
-from catseye.simulators.serving import Answer, Session
-from catseye.simulators.tracker import Tracker
-from catseye.simulators.truth import truth_document
 from catseye.simulators.context import World
+from catseye.simulators.errors import EmulatorError
+from catseye.simulators.ports.lossy import Lossy
+from catseye.simulators.ports.port import Port
+from catseye.simulators.ports.session import Answer, Session
+from catseye.simulators.world.air_probe import AirFault
+from catseye.simulators.world.scara.truth import truth_document
+from catseye.simulators.world.tracker import Tracker
 
 LONGEST_BYTES = 65_536
 

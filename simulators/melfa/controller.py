@@ -4,8 +4,6 @@ from collections import deque
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from catseye.simulators.bench.bench import Bench
-from catseye.simulators.bench.types import Floats
 from catseye.simulators.config import EmulationConfig, Joints
 from catseye.simulators.melfa import alarms
 from catseye.simulators.melfa.alarms import Refusal
@@ -17,6 +15,8 @@ from catseye.simulators.melfa.resident import Resident
 from catseye.simulators.melfa.signals import Signals
 from catseye.simulators.melfa.task import Task
 from catseye.simulators.melfa.values import Position, Variable, joints_of, position_of, rounded
+from catseye.simulators.world.bench import Bench
+from catseye.simulators.world.types import Floats
 
 
 @dataclass

@@ -35,14 +35,14 @@ import struct
 from collections import deque
 from collections.abc import Callable
 
-from catseye.simulators.bench.motion import blend
 from catseye.simulators.config import Joints
 from catseye.simulators.melfa import alarms
 from catseye.simulators.melfa.alarms import Refusal
 from catseye.simulators.melfa.controller import Controller, Run
 from catseye.simulators.melfa.resident import Resident
 from catseye.simulators.melfa.values import rounded
-from catseye.simulators.serving import Answer, Pending, Session
+from catseye.simulators.ports.session import Answer, Pending, Session
+from catseye.simulators.world.motion import blend
 
 NUMBER_FORMATS = ("plain", "fixed", "exponent")
 """How numbers are printed: `12.3457`, `+12.346` and `1.2345670E+01`."""

@@ -31,9 +31,9 @@ from catseye.simulators.melfa.alarms import Refusal
 from catseye.simulators.melfa.controller import Controller
 from catseye.simulators.melfa.mxt_packet import IllegalPacketError, Request
 from catseye.simulators.melfa.resident import Resident, Stage
-from catseye.simulators.melfa.servo_model import ServoModel
+from catseye.simulators.melfa.servo import ServoModel
 from catseye.simulators.melfa.values import Position, joints_of
-from catseye.simulators.serving import Answer, Pending, Session
+from catseye.simulators.ports.session import Answer, Pending, Session
 
 MODES = ("joint", "xyz", "pulse")
 """What `Mxt` declares set points to be."""

@@ -7,8 +7,8 @@ status from 0x0200. Quantities of the map that are not measured here read as mis
 import math
 import struct
 
-from catseye.simulators.air_probe import AirProbe
-from catseye.simulators.modbus.protocol import ILLEGAL_ADDRESS, ModbusError
+from catseye.simulators.modbus.tcp import ILLEGAL_ADDRESS, ModbusError
+from catseye.simulators.world.air_probe import AirProbe
 
 MISSING = 0x8000
 

@@ -11,11 +11,11 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from catseye.simulators.air_probe import AirProbe
-from catseye.simulators.bench.air import AirSample
 from catseye.simulators.errors import EmulatorError
 from catseye.simulators.modbus.air_sensor import dew_point_c
-from catseye.simulators.modbus.protocol import ILLEGAL_ADDRESS, ModbusError
+from catseye.simulators.modbus.tcp import ILLEGAL_ADDRESS, ModbusError
+from catseye.simulators.world.air import AirSample
+from catseye.simulators.world.air_probe import AirProbe
 
 _FORMATS = {"float32": ">f", "int16": ">h", "uint16": ">H", "int32": ">i"}
 _MISSING = {

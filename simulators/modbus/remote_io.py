@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass, field
 
-from catseye.simulators.modbus.protocol import ILLEGAL_ADDRESS, ModbusError
+from catseye.simulators.modbus.tcp import ILLEGAL_ADDRESS, ModbusError
 
 COUNT = 16
 

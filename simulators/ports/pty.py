@@ -17,11 +17,11 @@ import tty
 from collections.abc import Callable
 from pathlib import Path
 
-from catseye.simulators.conversation import Conversation, Wire
 from catseye.simulators.errors import EmulatorError
 from catseye.simulators.ports.address import LineAddress
+from catseye.simulators.ports.conversation import Conversation, Wire
 from catseye.simulators.ports.pacer import Pacer
-from catseye.simulators.timekeeper import TimeKeeper
+from catseye.simulators.world.timekeeper import TimeKeeper
 
 ANY_FREE = "/dev/ptmx"
 _TERMINALS = "/dev/pts/"

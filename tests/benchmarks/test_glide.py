@@ -2,9 +2,9 @@
 
 import time
 
-from catseye.simulators.bench.bench import Bench
 from catseye.simulators.config import EmulationConfig
-from catseye.simulators.truth import draw_truth
+from catseye.simulators.world.bench import Bench
+from catseye.simulators.world.scara.truth import draw_truth
 from tests.unit.simulators.benches import P1, P2, P3, aimed
 
 CYCLE_S = 0.0071

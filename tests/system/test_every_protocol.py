@@ -4,7 +4,7 @@ import json
 from pathlib import Path
 
 from catseye.drivers.registry import driver_names
-from catseye.simulators.protocols import PROTOCOLS
+from catseye.simulators.registry import PROTOCOLS
 from tests.system.command import catseye, emulated
 
 EXAMPLE = Path(__file__).parents[2] / "docs" / "examples" / "every-protocol.toml"

@@ -26,11 +26,11 @@ from catseye.drivers.melfa.mxt.codec import decode as decode_mxt
 from catseye.drivers.stream import FrameDecoder
 from catseye.drivers.tracker.bench_tracker import ObjectDecoder
 from catseye.drivers.umd.codec import SampleDecoder
-from catseye.simulators.bench.bench import Bench
 from catseye.simulators.config import EmulatedDevice
 from catseye.simulators.emulated_bench import EmulatedBench
-from catseye.simulators.protocols import PROTOCOLS, session_maker
-from catseye.simulators.serving import Pending, Session
+from catseye.simulators.ports.session import Pending, Session
+from catseye.simulators.registry import PROTOCOLS, session_maker
+from catseye.simulators.world.bench import Bench
 from tests.unit.simulators.benches import QUIET
 
 TOTAL_BYTES = 1_000_000

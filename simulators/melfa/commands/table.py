@@ -10,6 +10,9 @@ import re
 from catseye.simulators.melfa import alarms
 from catseye.simulators.melfa.alarms import Refusal
 from catseye.simulators.melfa.commands import (
+    connection as session,
+)
+from catseye.simulators.melfa.commands import (
     editing,
     errors,
     files,
@@ -18,7 +21,6 @@ from catseye.simulators.melfa.commands import (
     parameters,
     positions,
     running,
-    session,
     signals,
     state,
     variables,

@@ -9,15 +9,15 @@ from typing import Any
 
 from catseye.drivers.errors import LinkError
 from catseye.drivers.memory import MemoryTransport
-from catseye.simulators.air_probe import AirProbe
-from catseye.simulators.bench.bench import Bench
 from catseye.simulators.config import EmulatedDevice, Option
-from catseye.simulators.journal import Journal
-from catseye.simulators.melfa.controller import Controller
-from catseye.simulators.protocols import session_maker
-from catseye.simulators.serving import Pending, Session
-from catseye.simulators.timekeeper import TimeKeeper
 from catseye.simulators.context import World
+from catseye.simulators.melfa.controller import Controller
+from catseye.simulators.ports.session import Pending, Session
+from catseye.simulators.registry import session_maker
+from catseye.simulators.world.air_probe import AirProbe
+from catseye.simulators.world.bench import Bench
+from catseye.simulators.world.journal import Journal
+from catseye.simulators.world.timekeeper import TimeKeeper
 from tests.unit.drivers.peers import FarEnd, StepClock
 from tests.unit.simulators.benches import QUIET, aimed, go, quiet_bench
 

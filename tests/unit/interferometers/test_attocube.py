@@ -13,9 +13,9 @@ from catseye.drivers.attocube import codec
 from catseye.drivers.attocube.ids import AttocubeIds, IdsSettings
 from catseye.drivers.errors import ProtocolError, RefusedError, WrongDeviceError
 from catseye.drivers.memory import MemoryTransport
-from catseye.simulators.attocube.cutter import JsonCutter
-from catseye.simulators.serving import Session
+from catseye.simulators.attocube.json_stream import JsonCutter
 from catseye.simulators.context import World
+from catseye.simulators.ports.session import Session
 from tests.transcripts import attocube_ids as transcript
 from tests.unit.drivers.peers import Peer, StepClock
 from tests.unit.interferometers.pairs import new_session, paired, quiet_world

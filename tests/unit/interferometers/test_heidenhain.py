@@ -12,8 +12,8 @@ from catseye.drivers.errors import ProtocolError, RefusedError, WrongDeviceError
 from catseye.drivers.heidenhain import codec
 from catseye.drivers.heidenhain.nd import HeidenhainNd, NdSettings
 from catseye.drivers.memory import MemoryTransport
-from catseye.simulators.serving import Session
 from catseye.simulators.context import World
+from catseye.simulators.ports.session import Session
 from tests.transcripts import heidenhain_nd as transcript
 from tests.unit.drivers.peers import Peer, StepClock
 from tests.unit.interferometers.pairs import new_session, paired, quiet_world

@@ -14,10 +14,10 @@ from catseye.drivers.errors import LinkTimeoutError, ProtocolError, RefusedError
 from catseye.drivers.lasertex import codec
 from catseye.drivers.lasertex.hpi import HpiSettings, LasertexHpi
 from catseye.drivers.memory import MemoryTransport
-from catseye.simulators.air_probe import AirFault
-from catseye.simulators.lasertex import frames
-from catseye.simulators.serving import Session
 from catseye.simulators.context import World
+from catseye.simulators.lasertex import frames
+from catseye.simulators.ports.session import Session
+from catseye.simulators.world.air_probe import AirFault
 from tests.transcripts import lasertex_hpi as transcript
 from tests.unit.drivers.peers import Peer, StepClock
 from tests.unit.interferometers.pairs import new_session, paired, quiet_world

@@ -6,9 +6,9 @@ from dataclasses import replace
 import numpy as np
 
 from catseye.calibration.error_map import BidirectionalMap
-from catseye.simulators.bench.bench import Bench
 from catseye.simulators.config import EmulationConfig, ErrorBudget, Joints, ReflectorPlace
-from catseye.simulators.truth import TrueArm
+from catseye.simulators.world.bench import Bench
+from catseye.simulators.world.scara.truth import TrueArm
 
 P1 = ReflectorPlace("P1", 650.0, -400.0)
 P2 = ReflectorPlace("P2", 680.0, 0.0)

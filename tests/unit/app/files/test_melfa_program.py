@@ -14,10 +14,10 @@ from catseye.app.files.path_csv import CommandPath, cartesian_commands
 from catseye.calibration.error_map import BidirectionalMap
 from catseye.calibration.identification import IdentifiedArm
 from catseye.calibration.layout import Layout
-from catseye.simulators.bench.bench import Bench
-from catseye.simulators.truth import TrueArm
+from catseye.simulators.world.bench import Bench
+from catseye.simulators.world.scara.truth import TrueArm
 from tests.unit.simulators.benches import QUIET
-from tests.unit.simulators.melfa_desk import Desk
+from tests.unit.simulators.melfa.desk import Desk
 
 NOMINAL = (325.0, 225.0)
 LINKS = (325.06, 224.95)
