@@ -38,7 +38,7 @@ from collections.abc import Callable
 from catseye.simulators.config import Joints
 from catseye.simulators.melfa import alarms
 from catseye.simulators.melfa.alarms import Refusal
-from catseye.simulators.melfa.controller import Controller, Run
+from catseye.simulators.melfa.arm_control import ArmControl, Run
 from catseye.simulators.melfa.resident import Resident
 from catseye.simulators.melfa.values import rounded
 from catseye.simulators.ports.session import Answer, Pending, Session
@@ -70,7 +70,7 @@ class Datalink(Resident):
         number_format: one of NUMBER_FORMATS.
     """
 
-    def __init__(self, controller: Controller, name: str = "CATSDL", number_format: str = "plain") -> None:
+    def __init__(self, controller: ArmControl, name: str = "CATSDL", number_format: str = "plain") -> None:
         super().__init__(name, controller.require_start, controller.changed)
         self.controller = controller
         self.client: DatalinkSession | None = None

@@ -28,7 +28,7 @@ from catseye.simulators.config import Joints
 from catseye.simulators.errors import BenchError
 from catseye.simulators.melfa import alarms, mxt_packet
 from catseye.simulators.melfa.alarms import Refusal
-from catseye.simulators.melfa.controller import Controller
+from catseye.simulators.melfa.arm_control import ArmControl
 from catseye.simulators.melfa.mxt_packet import IllegalPacketError, Request
 from catseye.simulators.melfa.resident import Resident, Stage
 from catseye.simulators.melfa.servo import ServoModel
@@ -89,7 +89,7 @@ class Mxt(Resident):
         sync: advances bench time to this moment.
     """
 
-    def __init__(self, controller: Controller, options: MxtOptions, sync: Callable[[], object]) -> None:
+    def __init__(self, controller: ArmControl, options: MxtOptions, sync: Callable[[], object]) -> None:
         super().__init__(options.program, controller.require_start, controller.changed)
         self.controller = controller
         self.sync = sync

@@ -5,9 +5,10 @@ from collections.abc import Callable
 
 from catseye.simulators.melfa import alarms
 from catseye.simulators.melfa.alarms import Refusal
+from catseye.simulators.melfa.arm_control import Run
 from catseye.simulators.melfa.commands.command import Client
 from catseye.simulators.melfa.commands.table import cannot_go_on, carry_out, split
-from catseye.simulators.melfa.controller import Controller, Run
+from catseye.simulators.melfa.controller import Controller
 from catseye.simulators.melfa.framing import TOO_LONG, RequestBuffer
 from catseye.simulators.ports.session import Answer, Pending, Session
 
