@@ -20,10 +20,14 @@ from catseye.simulators.config import (
     EmulationConfig,
     Option,
     ReflectorPlace,
+    Scara,
     Screws,
     TruthText,
 )
 from catseye.simulators.registry import PROTOCOLS
+
+_J3_MM = (0.0, 150.0)
+"""Limits of J3, which no cell file has."""
 
 _READY_TIMEOUT_S = 20.0
 _LONGEST_ANSWER_BYTES = 1 << 20
@@ -45,11 +49,13 @@ def emulation_config(cell: Cell, speed: float, seed: int, truth: Path | None) ->
     limits = cell.robot.limits_deg
     return EmulationConfig(
         reflectors=tuple(ReflectorPlace(r.name, r.x_mm, r.y_mm, r.facing_deg) for r in cell.reflector),
-        link1_mm=cell.robot.link1_mm,
-        link2_mm=cell.robot.link2_mm,
-        j1_deg=(limits.j1[0], limits.j1[1]),
-        j2_deg=(limits.j2[0], limits.j2[1]),
-        j4_deg=(limits.j4[0], limits.j4[1]),
+        scara=Scara(cell.robot.link1_mm, cell.robot.link2_mm),
+        limits=(
+            (limits.j1[0], limits.j1[1]),
+            (limits.j2[0], limits.j2[1]),
+            _J3_MM,
+            (limits.j4[0], limits.j4[1]),
+        ),
         start_joints=(0.0, 0.0, cell.robot.j3_mm, 0.0),
         acceptance_mm=cell.optics.acceptance_mm,
         field_half_angle_deg=cell.optics.field_half_angle_deg,

@@ -1,5 +1,6 @@
 """What all emulated devices of one bench share."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 from catseye.simulators.config import EmulationConfig
@@ -18,6 +19,7 @@ class World:
     Attributes:
         config: of the emulation.
         bench: the physical truth.
+        truth: the true arm in the result format.
         controller: the robot controller; all its endpoints lead to it.
         keeper: bench time.
         journal: what happened.
@@ -29,6 +31,7 @@ class World:
 
     config: EmulationConfig
     bench: Bench
+    truth: Mapping[str, object]
     controller: Controller
     keeper: TimeKeeper
     journal: Journal

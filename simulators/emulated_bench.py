@@ -12,9 +12,9 @@ from catseye.simulators.options import whole
 from catseye.simulators.ports.port import Port
 from catseye.simulators.registry import session_maker
 from catseye.simulators.world.air_probe import AirProbe
-from catseye.simulators.world.bench import Bench
 from catseye.simulators.world.journal import Journal
-from catseye.simulators.world.scara.truth import TrueArm, draw_truth, true_arm, truth_document
+from catseye.simulators.world.scara.bench import scara_bench
+from catseye.simulators.world.scara.truth import draw_truth, true_arm, truth_document
 from catseye.simulators.world.timekeeper import TimeKeeper
 from catseye.simulators.world.tracker import Tracker
 
@@ -56,15 +56,15 @@ class EmulatedBench:
 
     def __init__(self, config: EmulationConfig) -> None:
         _check(config)
-        self._truth: TrueArm = (
-            draw_truth(config.seed, config) if config.truth is None else true_arm(config.truth, config)
-        )
-        self.bench = Bench(self._truth, config, lambda text: self.journal.add("robot", "motion", text))
+        truth = draw_truth(config.seed, config) if config.truth is None else true_arm(config.truth, config)
+        self.bench = scara_bench(truth, config, lambda text: self.journal.add("robot", "motion", text))
         self.journal = Journal(lambda: self.bench.time_s)
         self.keeper = TimeKeeper(self.bench, config.speed)
         self.controller = Controller(self.bench, config, self.keeper.changed)
         probe = AirProbe(self.bench)
-        self.world = World(config, self.bench, self.controller, self.keeper, self.journal, probe)
+        self.world = World(
+            config, self.bench, truth_document(truth), self.controller, self.keeper, self.journal, probe
+        )
         self._ports = [self._port(device) for device in config.devices]
         by_name: dict[str, list[Port]] = {}
         for port in self._ports:
@@ -78,10 +78,6 @@ class EmulatedBench:
     def endpoints(self) -> list[ServedEndpoint]:
         """Where each device answers; final once the context is entered."""
         return [ServedEndpoint(port.device, port.protocol, port.endpoint) for port in self._ports]
-
-    def truth_document(self) -> dict[str, object]:
-        """Return the true arm in the result format."""
-        return truth_document(self._truth)
 
     async def __aenter__(self) -> "EmulatedBench":
         try:

@@ -28,7 +28,6 @@ from catseye.simulators.ports.lossy import Lossy
 from catseye.simulators.ports.port import Port
 from catseye.simulators.ports.session import Answer, Session
 from catseye.simulators.world.air_probe import AirFault
-from catseye.simulators.world.scara.truth import truth_document
 from catseye.simulators.world.tracker import Tracker
 
 LONGEST_BYTES = 65_536
@@ -79,7 +78,7 @@ class _Identify(_Request):
 
 class _Truth(_Request):
     def carry_out(self, desk: Desk) -> Said:
-        return {"truth": truth_document(desk.world.bench.truth)}
+        return {"truth": desk.world.truth}
 
 
 class _State(_Request):
@@ -112,7 +111,7 @@ class _State(_Request):
             "mount": {
                 "offset_mm": bench.mount.offset_mm,
                 "pitch_mrad": 1e3 * bench.mount.pitch_rad,
-                "height_j3_mm": bench.mount.height_j3_mm,
+                "height_j3_mm": bench.mount.height_mm,
                 "turns": {name: screw.turns for name, screw in bench.mount.screws.items()},
             },
             "in_place": bench.in_place,

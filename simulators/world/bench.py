@@ -7,14 +7,13 @@ import numpy as np
 from catseye.simulators.config import EmulationConfig, Joints
 from catseye.simulators.errors import BenchError
 from catseye.simulators.world.air import Air, AirSample
+from catseye.simulators.world.arm import Arm
 from catseye.simulators.world.counter import Counter, Gap, Reading, gaps_between
 from catseye.simulators.world.insight import Insight
 from catseye.simulators.world.looks import Looks
 from catseye.simulators.world.motion import SHORTEST
 from catseye.simulators.world.mount import Mount
-from catseye.simulators.world.optics import NOBODY, Optics, Sight
-from catseye.simulators.world.scara.arm import Arm
-from catseye.simulators.world.scara.truth import TrueArm
+from catseye.simulators.world.optics import NOBODY, Optics, Reflectors, Sight
 from catseye.simulators.world.types import Floats
 
 _MOMENT_S = 1e-3
@@ -31,18 +30,20 @@ class Bench:
     looked at on times fixed by each motion, and whenever somebody asks.
 
     Args:
-        truth: the true arm.
+        arm: that carries the beam.
+        reflectors: where their centres are.
         config: everything else.
         witness: is told of motions, stops and arrivals; by default nobody is.
     """
 
-    def __init__(self, truth: TrueArm, config: EmulationConfig, witness: Witness | None = None) -> None:
-        if not truth.reflectors:
+    def __init__(
+        self, arm: Arm, reflectors: Reflectors, config: EmulationConfig, witness: Witness | None = None
+    ) -> None:
+        if not reflectors:
             raise BenchError("a bench needs at least one reflector")
-        self.truth = truth
         self.time_s = 0.0
-        self._arm = Arm(truth, config)
-        self._optics = Optics(truth, config)
+        self._arm = arm
+        self._optics = Optics(reflectors, config, float(arm.poses(np.zeros(1)).height_mm[0]))
         self._air = Air(config.air, config.seed)
         self._config = config
         self._counter = Counter(config, self._look(np.zeros(1)), self._air.index_at)
@@ -52,11 +53,11 @@ class Bench:
         self._looks = Looks(self._arm.sample_times())
         self._arrived = True
         self._appointments: list[tuple[float, Callable[[], None]]] = []
-        self._slip_deg = [0.0, 0.0, 0.0, 0.0]
+        self._slip: Floats = np.zeros(len(arm.motion.end))
 
     @property
     def joints(self) -> Joints:
-        """Joints as commanded at this moment, deg, deg, mm, deg."""
+        """Joints as commanded at this moment, deg or mm."""
         return self._arm.motion.joints_at(self.time_s)
 
     def joints_at(self, time_s: float) -> Joints:
@@ -124,7 +125,7 @@ class Bench:
         """Start a joint-interpolated motion.
 
         Args:
-            target: joints to reach, deg, deg, mm, deg.
+            target: joints to reach, deg or mm.
             override_percent: speed, per cent of the largest.
             accel_percent: acceleration, per cent of the largest.
 
@@ -143,7 +144,7 @@ class Bench:
 
         Args:
             times_s: when each knot is passed, s from now, above 0 and increasing, shape (m,).
-            joints: knots, deg, deg, mm, deg, shape (m, 4).
+            joints: knots, deg or mm, shape (m, n).
 
         Raises:
             BenchError: the arm moves already, or the knots do not fit each other.
@@ -151,10 +152,12 @@ class Bench:
         self._require_rest()
         if (
             not times_s.size
-            or joints.shape != (times_s.size, 4)
+            or joints.shape != (times_s.size, self._slip.size)
             or np.any(np.diff(times_s, prepend=0.0) <= 0.0)
         ):
-            raise BenchError("a way needs knots of four joints, and times above 0 that increase")
+            raise BenchError(
+                f"a way needs knots of {self._slip.size} joints, and times above 0 that increase"
+            )
         self._observe()
         joints = np.concatenate([joints[:-1], [self._slipped(joints[-1])]])
         self._arm.follow(times_s, joints, self.time_s)
@@ -226,7 +229,7 @@ class Bench:
         return float(after.length_mm[0] - before.length_mm[0]) / (until_s - since_s)
 
     def tool_speed_mm_s(self) -> float:
-        """Return the speed of the J4 axis at this moment, mm/s."""
+        """Return the speed of the axis that turns the beam at this moment, mm/s."""
         since_s, until_s = self._moment()
         if not self.moving or since_s == until_s:
             return 0.0
@@ -254,13 +257,12 @@ class Bench:
         poses = self._arm.poses(now)
         sight = self._optics.look(poses)
         axis = complex(poses.axis_mm[0])
-        j1, j2, j4 = (float(q) for q in self._arm.play_at(self.time_s))
         nearest = self._nearest(sight)
         return Insight(
             axis_mm=(axis.real, axis.imag),
             joints=self._arm.true_joints(self.time_s),
             beam_deg=float(np.rad2deg(poses.beam_rad[0])),
-            play=(j1, j2, j4),
+            play=tuple(float(state) for state in self._arm.play_at(self.time_s)),
             reflector=nearest if sight.index[0] != NOBODY else None,
             nearest=nearest,
             miss_mm=float(sight.miss_mm[0]),
@@ -378,16 +380,16 @@ class Bench:
         """The laser holds its frequency."""
         return self._counter.laser_ready
 
-    def slip(self, joint: int, by_deg: float) -> None:
+    def slip(self, joint: int, by: float) -> None:
         """Let the next motion end beside its target, as after a collision; the encoders tell where.
 
         Real-time streams are left alone.
 
         Args:
-            joint: 1, 2 or 4.
-            by_deg: how far.
+            joint: its number, from 1.
+            by: how far, deg or mm.
         """
-        self._slip_deg[joint - 1] = by_deg
+        self._slip[joint - 1] = by
 
     def clear_faults(self) -> None:
         """Take away what stands in the beam, shakes, dims, unlocks the laser or waits to let a joint slip."""
@@ -395,12 +397,12 @@ class Bench:
         self.weaken(1.0)
         self.shake(0.0, 0.0)
         self.set_laser(ready=True)
-        self._slip_deg = [0.0, 0.0, 0.0, 0.0]
+        self._slip[:] = 0.0
 
     def _slipped(self, target: Floats) -> Joints:
-        j1, j2, j3, j4 = (target + self._slip_deg).tolist()
-        self._slip_deg = [0.0, 0.0, 0.0, 0.0]
-        return (j1, j2, j3, j4)
+        slipped = tuple((target + self._slip).tolist())
+        self._slip[:] = 0.0
+        return slipped
 
     def _require_nest(self, name: str) -> None:
         if name not in self._optics.names:

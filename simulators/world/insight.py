@@ -10,10 +10,10 @@ class Insight:
     """What nobody on a real bench could know.
 
     Attributes:
-        axis_mm: true position of the J4 axis (x, y), mm.
-        joints: what the joints really are, J1 deg, J2 deg, J3 mm, J4 deg.
+        axis_mm: true position of the axis that turns the beam (x, y), mm.
+        joints: what the joints really are, deg or mm.
         beam_deg: true world direction of the beam, deg.
-        play: states of the play of J1, J2 and J4, -1...1.
+        play: states of the play of the joints that have any, -1...1.
         reflector: name of the reflector that returns the beam, None without a return.
         nearest: name of the reflector that is missed least.
         miss_mm: distance of its centre from the beam's line, mm.
@@ -23,7 +23,7 @@ class Insight:
     axis_mm: tuple[float, float]
     joints: Joints
     beam_deg: float
-    play: tuple[float, float, float]
+    play: tuple[float, ...]
     reflector: str | None
     nearest: str
     miss_mm: float

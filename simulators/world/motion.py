@@ -75,7 +75,7 @@ class Motion:
     """One motion of the arm along straight legs in joint space, and the rest that follows it.
 
     Attributes:
-        knots: joints at the ends of the legs, deg, deg, mm, deg, shape (m, 4).
+        knots: joints at the ends of the legs, deg or mm, shape (m, n).
         marks: fraction of the way at which each knot is passed, 0...1, increasing, shape (m,).
         start_s: bench time of the start, s.
         profile: speed along the way.
@@ -93,7 +93,7 @@ class Motion:
 
     @property
     def start(self) -> Joints:
-        """Joints at the start, deg, deg, mm, deg."""
+        """Joints at the start, deg or mm."""
         return _joints(self.knots[0])
 
     @property
@@ -108,7 +108,7 @@ class Motion:
 
     @cached_property
     def steps(self) -> Floats:
-        """Joint travel of each leg, shape (m - 1, 4)."""
+        """Joint travel of each leg, shape (m - 1, n)."""
         return np.diff(self.knots, axis=0)
 
     @cached_property
@@ -116,10 +116,10 @@ class Motion:
         return np.diff(self.marks)
 
     @cached_property
-    def largest_slope_deg(self) -> float:
-        """Return the largest joint travel in a unit of the way, deg; J3 moves no beam sideways."""
-        slopes = np.abs(self.steps[:, [0, 1, 3]]) / self._spans[:, None]
-        return float(slopes.max())
+    def slopes(self) -> Floats:
+        """Joint travel of each leg in a unit of the way, shape (m - 1, n)."""
+        slopes: Floats = self.steps / self._spans[:, None]
+        return slopes
 
     def done(self, time_s: Floats) -> Floats:
         """Return the travelled fraction of the way at bench times, same shape."""
@@ -133,7 +133,7 @@ class Motion:
         return leg, (done - self.marks[leg]) / self._spans[leg]
 
     def along(self, done: Floats) -> Floats:
-        """Return the joints at fractions of the way, shape (n, 4)."""
+        """Return the joints at fractions of the way, a row a fraction."""
         leg, part = self.legs(done)
         joints: Floats = self.knots[leg] + part[:, None] * self.steps[leg]
         return joints
@@ -145,10 +145,9 @@ class Motion:
         return _joints(self.along(self.done(np.array([time_s])))[0])
 
     def slopes_from(self, done: float) -> Floats:
-        """Return the joint travels in a unit of the way on the legs that are still to go, shape (k, 4)."""
+        """Return the joint travels in a unit of the way on the legs that are still to go, shape (k, n)."""
         first = int(self.legs(np.array([done]))[0][0])
-        slopes: Floats = self.steps[first:] / self._spans[first:, None]
-        return slopes
+        return self.slopes[first:]
 
     def part(self, first: float, last: float) -> tuple[Floats, Floats]:
         """Return the knots and marks of a part of the way, given by fractions; beyond 1 the last leg goes on."""
@@ -158,8 +157,7 @@ class Motion:
 
 
 def _joints(row: Floats) -> Joints:
-    j1, j2, j3, j4 = row.tolist()
-    return (j1, j2, j3, j4)
+    return tuple(row.tolist())
 
 
 def plan_motion(
@@ -203,7 +201,7 @@ def plan_way(start: Joints, times_s: Floats, joints: Floats, start_s: float) -> 
     Args:
         start: joints at the start.
         times_s: when each knot is passed, s after the start, above 0 and increasing, shape (m,).
-        joints: knots, deg, deg, mm, deg, shape (m, 4).
+        joints: knots, deg or mm, shape (m, n).
         start_s: bench time of the start, s.
     """
     duration_s = float(times_s[-1])
@@ -239,7 +237,7 @@ def blend(
         if move.profile is not STANDSTILL:
             moves.append(replace(move, start_s=_blended_start_s(moves, move.profile)))
     if not moves:
-        return np.empty(0), np.empty((0, 4))
+        return np.empty(0), np.empty((0, len(points[0])))
     times_s = np.unique(np.concatenate([_ramp_times_s(move) for move in moves]))
     times_s = times_s[np.append(np.diff(times_s) > SHORTEST, True) & (times_s > SHORTEST)]
     joints = points[0] + sum(move.done(times_s)[:, None] * move.steps[0] for move in moves)

@@ -48,22 +48,23 @@ class Mount:
 
     Args:
         config: how the beam lies and what its screws do; what is None is drawn from the seed.
+        start_height_mm: height of the arm at bench time 0.
 
     Attributes:
-        offset_mm: lateral offset of the beam from the J4 axis, positive to its left.
+        offset_mm: lateral offset of the beam from the arm's last axis, positive to its left.
         pitch_rad: angle of the beam above the XY plane.
-        height_j3_mm: J3 at which the beam, beside the J4 axis, lies in the plane of the reflectors.
+        height_mm: height of the arm at which the beam, where it starts, lies in the plane of the reflectors.
         screws: by name: "stage" moves the beam to its side, "level" tilts it.
     """
 
-    def __init__(self, config: EmulationConfig) -> None:
+    def __init__(self, config: EmulationConfig, start_height_mm: float) -> None:
         self._config: Screws = config.screws
         drawn = _as_mounted(config.seed) if config.unaligned else _as_aligned(config.seed)
         offset_mm, pitch_mrad, height_mm = drawn
         self.offset_mm = offset_mm if config.beam_offset_mm is None else config.beam_offset_mm
         self.pitch_rad = 1e-3 * (pitch_mrad if config.beam_pitch_mrad is None else config.beam_pitch_mrad)
-        level_mm = config.beam_height_j3_mm
-        self.height_j3_mm = config.start_joints[2] + height_mm if level_mm is None else level_mm
+        level_mm = config.beam_height_mm
+        self.height_mm = start_height_mm + height_mm if level_mm is None else level_mm
         rng = np.random.default_rng([config.seed, 12])
         hand = (rng, self._config.setting_turns, self._config.play_turns)
         self.screws = {"stage": Screw(*hand), "level": Screw(*hand)}
@@ -80,8 +81,8 @@ class Mount:
             return
         tilt_rad = 1e-3 * self._config.level_mrad_per_turn * moved
         self.pitch_rad += tilt_rad
-        # The pivot lies behind the place where the beam passes the J4 axis.
-        self.height_j3_mm -= self._config.level_lever_mm * tilt_rad
+        # The pivot lies behind the place where the beam passes that axis.
+        self.height_mm -= self._config.level_lever_mm * tilt_rad
 
 
 def _as_aligned(seed: int) -> tuple[float, float, float]:

@@ -1,16 +1,18 @@
 """The beam from the arm to the reflectors: who is hit, how far, what blocks it."""
 
 import math
-from collections.abc import Collection
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 
 import numpy as np
 
 from catseye.simulators.config import EmulationConfig
+from catseye.simulators.world.arm import BeamPoses
 from catseye.simulators.world.mount import Mount
-from catseye.simulators.world.scara.arm import Poses
-from catseye.simulators.world.scara.truth import TrueArm
 from catseye.simulators.world.types import Bools, Floats, Ints, Plane
+
+Reflectors = Mapping[str, tuple[float, float]]
+"""True places of the reflectors' centres by name, (x, y), mm."""
 
 NOBODY = -1
 """Index of the reflector when no beam returns."""
@@ -26,7 +28,7 @@ class Sight:
     Attributes:
         time_s: bench times, s.
         index: reflector that returns the beam, NOBODY without a return.
-        length_mm: projection of the way from the J4 axis to that reflector on the beam, mm; of the
+        length_mm: projection of the way from the start of the beam to that reflector on the beam, mm; of the
             nearest reflector ahead that is in place, by miss, without a return.
         miss_mm: distance of that reflector's centre from the beam's line, mm.
         nearest: index of that reflector.
@@ -48,15 +50,16 @@ class Sight:
 class Optics:
     """Reflectors in their nests, base column and faults in the way of the beam.
 
-    The beam starts beside the J4 axis by a lateral offset and rises by its pitch; its length is measured along the
-    beam, so the cosine errors of miss and pitch are in it. A reflector returns the beam when it is in place, the
+    The beam starts beside the arm's last axis by a lateral offset and rises by its pitch; its length is measured
+    along the beam, so the cosine errors of miss and pitch are in it. A reflector returns the beam when it is in place, the
     miss is within its acceptance, it lies ahead, the beam comes within its field, and neither the column nor a
     fault stands between. The acceptance is that of a full signal; it shrinks with what dirt leaves of it, since the
     level at its edge, exp(-2), is the least that a counter counts with.
 
     Args:
-        truth: places of the reflectors.
+        reflectors: where their centres are.
         config: acceptance, field, column, mount of the beam, nests.
+        start_height_mm: height of the arm at bench time 0.
 
     Attributes:
         names: of the reflectors' nests.
@@ -64,9 +67,9 @@ class Optics:
         clearness: what dirt leaves of the signal, 0...1.
     """
 
-    def __init__(self, truth: TrueArm, config: EmulationConfig) -> None:
-        self.names = list(truth.reflectors)
-        self._nests = np.array([complex(*truth.reflectors[name]) for name in self.names])
+    def __init__(self, reflectors: Reflectors, config: EmulationConfig, start_height_mm: float) -> None:
+        self.names = list(reflectors)
+        self._nests = np.array([complex(*place_mm) for place_mm in reflectors.values()])
         self._centres = self._nests.copy()
         self._in_place = np.ones(len(self.names), dtype=np.bool_)
         self._in_place[1:] = not config.one_reflector
@@ -82,7 +85,7 @@ class Optics:
         self._acceptance_mm = config.acceptance_mm
         self._least_cosine = np.cos(np.deg2rad(config.field_half_angle_deg))
         self._column_radius_mm = config.column_radius_mm
-        self.mount = Mount(config)
+        self.mount = Mount(config, start_height_mm)
         self.clearness = 1.0
         self._blocked_s = (np.inf, np.inf)
 
@@ -118,14 +121,14 @@ class Optics:
                 self._centres[k] = self._nests[k] + complex(x, y) * self._nest_mm
                 self._in_place[k] = True
 
-    def look(self, poses: Poses) -> Sight:
+    def look(self, poses: BeamPoses) -> Sight:
         """Return what the beam meets in each pose."""
         beam = np.exp(1j * poses.beam_rad)
         mount = self.mount
         origin = poses.axis_mm + 1j * mount.offset_mm * beam
         relative = (self._centres - origin[:, None]) * np.conj(beam)[:, None]
         along = relative.real
-        lift = (poses.height_mm - mount.height_j3_mm)[:, None]
+        lift = (poses.height_mm - mount.height_mm)[:, None]
         rise, run = math.sin(mount.pitch_rad), math.cos(mount.pitch_rad)
         length = along * run - lift * rise
         miss = np.hypot(relative.imag, along * rise + lift * run)
@@ -167,7 +170,7 @@ def _facing(facing_deg: float | None, centre: complex) -> complex:
     return complex(np.exp(1j * np.deg2rad(facing_deg)))
 
 
-def _choose(poses: Poses, returns: Bools, length: Floats, miss: Floats, candidates: Floats) -> Sight:
+def _choose(poses: BeamPoses, returns: Bools, length: Floats, miss: Floats, candidates: Floats) -> Sight:
     hit: Bools = np.any(returns, axis=1)
     # Of several reflectors in the beam the first one stops it; without any, the nearest miss is of interest.
     rank = np.where(hit[:, None], np.where(returns, length, np.inf), candidates)

@@ -24,7 +24,7 @@ async def serve(cell: Path) -> None:
         beam_offset_mm=0.0,
         beam_pitch_mrad=0.0,
         truth=TruthText(cell.with_name("truth.json").read_bytes(), "truth.json"),
-        dynamics=replace(config.dynamics, j4_backlash_mdeg=0.0),
+        scara=replace(config.scara, j4_backlash_mdeg=0.0),
     )
     async with EmulatedBench(quiet) as bench:
         for served in bench.endpoints:

@@ -1,4 +1,4 @@
-"""The arm: motion, error maps, play, scatter of arrivals, radial error motions, warming and ringing.
+"""The SCARA: motion, error maps, play, scatter of arrivals, radial error motions, warming and ringing.
 
 Every quantity is a closed function of bench time within one motion (and the rest that follows it), so results do
 not depend on the steps in which bench time advances. Play is closed too: each joint moves in one direction only
@@ -19,6 +19,7 @@ import numpy as np
 
 from catseye.calibration.error_map import BidirectionalMap
 from catseye.simulators.config import EmulationConfig, Joints
+from catseye.simulators.world.arm import BeamPoses
 from catseye.simulators.world.motion import (
     SHORTEST,
     STANDSTILL,
@@ -39,25 +40,6 @@ _PLAY_JOINTS = (0, 1, 3)
 _STEP_DEG = 0.05
 _STEP_S = 0.005
 _CALM_MM = 1e-9
-
-
-@dataclass(frozen=True)
-class Poses:
-    """What the arm really does at several bench times, shape (n,) each.
-
-    Attributes:
-        time_s: bench times, s.
-        axis_mm: true position of the J4 axis, mm.
-        beam_rad: true world direction of the beam, rad.
-        height_mm: J3, mm.
-        white_mm: white noise of the length at these places, mm.
-    """
-
-    time_s: Floats
-    axis_mm: Plane
-    beam_rad: Floats
-    height_mm: Floats
-    white_mm: Floats
 
 
 @dataclass(frozen=True)
@@ -129,7 +111,7 @@ class RadialError:
         return shift
 
 
-class Arm:
+class ScaraArm:
     """State of the arm: the present motion, the play of each joint, what is left of earlier ringing.
 
     Args:
@@ -141,12 +123,11 @@ class Arm:
         self._truth = truth
         self._budget = config.budget
         self._dynamics = config.dynamics
-        half_j4 = np.array([config.dynamics.j4_backlash_mdeg * _TO_RAD / 2e3])
+        half_j4 = np.array([config.scara.j4_backlash_mdeg * _TO_RAD / 2e3])
         j4_map = BidirectionalMap(np.zeros(1), -half_j4, half_j4)
         self._tables = [FlankTable(m) for m in (truth.theta1_map, truth.theta2_map, j4_map)]
         rng = np.random.default_rng([config.seed, 3])
-        radial_um = (config.budget.radial_j1_um, config.budget.radial_j2_um, config.budget.radial_j4_um)
-        self._radial = [RadialError(rng, rms_um) for rms_um in radial_um]
+        self._radial = [RadialError(rng, rms_um) for rms_um in config.budget.radial_um]
         self._arrivals = np.random.default_rng([config.seed, 4])
         self.motion = Motion.straight(config.start_joints, config.start_joints, 0.0, STANDSTILL)
         self.gliding = False
@@ -223,7 +204,8 @@ class Arm:
     def sample_times(self) -> Floats:
         """Return the bench times at which the beam has to be looked at, from the motion's start until it is calm."""
         profile = self.motion.profile
-        fastest_deg_s = self.motion.largest_slope_deg * profile.speed
+        # J3 moves no beam sideways.
+        fastest_deg_s = float(np.abs(self.motion.slopes[:, _PLAY_JOINTS]).max()) * profile.speed
         step_s = min(_STEP_S, _STEP_DEG / fastest_deg_s) if fastest_deg_s else _STEP_S
         moving = np.linspace(0.0, profile.duration_s, int(np.ceil(profile.duration_s / step_s)) + 1)
         calm = np.arange(1, self._calm_steps() + 1) * _STEP_S + profile.duration_s
@@ -234,7 +216,7 @@ class Arm:
         shaken = np.arange(max(from_s, times_s[-1]) + _STEP_S, until_s + self._calm_s, _STEP_S)
         return np.concatenate([times_s, shaken])
 
-    def poses(self, time_s: Floats) -> Poses:
+    def poses(self, time_s: Floats) -> BeamPoses:
         """Return what the arm does at bench times not before the start of the present motion.
 
         Args:
@@ -243,7 +225,9 @@ class Arm:
         shape = self._shape(self.motion.done(time_s)) if time_s[0] < self.motion.end_s else self._at_rest()
         axis = shape.reach_mm * self._growth(time_s) + shape.shift_mm + self._ringing_at(time_s)
         spread = np.zeros(time_s.shape)
-        return Poses(time_s, axis, spread + shape.beam_rad, spread + shape.height_mm, spread + shape.white_mm)
+        return BeamPoses(
+            time_s, axis, spread + shape.beam_rad, spread + shape.height_mm, spread + shape.white_mm
+        )
 
     def _at_rest(self) -> _Shape:
         """Return the shape at the end; there one reading follows another, so it is worked out once."""

@@ -4,9 +4,7 @@ A truth is drawn from a seed or read from a result file (`catseye-result/1`); un
 Outside its nodes a true map is held constant: the arm has some deviation there too, but nobody measured it.
 """
 
-import json
 from dataclasses import dataclass, field
-from pathlib import Path
 from typing import Literal
 
 import numpy as np
@@ -49,9 +47,9 @@ def draw_truth(seed: int, config: EmulationConfig) -> TrueArm:
         config: nominal links, joint limits and rough places of the reflectors.
     """
     rng = np.random.default_rng([seed, 1])
-    link1_mm, link2_mm = rng.normal((config.link1_mm, config.link2_mm), 0.03)
-    theta1 = _draw_map(rng, config.j1_deg, 0.0, (9.0, 12.0, 9.0))
-    theta2 = _draw_map(rng, config.j2_deg, -5.5, (6.0, 11.0, 9.0))
+    link1_mm, link2_mm = rng.normal((config.scara.link1_mm, config.scara.link2_mm), 0.03)
+    theta1 = _draw_map(rng, config.limits[0], 0.0, (9.0, 12.0, 9.0))
+    theta2 = _draw_map(rng, config.limits[1], -5.5, (6.0, 11.0, 9.0))
     theta40_deg = rng.normal(0.0, 1.0)
     reflectors = _draw_reflectors(seed, config)
     return TrueArm(link1_mm, link2_mm, theta1, theta2, reflectors, float(np.deg2rad(theta40_deg)))
@@ -216,8 +214,3 @@ def _map_document(table: BidirectionalMap) -> dict[str, list[float]]:
 
 def _listed(values: Floats) -> list[float]:
     return [float(value) for value in values]
-
-
-def write_truth(truth: TrueArm, path: Path) -> None:
-    """Write the arm as a result file."""
-    path.write_text(json.dumps(truth_document(truth), indent=1) + "\n", encoding="utf-8")

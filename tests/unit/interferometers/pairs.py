@@ -28,7 +28,7 @@ def quiet_world() -> World:
     go(bench, aimed(20.0, 30.0))
     controller = Controller(bench, QUIET, lambda: None)
     journal = Journal(lambda: bench.time_s)
-    return World(QUIET, bench, controller, TimeKeeper(bench, clock=lambda: 0.0), journal, AirProbe(bench))
+    return World(QUIET, bench, {}, controller, TimeKeeper(bench, clock=lambda: 0.0), journal, AirProbe(bench))
 
 
 def maker(world: World, protocol: str, options: Mapping[str, Option] | None = None) -> Callable[[], Session]:

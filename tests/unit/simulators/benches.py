@@ -8,6 +8,7 @@ import numpy as np
 from catseye.calibration.error_map import BidirectionalMap
 from catseye.simulators.config import EmulationConfig, ErrorBudget, Joints, ReflectorPlace
 from catseye.simulators.world.bench import Bench
+from catseye.simulators.world.scara.bench import scara_bench
 from catseye.simulators.world.scara.truth import TrueArm
 
 P1 = ReflectorPlace("P1", 650.0, -400.0)
@@ -31,18 +32,18 @@ def constant_map(positive_mdeg: float = 0.0, negative_mdeg: float = 0.0) -> Bidi
 def perfect_arm(config: EmulationConfig = QUIET) -> TrueArm:
     """Return the nominal arm with the reflectors where the configuration has them."""
     places = {place.name: (place.x_mm, place.y_mm) for place in config.reflectors}
-    return TrueArm(config.link1_mm, config.link2_mm, constant_map(), constant_map(), places)
+    return TrueArm(config.scara.link1_mm, config.scara.link2_mm, constant_map(), constant_map(), places)
 
 
 def without_j4_play(config: EmulationConfig) -> EmulationConfig:
     """Return the configuration with a J4 that points exactly."""
-    return replace(config, dynamics=replace(config.dynamics, j4_backlash_mdeg=0.0))
+    return replace(config, scara=replace(config.scara, j4_backlash_mdeg=0.0))
 
 
 def quiet_bench(config: EmulationConfig = QUIET, truth: TrueArm | None = None) -> Bench:
     """Return a bench of the nominal arm, J4 without play."""
     config = without_j4_play(config)
-    return Bench(truth or perfect_arm(config), config)
+    return scara_bench(truth or perfect_arm(config), config)
 
 
 def axis_mm(j1_deg: float, j2_deg: float) -> complex:

@@ -14,7 +14,7 @@ from catseye.app.files.path_csv import CommandPath, cartesian_commands
 from catseye.calibration.error_map import BidirectionalMap
 from catseye.calibration.identification import IdentifiedArm
 from catseye.calibration.layout import Layout
-from catseye.simulators.world.bench import Bench
+from catseye.simulators.world.scara.bench import scara_bench
 from catseye.simulators.world.scara.truth import TrueArm
 from tests.unit.simulators.benches import QUIET
 from tests.unit.simulators.melfa.desk import Desk
@@ -47,10 +47,10 @@ def compensated(y_mm: list[float]) -> CompensatedPath:
 
 def desk_with_true_arm() -> Desk:
     """Return a controller whose arm has the errors, and nothing random."""
-    desk = Desk(replace(QUIET, dynamics=replace(QUIET.dynamics, j4_backlash_mdeg=0.0)))
+    desk = Desk(replace(QUIET, scara=replace(QUIET.scara, j4_backlash_mdeg=0.0)))
     places = {place.name: (place.x_mm, place.y_mm) for place in QUIET.reflectors}
     truth = TrueArm(*LINKS, joint_map(NODES1, MAP1), joint_map(NODES2, MAP2), places)
-    desk.bench = Bench(truth, desk.controller.config)
+    desk.bench = scara_bench(truth, desk.controller.config)
     desk.controller.bench = desk.bench
     return desk
 

@@ -16,7 +16,7 @@ CONFIG = replace(
     screws=Screws(setting_turns=0.0, play_turns=0.0),
     beam_offset_mm=0.1,
     beam_pitch_mrad=1.0,
-    beam_height_j3_mm=0.3,
+    beam_height_mm=0.3,
 )
 
 

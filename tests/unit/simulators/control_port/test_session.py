@@ -13,6 +13,7 @@ from catseye.simulators.control_port.session import LONGEST_BYTES, ControlSessio
 from catseye.simulators.emulated_bench import EmulatedBench
 from catseye.simulators.melfa.r_protocol import MelfaSession
 from catseye.simulators.modbus.air_sensor import AirSensor
+from catseye.simulators.world.scara.truth import draw_truth
 from catseye.simulators.world.tracker import Tracker
 from tests.unit.simulators.benches import QUIET, aimed
 
@@ -55,8 +56,8 @@ def test_it_says_that_it_is_an_emulator(panel: Panel) -> None:
 
 def test_the_truth_is_the_result_format(panel: Panel) -> None:
     said = panel.ask(op="truth")
-    assert said["truth"] == panel.emulation.truth_document()
-    assert panel.emulation.truth_document()["format"] == "catseye-result/1"
+    assert said["truth"] == panel.emulation.world.truth
+    assert panel.emulation.world.truth["format"] == "catseye-result/1"
 
 
 def test_the_state_is_that_of_the_bench(panel: Panel) -> None:
@@ -113,7 +114,7 @@ def test_beam_faults_come_and_go(panel: Panel) -> None:
 
 def _way_to_beam(panel: Panel) -> tuple[float, float]:
     insight = panel.bench.insight()
-    x_mm, y_mm = panel.emulation.bench.truth.reflectors["P2"]
+    x_mm, y_mm = draw_truth(CONFIG.seed, CONFIG).reflectors["P2"]
     direction = np.exp(1j * np.deg2rad(insight.beam_deg))
     foot = complex(*insight.axis_mm) + direction * insight.length_mm
     way = complex(foot - complex(x_mm, y_mm))

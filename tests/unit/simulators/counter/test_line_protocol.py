@@ -9,6 +9,7 @@ from hypothesis import strategies as st
 
 from catseye.simulators.counter.line_protocol import CounterSession
 from catseye.simulators.world.bench import Bench
+from catseye.simulators.world.scara.bench import scara_bench
 from tests.unit.simulators.benches import QUIET, aimed, go, perfect_arm, quiet_bench, without_j4_play
 
 VALUE = re.compile(r"^(?P<ch>[A-Z0-9]*)\s*(?P<val>[+-]?\s*\d+(?:[.,]\d+)?(?:[Ee][+-]?\d+)?)\s*(?P<unit>\S*)")
@@ -121,7 +122,7 @@ STREAM = b"I\r\nE1\r\nC\nX\r\n\r\nE0\rH\r\n" + b"Q" * 80 + b"\r\nC\r\n"
 @given(st.lists(st.integers(0, len(STREAM)), max_size=8))
 def test_any_cut_of_a_stream_gives_the_same_answers(cuts: list[int]) -> None:
     config = without_j4_play(QUIET)
-    bench = Bench(perfect_arm(), config)
+    bench = scara_bench(perfect_arm(), config)
     whole = talk(CounterSession(bench.new_instrument(), lambda _line: None), STREAM)
     session = CounterSession(bench.new_instrument(), lambda _line: None)
     places = [0, *sorted(cuts), len(STREAM)]
@@ -133,7 +134,7 @@ def test_any_cut_of_a_stream_gives_the_same_answers(cuts: list[int]) -> None:
 @given(st.binary(max_size=300))
 def test_random_bytes_never_raise(data: bytes) -> None:
     session = CounterSession(
-        Bench(perfect_arm(), without_j4_play(QUIET)).new_instrument(), lambda _line: None
+        scara_bench(perfect_arm(), without_j4_play(QUIET)).new_instrument(), lambda _line: None
     )
     talk(session, data)
     assert talk(session, b"\r\nH\r\n")[-1] == "OK"

@@ -7,7 +7,7 @@ from catseye.simulators.melfa.choices import Choices
 from catseye.simulators.melfa.controller import Controller
 from catseye.simulators.melfa.r_protocol import MelfaSession
 from catseye.simulators.ports.session import Pending
-from catseye.simulators.world.bench import Bench
+from catseye.simulators.world.scara.bench import scara_bench
 from tests.unit.simulators.benches import QUIET, perfect_arm, without_j4_play
 
 
@@ -16,7 +16,7 @@ class Desk:
 
     def __init__(self, config: EmulationConfig = QUIET, choices: Choices | None = None) -> None:
         config = without_j4_play(config)
-        self.bench = Bench(perfect_arm(config), config)
+        self.bench = scara_bench(perfect_arm(config), config)
         self.controller = Controller(self.bench, config, lambda: None, choices)
         self.heard: list[str] = []
 

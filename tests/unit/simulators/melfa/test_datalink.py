@@ -13,7 +13,7 @@ from catseye.simulators.melfa.choices import Choices
 from catseye.simulators.melfa.controller import Controller
 from catseye.simulators.melfa.datalink import Datalink, DatalinkSession
 from catseye.simulators.ports.session import Pending
-from catseye.simulators.world.bench import Bench
+from catseye.simulators.world.scara.bench import scara_bench
 from tests.transcripts import melfa_datalink as records
 from tests.unit.simulators.benches import QUIET, perfect_arm, without_j4_play
 
@@ -27,7 +27,7 @@ class Line:
         self, number_format: str = "plain", *, servo: bool = True, start: tuple[float, ...] = HOME
     ) -> None:
         config = without_j4_play(replace(QUIET, start_joints=(start[0], start[1], start[2], start[3])))
-        self.bench = Bench(perfect_arm(config), config)
+        self.bench = scara_bench(perfect_arm(config), config)
         self.controller = Controller(self.bench, config, lambda: None)
         self.program = Datalink(self.controller, number_format=number_format)
         self.controller.install(self.program)

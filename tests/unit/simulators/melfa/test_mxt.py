@@ -12,7 +12,7 @@ from catseye.simulators.config import EmulationConfig, Joints
 from catseye.simulators.melfa.controller import Controller
 from catseye.simulators.melfa.mxt import Mxt, MxtOptions, MxtSession
 from catseye.simulators.ports.session import Pending
-from catseye.simulators.world.bench import Bench
+from catseye.simulators.world.scara.bench import scara_bench
 from tests.transcripts import melfa_mxt
 from tests.unit.simulators.benches import QUIET, perfect_arm, without_j4_play
 
@@ -30,7 +30,7 @@ class Line:
         options: MxtOptions | None = None,
     ) -> None:
         self.config: EmulationConfig = without_j4_play(replace(QUIET, start_joints=start))
-        self.bench = Bench(perfect_arm(self.config), self.config)
+        self.bench = scara_bench(perfect_arm(self.config), self.config)
         self.controller = Controller(self.bench, self.config, lambda: None)
         self.program = Mxt(self.controller, options or MxtOptions(), lambda: None)
         self.controller.install(self.program)

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from catseye.simulators.modbus.air_sensor import AirSensor, dew_point_c
 from catseye.simulators.modbus.tcp import ILLEGAL_ADDRESS, ModbusError, ModbusSession, respond
 from catseye.simulators.world.air_probe import AirFault, AirProbe
-from catseye.simulators.world.bench import Bench
+from catseye.simulators.world.scara.bench import scara_bench
 from tests.unit.simulators.benches import QUIET, perfect_arm, quiet_bench, without_j4_play
 
 
@@ -224,7 +224,7 @@ def test_frames_may_be_split_and_joined(cuts: list[int]) -> None:
 @given(st.binary(max_size=400))
 def test_random_bytes_never_raise(data: bytes) -> None:
     session = ModbusSession(
-        AirSensor(AirProbe(Bench(perfect_arm(), without_j4_play(QUIET))), 0x2C), lambda _text: None
+        AirSensor(AirProbe(scara_bench(perfect_arm(), without_j4_play(QUIET))), 0x2C), lambda _text: None
     )
     session.feed(data)
     out = drain(session)

@@ -14,6 +14,7 @@ from catseye.simulators.config import AirState, EmulationConfig, ErrorBudget, Jo
 from catseye.simulators.errors import BenchError
 from catseye.simulators.world.bench import Bench
 from catseye.simulators.world.counter import Reading
+from catseye.simulators.world.scara.bench import scara_bench
 from catseye.simulators.world.scara.truth import draw_truth
 from tests.unit.simulators.benches import (
     P1,
@@ -342,7 +343,7 @@ def test_a_second_motion_is_refused_while_one_runs() -> None:
 def test_a_stop_decelerates_and_is_told() -> None:
     said: list[str] = []
     config = without_j4_play(QUIET)
-    bench = Bench(perfect_arm(), config, said.append)
+    bench = scara_bench(perfect_arm(), config, said.append)
     bench.stop()
     bench.move_to((90.0, 0.0, 0.0, 0.0), 50.0)
     bench.advance(0.2)
@@ -358,7 +359,7 @@ def test_a_stop_decelerates_and_is_told() -> None:
 def test_a_bench_without_reflectors_is_refused() -> None:
     config = EmulationConfig(reflectors=())
     with pytest.raises(BenchError, match="reflector"):
-        Bench(perfect_arm(config), config)
+        scara_bench(perfect_arm(config), config)
 
 
 def test_the_air_drifts_slowly_around_its_mean() -> None:
@@ -393,7 +394,7 @@ scripts = st.lists(st.tuples(acts, st.floats(0.0, 0.6)), min_size=1, max_size=8)
 def play_script(script: list[tuple[tuple[str, Joints | None], float]], cuts: int) -> list[object]:
     """Carry out commands at fixed bench times, each wait cut into equal parts; return all that can be seen."""
     config = EmulationConfig(reflectors=(P1, P2, P3), seed=5, start_joints=aimed(20.0, 30.0))
-    bench = Bench(draw_truth(5, config), config)
+    bench = scara_bench(draw_truth(5, config), config)
     seen: list[object] = []
     for (what, target), wait_s in script:
         if what == "move" and target is not None:

@@ -36,7 +36,7 @@ def test_the_miss_of_a_tilted_beam_grows_with_the_distance() -> None:
 
 
 def test_height_and_tilt_add_with_their_signs_and_to_the_lateral_miss() -> None:
-    bench = quiet_bench(replace(QUIET, beam_pitch_mrad=5.0, beam_height_j3_mm=10.0, beam_offset_mm=0.3))
+    bench = quiet_bench(replace(QUIET, beam_pitch_mrad=5.0, beam_height_mm=10.0, beam_offset_mm=0.3))
     for j3_mm, above_mm in ((10.0, 0.65), (9.35, 0.0), (9.0, -0.35), (10.2, 0.85)):
         go(bench, (0.0, 0.0, j3_mm, 0.0))
         assert bench.insight().miss_mm == pytest.approx(math.hypot(above_mm, 0.3), abs=1e-4)
@@ -104,17 +104,17 @@ def test_there_are_two_screws() -> None:
 
 
 def test_a_good_alignment_leaves_little() -> None:
-    mounts = [Mount(replace(DRAWN, seed=seed)) for seed in range(500)]
+    mounts = [Mount(replace(DRAWN, seed=seed), 0.0) for seed in range(500)]
     assert np.std([mount.offset_mm for mount in mounts]) == pytest.approx(0.1, rel=0.12)
     assert 1e3 * np.std([mount.pitch_rad for mount in mounts]) == pytest.approx(0.05, rel=0.12)
-    assert {mount.height_j3_mm for mount in mounts} == {QUIET.start_joints[2]}
+    assert {mount.height_mm for mount in mounts} == {QUIET.start_joints[2]}
 
 
 def test_a_beam_that_nobody_aligned_lies_beside_tilted_and_too_high_or_low() -> None:
-    mounts = [Mount(replace(DRAWN, seed=seed, unaligned=True)) for seed in range(200)]
+    mounts = [Mount(replace(DRAWN, seed=seed, unaligned=True), 0.0) for seed in range(200)]
     offsets = np.array([mount.offset_mm for mount in mounts])
     pitches = 1e3 * np.array([mount.pitch_rad for mount in mounts])
-    heights = np.array([mount.height_j3_mm for mount in mounts])
+    heights = np.array([mount.height_mm for mount in mounts])
     assert 0.4 <= np.abs(offsets).min() < 0.42 < 0.88 < np.abs(offsets).max() <= 0.9
     assert 0.6 <= np.abs(pitches).min() < 0.64 < 1.46 < np.abs(pitches).max() <= 1.5
     assert -1.5 <= heights.min() < -1.4 < 1.4 < heights.max() <= 1.5

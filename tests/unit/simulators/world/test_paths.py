@@ -15,6 +15,7 @@ from catseye.simulators.config import ArmDynamics, EmulationConfig, ErrorBudget,
 from catseye.simulators.errors import BenchError
 from catseye.simulators.world.bench import Bench
 from catseye.simulators.world.motion import blend, plan_way
+from catseye.simulators.world.scara.bench import scara_bench
 from catseye.simulators.world.scara.truth import draw_truth
 from catseye.simulators.world.types import Floats
 from tests.unit.simulators.benches import (
@@ -78,7 +79,7 @@ def test_glides_do_not_interfere_with_other_motions() -> None:
 
 def test_a_stream_is_told_once_and_arrives_once() -> None:
     said: list[str] = []
-    bench = Bench(perfect_arm(), QUIET, said.append)
+    bench = scara_bench(perfect_arm(), QUIET, said.append)
     stream(bench, ((0.1 * k, 0.0, 0.0, 0.0) for k in range(1, 51)))
     bench.advance(1.0)
     assert [text.split()[0] for text in said] == ["stream", "arrival"]
@@ -276,7 +277,7 @@ acts = st.tuples(
 def play_script(script: Script, cuts: int) -> list[object]:
     """Carry out commands at fixed bench times, each wait cut into equal parts; return all that can be seen."""
     config = EmulationConfig(reflectors=(P1, P2, P3), seed=5, start_joints=aimed(20.0, 30.0))
-    bench = Bench(draw_truth(5, config), config)
+    bench = scara_bench(draw_truth(5, config), config)
     seen: list[object] = []
     for what, size_deg, wait_s in script:
         start_s, until_s = bench.time_s, bench.time_s + wait_s

@@ -11,7 +11,8 @@ from hypothesis import strategies as st
 from catseye.calibration.error_map import BidirectionalMap
 from catseye.simulators.config import EmulationConfig, ErrorBudget
 from catseye.simulators.world.bench import Bench
-from catseye.simulators.world.scara.arm import Arm, RadialError
+from catseye.simulators.world.scara.arm import RadialError, ScaraArm
+from catseye.simulators.world.scara.bench import scara_bench
 from catseye.simulators.world.scara.truth import TrueArm, draw_truth
 from tests.unit.simulators.benches import (
     QUIET,
@@ -158,8 +159,8 @@ def test_radial_error_has_its_rms_and_closes(rms_um: float) -> None:
 
 def test_radial_errors_turn_with_the_link_that_carries_them() -> None:
     """J2's shift lies in link 1, J4's in link 2: turning J1 by 90 deg turns both by 90 deg."""
-    for name in ("radial_j2_um", "radial_j4_um"):
-        budget = replace(ErrorBudget.none(), **{name: 10.0})
+    for radial_um in ((0.0, 10.0, 0.0), (0.0, 0.0, 10.0)):
+        budget = replace(ErrorBudget.none(), radial_um=radial_um)
         bench = quiet_bench(replace(QUIET, budget=budget))
         go(bench, (0.0, 40.0, 0.0, 25.0))
         first = complex(*bench.insight().axis_mm) - axis_mm(0.0, 40.0)
@@ -205,7 +206,7 @@ def test_ringing_goes_on_into_the_next_motion_without_a_jump() -> None:
 def test_the_same_seed_gives_the_same_arm_and_another_seed_another() -> None:
     def place(seed: int) -> tuple[float, float]:
         config = EmulationConfig(reflectors=QUIET.reflectors, seed=seed)
-        bench = Bench(draw_truth(seed, config), config)
+        bench = scara_bench(draw_truth(seed, config), config)
         go(bench, (45.0, 45.0, 0.0, 45.0))
         return bench.insight().axis_mm
 
@@ -214,7 +215,7 @@ def test_the_same_seed_gives_the_same_arm_and_another_seed_another() -> None:
 
 
 def test_looks_at_the_beam_are_fine_enough() -> None:
-    arm = Arm(perfect_arm(), without_j4_play(QUIET))
+    arm = ScaraArm(perfect_arm(), without_j4_play(QUIET))
     arm.move_to((20.0, 10.0, 0.0, -40.0), 0.0, 1.0, 1.0)
     times = arm.sample_times()
     joints = np.array([arm.motion.joints_at(float(t)) for t in times])

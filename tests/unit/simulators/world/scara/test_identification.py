@@ -11,7 +11,7 @@ from catseye.calibration.error_map import BidirectionalMap
 from catseye.calibration.identification import identify
 from catseye.calibration.points import Commands, Points
 from catseye.calibration.types import Floats
-from catseye.simulators.world.bench import Bench
+from catseye.simulators.world.scara.bench import scara_bench
 from catseye.simulators.world.scara.truth import TrueArm
 from tests.unit.simulators.benches import QUIET, go, without_j4_play
 
@@ -36,7 +36,7 @@ def random_map(rng: np.random.Generator, nodes_deg: Floats) -> BidirectionalMap:
 
 def measured_lengths(truth: TrueArm, name: str) -> list[tuple[float, float, int, int, float]]:
     """Visit every node from both sides with a take-up, the beam on one reflector; return commands and lengths."""
-    bench = Bench(replace(truth, reflectors={name: truth.reflectors[name]}), without_j4_play(QUIET))
+    bench = scara_bench(replace(truth, reflectors={name: truth.reflectors[name]}), without_j4_play(QUIET))
     centre = complex(*truth.reflectors[name])
     rows = []
     for direction1 in (1, -1):

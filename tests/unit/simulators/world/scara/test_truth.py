@@ -10,7 +10,7 @@ import pytest
 from catseye.calibration.error_map import BidirectionalMap
 from catseye.simulators.config import EmulationConfig, TruthText
 from catseye.simulators.errors import TruthFileError
-from catseye.simulators.world.scara.truth import TrueArm, draw_truth, true_arm, truth_document, write_truth
+from catseye.simulators.world.scara.truth import TrueArm, draw_truth, true_arm, truth_document
 from tests.unit.simulators.benches import QUIET
 
 MINIMAL = {
@@ -47,7 +47,7 @@ def test_a_drawn_arm_is_plausible() -> None:
 def test_drawn_maps_cover_the_limits_and_are_some_ten_millidegrees_large(name: str) -> None:
     for seed in range(20):
         table: BidirectionalMap = getattr(draw_truth(seed, QUIET), name)
-        limits = QUIET.j1_deg if name == "theta1_map" else QUIET.j2_deg
+        limits = QUIET.limits[0] if name == "theta1_map" else QUIET.limits[1]
         nodes_deg = np.rad2deg(table.nodes_rad)
         assert (nodes_deg[0], nodes_deg[-1]) == pytest.approx(limits)
         assert np.diff(nodes_deg) == pytest.approx(1.0)
@@ -69,7 +69,7 @@ def test_the_seed_decides() -> None:
 def test_a_written_arm_is_read_back(tmp_path: Path) -> None:
     drawn = draw_truth(7, QUIET)
     path = tmp_path / "truth.json"
-    write_truth(drawn, path)
+    path.write_text(json.dumps(truth_document(drawn)), encoding="utf-8")
     found = read(path, replace(QUIET, seed=99))
     assert (found.link1_mm, found.link2_mm) == (drawn.link1_mm, drawn.link2_mm)
     assert equal(found.theta1_map, drawn.theta1_map)
