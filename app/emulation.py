@@ -24,7 +24,7 @@ from catseye.simulators.config import (
     Screws,
     TruthText,
 )
-from catseye.simulators.registry import PROTOCOLS
+from catseye.simulators.registry import emulator_names
 
 _J3_MM = (0.0, 150.0)
 """Limits of J3, which no cell file has."""
@@ -114,9 +114,10 @@ def _lengths_of(counter: Interferometer) -> dict[str, str]:
 
 def _device(name: str, driver: str, endpoint: str, settings: Mapping[str, Any]) -> EmulatedDevice:
     """Return an emulated device; drivers and emulators call what they have in common by the same name."""
-    if driver not in PROTOCOLS:
+    known = emulator_names()
+    if driver not in known:
         raise ConfigError(
-            f"[{name}] driver {driver}: there is no emulator for it; there are {', '.join(sorted(PROTOCOLS))}"
+            f"[{name}] driver {driver}: there is no emulator for it; there are {', '.join(known)}"
         )
     return EmulatedDevice(name, driver, endpoint, _plain(settings))
 

@@ -4,13 +4,13 @@ from dataclasses import dataclass
 from types import TracebackType
 
 from catseye.simulators.config import EmulatedDevice, EmulationConfig, ErrorBudget, ReflectorPlace
-from catseye.simulators.context import World
+from catseye.simulators.context import EmulationContext
 from catseye.simulators.control_port.session import ControlSession, Desk
+from catseye.simulators.emulator import DeviceOptions
 from catseye.simulators.errors import EmulatorError
 from catseye.simulators.melfa.controller import Controller
-from catseye.simulators.options import whole
 from catseye.simulators.ports.port import Port
-from catseye.simulators.registry import session_maker
+from catseye.simulators.registry import new_emulator
 from catseye.simulators.world.air_probe import AirProbe
 from catseye.simulators.world.journal import Journal
 from catseye.simulators.world.scara.bench import scara_bench
@@ -62,14 +62,14 @@ class EmulatedBench:
         self.keeper = TimeKeeper(self.bench, config.speed)
         self.controller = Controller(self.bench, config, self.keeper.changed)
         probe = AirProbe(self.bench)
-        self.world = World(
+        self.context = EmulationContext(
             config, self.bench, truth_document(truth), self.controller, self.keeper, self.journal, probe
         )
         self._ports = [self._port(device) for device in config.devices]
         by_name: dict[str, list[Port]] = {}
         for port in self._ports:
             by_name.setdefault(port.device, []).append(port)
-        self.desk = Desk(self.world, Tracker(config.seed), by_name)
+        self.desk = Desk(self.context, Tracker(config.seed), by_name)
         self._ports.append(
             Port("control", "catseye-control", config.control, self.keeper, lambda: ControlSession(self.desk))
         )
@@ -101,12 +101,12 @@ class EmulatedBench:
             await port.close()
 
     def _port(self, device: EmulatedDevice) -> Port:
-        new_session = session_maker(
-            self.world, device, lambda text: self.journal.add(device.name, "request", text)
+        emulator = new_emulator(
+            self.context, device, lambda text: self.journal.add(device.name, "request", text)
         )
-        most = whole(device, "clients", 0, 0, 100) or None
+        most = DeviceOptions.of(device).clients or None
         return Port(
-            device.name, device.protocol, device.endpoint, self.keeper, new_session, most_clients=most
+            device.name, device.protocol, device.endpoint, self.keeper, emulator.session, most_clients=most
         )
 
 

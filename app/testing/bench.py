@@ -17,6 +17,7 @@ from catseye.simulators.config import (
     ReflectorPlace,
 )
 from catseye.simulators.emulated_bench import EmulatedBench
+from catseye.simulators.registry import load_emulator
 
 _TIMEOUT_S = 10.0
 _LONGEST_ANSWER_BYTES = 1 << 22
@@ -25,7 +26,6 @@ _REFLECTORS = (
     ReflectorPlace("P2", 680.0, 0.0),
     ReflectorPlace("P3", 640.0, 380.0),
 )
-_UDP_PROTOCOLS = {"melfa-mxt"}
 
 Endpoints = Mapping[str, str]
 """Where each device answers, by its name."""
@@ -232,8 +232,7 @@ def by_name(served: list[tuple[str, str]]) -> tuple[Endpoints, str]:
 def _device(given: str | EmulatedDevice) -> EmulatedDevice:
     if isinstance(given, EmulatedDevice):
         return given
-    kind = "udp" if given in _UDP_PROTOCOLS else "tcp"
-    return EmulatedDevice(given, given, f"{kind}://127.0.0.1:0")
+    return EmulatedDevice(given, given, f"{load_emulator(given).link}://127.0.0.1:0")
 
 
 def _endpoint(endpoints: Endpoints, device: str) -> str:

@@ -9,7 +9,7 @@ remembered and has no effect. The environment unit's index is that of helium-neo
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from catseye.simulators.options import LengthOptions
+from catseye.simulators.lengths import Lengths
 from catseye.simulators.world.air import AirSample
 from catseye.simulators.world.air_probe import AirProbe
 from catseye.simulators.world.bench import Instrument
@@ -262,7 +262,7 @@ class Ids:
         if _axis(axis) != self._options.axis:
             return _NO_SIGNAL, 0
         reading = self._read()
-        shown_mm = LengthOptions(self._ecu_enabled, self._options.sign).shown_mm(reading)
+        shown_mm = Lengths(self._ecu_enabled, self._options.sign).shown_mm(reading)
         return self._fault(reading), round(shown_mm * PM_PER_MM)
 
     def _reference(self, axis: int) -> list[object]:

@@ -7,9 +7,16 @@ carries the same id. A result is an array that begins with an error number.
 import json
 from collections import deque
 from collections.abc import Callable
+from typing import Literal
 
-from catseye.simulators.attocube.device import Ids, IdsError
+from pydantic import Field
+
+from catseye.simulators.attocube.device import Ids, IdsError, IdsOptions
 from catseye.simulators.attocube.json_stream import JsonCutter
+from catseye.simulators.config import EmulatedDevice
+from catseye.simulators.context import EmulationContext
+from catseye.simulators.emulator import Emulator, Note
+from catseye.simulators.lengths import LengthOptions
 from catseye.simulators.ports.session import Answer, Session
 
 _NOT_JSON = (-32700, "Parse error")
@@ -72,3 +79,36 @@ def _failure(error: tuple[int, str]) -> dict[str, object]:
 
 def _line(number: int | str | None, said: dict[str, object]) -> bytes:
     return json.dumps({"jsonrpc": "2.0", **said, "id": number}).encode("ascii") + b"\r\n"
+
+
+class AttocubeIds(Emulator):
+    """An instrument that all its clients share.
+
+    Args:
+        context: what the emulators of the bench share.
+        device: the endpoint and its options.
+        note: called with each request.
+    """
+
+    role = "interferometer"
+
+    class Options(LengthOptions):
+        """Options; see `IdsOptions`."""
+
+        dialect: Literal["ids", "sen"] = "ids"
+        axis: int = Field(default=0, ge=0, le=2)
+        bare_mode: bool = False
+        start_time_s: float = 3.0
+        ecu_enabled: bool = False
+
+    def __init__(self, context: EmulationContext, device: EmulatedDevice, note: Note) -> None:
+        given = self.Options.of(device)
+        options = IdsOptions(
+            given.dialect, given.axis, given.sign, given.bare_mode, given.start_time_s, given.ecu_enabled
+        )
+        self._ids = Ids(context.instrument(device.name), context.probe, options)
+        self._note = note
+
+    def session(self) -> Session:
+        """Return the session of a new client."""
+        return IdsSession(self._ids, self._note)

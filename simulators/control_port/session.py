@@ -22,7 +22,7 @@ from typing import Literal
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
-from catseye.simulators.context import World
+from catseye.simulators.context import EmulationContext
 from catseye.simulators.errors import EmulatorError
 from catseye.simulators.ports.lossy import Lossy
 from catseye.simulators.ports.port import Port
@@ -40,12 +40,12 @@ class Desk:
     """What the control port can reach.
 
     Attributes:
-        world: the emulated bench.
+        context: the emulated bench.
         tracker: the emulated laser tracker.
         ports: the instruments' ports by the name of the device.
     """
 
-    world: World
+    context: EmulationContext
     tracker: Tracker
     ports: dict[str, list[Port]]
 
@@ -71,21 +71,21 @@ class _Identify(_Request):
     def carry_out(self, desk: Desk) -> Said:
         return {
             "name": "catseye bench EMULATOR",
-            "time_s": desk.world.bench.time_s,
-            "speed": desk.world.keeper.speed,
+            "time_s": desk.context.bench.time_s,
+            "speed": desk.context.keeper.speed,
         }
 
 
 class _Truth(_Request):
     def carry_out(self, desk: Desk) -> Said:
-        return {"truth": desk.world.truth}
+        return {"truth": desk.context.truth}
 
 
 class _State(_Request):
     def carry_out(self, desk: Desk) -> Said:
-        bench = desk.world.bench
+        bench = desk.context.bench
         insight = bench.insight()
-        latches = {name: instrument.beam_lost for name, instrument in desk.world.instruments.items()}
+        latches = {name: instrument.beam_lost for name, instrument in desk.context.instruments.items()}
         beam = {
             "reflector": insight.reflector,
             "returns": insight.reflector is not None,
@@ -104,10 +104,10 @@ class _State(_Request):
             "play": insight.play,
             "xy_mm": insight.axis_mm,
             "moving": bench.moving,
-            "servo": desk.world.controller.servo_on,
-            "alarm": desk.world.controller.alarm,
+            "servo": desk.context.controller.servo_on,
+            "alarm": desk.context.controller.alarm,
             "beam": beam,
-            "coils": {name: block.coils for name, block in desk.world.blocks.items()},
+            "coils": desk.context.coils,
             "mount": {
                 "offset_mm": bench.mount.offset_mm,
                 "pitch_mrad": 1e3 * bench.mount.pitch_rad,
@@ -121,7 +121,7 @@ class _State(_Request):
 
 class _Tracker(_Request):
     def carry_out(self, desk: Desk) -> Said:
-        x_mm, y_mm = desk.tracker.measure(desk.world.bench.insight().axis_mm)
+        x_mm, y_mm = desk.tracker.measure(desk.context.bench.insight().axis_mm)
         return {"x_mm": x_mm, "y_mm": y_mm, "u_mm": desk.tracker.u_mm}
 
 
@@ -130,14 +130,14 @@ class _Log(_Request):
 
     def carry_out(self, desk: Desk) -> Said:
         desk.ports_of(self.device)
-        return {"entries": [asdict(entry) for entry in desk.world.journal.entries(self.device)]}
+        return {"entries": [asdict(entry) for entry in desk.context.journal.entries(self.device)]}
 
 
 class _Speed(_Request):
     value: float = Field(gt=0.0)
 
     def carry_out(self, desk: Desk) -> Said:
-        desk.world.keeper.speed = self.value
+        desk.context.keeper.speed = self.value
         return {}
 
 
@@ -147,7 +147,7 @@ class _TurnScrew(_Request):
     turns: float = Field(ge=-20.0, le=20.0)
 
     def carry_out(self, desk: Desk) -> Said:
-        desk.world.bench.turn_screw(self.screw, self.turns)
+        desk.context.bench.turn_screw(self.screw, self.turns)
         return {}
 
 
@@ -155,19 +155,19 @@ class _PlaceReflector(_Request):
     reflector: str
 
     def carry_out(self, desk: Desk) -> Said:
-        desk.world.bench.place_reflector(self.reflector)
-        return {"in_place": desk.world.bench.in_place}
+        desk.context.bench.place_reflector(self.reflector)
+        return {"in_place": desk.context.bench.in_place}
 
 
 class _ClearBeam(_Request):
     def carry_out(self, desk: Desk) -> Said:
-        desk.world.bench.unblock_beam()
+        desk.context.bench.unblock_beam()
         return {}
 
 
 class _Overspeed(_Request):
     def carry_out(self, desk: Desk) -> Said:
-        desk.world.bench.outrun_counters()
+        desk.context.bench.outrun_counters()
         return {}
 
 
@@ -176,7 +176,7 @@ class _Vibration(_Request):
     duration_s: float = Field(gt=0.0, le=3600.0)
 
     def carry_out(self, desk: Desk) -> Said:
-        desk.world.bench.shake(1e-3 * self.amplitude_um, self.duration_s)
+        desk.context.bench.shake(1e-3 * self.amplitude_um, self.duration_s)
         return {}
 
 
@@ -184,7 +184,7 @@ class _Laser(_Request):
     ready: bool = False
 
     def carry_out(self, desk: Desk) -> Said:
-        desk.world.bench.set_laser(ready=self.ready)
+        desk.context.bench.set_laser(ready=self.ready)
         return {}
 
 
@@ -192,7 +192,7 @@ class _Weaken(_Request):
     factor: float = Field(gt=0.0, le=1.0)
 
     def carry_out(self, desk: Desk) -> Said:
-        desk.world.bench.weaken(self.factor)
+        desk.context.bench.weaken(self.factor)
         return {}
 
 
@@ -201,7 +201,7 @@ class _Slip(_Request):
     deg: float = Field(ge=-30.0, le=30.0)
 
     def carry_out(self, desk: Desk) -> Said:
-        desk.world.bench.slip(self.joint, self.deg)
+        desk.context.bench.slip(self.joint, self.deg)
         return {}
 
 
@@ -209,23 +209,21 @@ class _BlockBeam(_Request):
     duration_s: float | None = Field(default=None, gt=0.0)
 
     def carry_out(self, desk: Desk) -> Said:
-        desk.world.bench.block_beam(self.duration_s)
+        desk.context.bench.block_beam(self.duration_s)
         return {}
 
 
 class _ClearFaults(_Request):
     def carry_out(self, desk: Desk) -> Said:
-        desk.world.bench.clear_faults()
-        desk.world.controller.emergency_stop = False
-        desk.world.controller.teach_mode = False
-        desk.world.controller.reset_alarm()
-        desk.world.probe.fault = AirFault()
-        desk.world.door.closed = True
+        desk.context.bench.clear_faults()
+        desk.context.controller.clear_faults()
+        desk.context.probe.fault = AirFault()
+        desk.context.door.closed = True
         for port in chain.from_iterable(desk.ports.values()):
             port.muted = False
             port.lossy = None
             port.stalled_until_s = 0.0
-        desk.world.keeper.changed()
+        desk.context.keeper.changed()
         return {}
 
 
@@ -233,7 +231,7 @@ class _Alarm(_Request):
     number: int = Field(ge=1, le=9999)
 
     def carry_out(self, desk: Desk) -> Said:
-        desk.world.controller.raise_alarm(self.number)
+        desk.context.controller.raise_alarm(self.number)
         return {}
 
 
@@ -241,7 +239,7 @@ class _EmergencyStop(_Request):
     on: bool = True
 
     def carry_out(self, desk: Desk) -> Said:
-        desk.world.controller.set_emergency_stop(on=self.on)
+        desk.context.controller.set_emergency_stop(on=self.on)
         return {}
 
 
@@ -249,13 +247,13 @@ class _TeachMode(_Request):
     on: bool = True
 
     def carry_out(self, desk: Desk) -> Said:
-        desk.world.controller.set_teach_mode(on=self.on)
+        desk.context.controller.set_teach_mode(on=self.on)
         return {}
 
 
 class _ServoOff(_Request):
     def carry_out(self, desk: Desk) -> Said:
-        desk.world.controller.switch_servo_off()
+        desk.context.controller.switch_servo_off()
         return {}
 
 
@@ -265,7 +263,7 @@ class _MoveReflector(_Request):
     dy_mm: float = 0.0
 
     def carry_out(self, desk: Desk) -> Said:
-        desk.world.bench.move_reflector(self.reflector, self.dx_mm, self.dy_mm)
+        desk.context.bench.move_reflector(self.reflector, self.dx_mm, self.dy_mm)
         return {}
 
 
@@ -277,7 +275,7 @@ class _Air(_Request):
 
     def carry_out(self, desk: Desk) -> Said:
         errors = (self.temperature_k, self.pressure_hpa, self.humidity_percent)
-        desk.world.probe.fault = AirFault(self.nan, *errors)
+        desk.context.probe.fault = AirFault(self.nan, *errors)
         return {}
 
 
@@ -285,7 +283,7 @@ class _Door(_Request):
     open: bool = True
 
     def carry_out(self, desk: Desk) -> Said:
-        desk.world.door.closed = not self.open
+        desk.context.door.closed = not self.open
         return {}
 
 
@@ -295,7 +293,7 @@ class _Stall(_Request):
 
     def carry_out(self, desk: Desk) -> Said:
         for port in desk.ports_of(self.device):
-            port.stalled_until_s = desk.world.bench.time_s + self.duration_s
+            port.stalled_until_s = desk.context.bench.time_s + self.duration_s
         return {}
 
 

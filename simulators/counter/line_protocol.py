@@ -33,8 +33,12 @@ Status bits: 0 beam lost (latched), 1 overspeed (latched), 2 no beam returns now
 import re
 from collections import deque
 from collections.abc import Callable
+from typing import Literal
 
-from catseye.simulators.options import LengthOptions
+from catseye.simulators.config import EmulatedDevice
+from catseye.simulators.context import EmulationContext
+from catseye.simulators.emulator import DeviceOptions, Emulator, Note
+from catseye.simulators.lengths import Lengths
 from catseye.simulators.ports.session import Answer, Session
 from catseye.simulators.world.bench import Instrument
 
@@ -47,7 +51,7 @@ _NO_BEAM = 0x04
 _STREAMING = 0x08
 _LASER_READY = 0x10
 
-_CORRECTED = LengthOptions(compensated=True)
+_CORRECTED = Lengths(compensated=True)
 
 _END = re.compile(rb"[\r\n]")
 _EVERY = re.compile(r"B(\d{1,5})")
@@ -63,7 +67,7 @@ class CounterSession(Session):
     """
 
     def __init__(
-        self, instrument: Instrument, note: Callable[[str], None], lengths: LengthOptions = _CORRECTED
+        self, instrument: Instrument, note: Callable[[str], None], lengths: Lengths = _CORRECTED
     ) -> None:
         self._lengths = lengths
         self._instrument = instrument
@@ -160,3 +164,33 @@ class CounterSession(Session):
     def _set_echo(self, *, on: bool) -> str:
         self._echo = on
         return "OK"
+
+
+class LineCounter(Emulator):
+    """A length counter that speaks the catseye default profile.
+
+    Args:
+        context: what the emulators of the bench share.
+        device: the endpoint and its options.
+        note: called with each request.
+    """
+
+    role = "interferometer"
+
+    class Options(DeviceOptions):
+        """Options.
+
+        Attributes:
+            compensated: "none" shows lengths in vacuum wavelengths.
+        """
+
+        compensated: Literal["instrument", "none"] = "instrument"
+
+    def __init__(self, context: EmulationContext, device: EmulatedDevice, note: Note) -> None:
+        self._lengths = Lengths(self.Options.of(device).compensated == "instrument")
+        self._instrument = context.instrument(device.name)
+        self._note = note
+
+    def session(self) -> Session:
+        """Return the session of a new client."""
+        return CounterSession(self._instrument, self._note, self._lengths)

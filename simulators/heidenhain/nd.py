@@ -9,7 +9,12 @@ import re
 from collections import deque
 from collections.abc import Callable
 
-from catseye.simulators.options import LengthOptions
+from pydantic import Field
+
+from catseye.simulators.config import EmulatedDevice
+from catseye.simulators.context import EmulationContext
+from catseye.simulators.emulator import Emulator, Note
+from catseye.simulators.lengths import LengthOptions, Lengths
 from catseye.simulators.ports.session import Answer, Session
 from catseye.simulators.world.bench import Instrument
 
@@ -33,7 +38,7 @@ class Display:
         decimals: digits behind the decimal point.
     """
 
-    def __init__(self, instrument: Instrument, lengths: LengthOptions, decimals: int = 4) -> None:
+    def __init__(self, instrument: Instrument, lengths: Lengths, decimals: int = 4) -> None:
         self._instrument = instrument
         self._lengths = lengths
         self._decimals = decimals
@@ -167,3 +172,33 @@ class NdSession(Session):
 
 def _lines(*texts: str, width: int = 0) -> bytes:
     return _STX + b"".join(text.ljust(width).encode("ascii") + b"\r\n" for text in texts)
+
+
+class HeidenhainNd(Emulator):
+    """A display that all its clients share.
+
+    Args:
+        context: what the emulators of the bench share.
+        device: the endpoint and its options.
+        note: called with each request.
+    """
+
+    role = "interferometer"
+
+    class Options(LengthOptions):
+        """Options.
+
+        Attributes:
+            decimals: digits behind the decimal point.
+        """
+
+        decimals: int = Field(default=4, ge=0, le=7)
+
+    def __init__(self, context: EmulationContext, device: EmulatedDevice, note: Note) -> None:
+        options = self.Options.of(device)
+        self._display = Display(context.instrument(device.name), options.lengths, options.decimals)
+        self._note = note
+
+    def session(self) -> Session:
+        """Return the session of a new client."""
+        return NdSession(self._display, self._note)

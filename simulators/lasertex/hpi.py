@@ -9,8 +9,13 @@ data of an acknowledgement have no known meaning: here they say EMULATOR.
 from collections import deque
 from collections.abc import Callable
 
+from pydantic import Field
+
+from catseye.simulators.config import EmulatedDevice
+from catseye.simulators.context import EmulationContext
+from catseye.simulators.emulator import Emulator, Note
 from catseye.simulators.lasertex import frames
-from catseye.simulators.options import LengthOptions
+from catseye.simulators.lengths import LengthOptions, Lengths
 from catseye.simulators.ports.session import Answer, Session
 from catseye.simulators.world.air_probe import AirProbe
 from catseye.simulators.world.bench import Instrument
@@ -33,7 +38,7 @@ class Hpi:
     """
 
     def __init__(
-        self, instrument: Instrument, probe: AirProbe, lengths: LengthOptions, full_scale: int = 100
+        self, instrument: Instrument, probe: AirProbe, lengths: Lengths, full_scale: int = 100
     ) -> None:
         self.instrument = instrument
         self._probe = probe
@@ -160,3 +165,35 @@ class HpiSession(Session):
 
     def _end(self, make: Callable[[], bytes]) -> None:
         self._streams.pop(make, None)
+
+
+class LasertexHpi(Emulator):
+    """An instrument that all its clients share.
+
+    Args:
+        context: what the emulators of the bench share.
+        device: the endpoint and its options.
+        note: called with each request.
+    """
+
+    role = "interferometer"
+
+    class Options(LengthOptions):
+        """Options.
+
+        Attributes:
+            signal_full_scale: level of a full signal.
+        """
+
+        signal_full_scale: int = Field(default=100, ge=1, le=255)
+
+    def __init__(self, context: EmulationContext, device: EmulatedDevice, note: Note) -> None:
+        options = self.Options.of(device)
+        self._hpi = Hpi(
+            context.instrument(device.name), context.probe, options.lengths, options.signal_full_scale
+        )
+        self._note = note
+
+    def session(self) -> Session:
+        """Return the session of a new client."""
+        return HpiSession(self._hpi, self._note)

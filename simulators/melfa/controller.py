@@ -77,6 +77,12 @@ class Controller(ArmControl):
             raise Refusal(alarms.NO_OPERATION_RIGHT)
         self.right_holders.add(client)
 
+    def clear_faults(self) -> None:
+        """Close the emergency stop circuit, turn the key back and reset the alarm."""
+        self.emergency_stop = False
+        self.teach_mode = False
+        self.reset_alarm()
+
     def _halt(self, number: int) -> None:
         self.task.pause()
         for resident in self.residents.values():

@@ -34,6 +34,7 @@ import re
 import struct
 from collections import deque
 from collections.abc import Callable
+from typing import Literal
 
 from catseye.simulators.config import Joints
 from catseye.simulators.melfa import alarms
@@ -44,13 +45,13 @@ from catseye.simulators.melfa.values import rounded
 from catseye.simulators.ports.session import Answer, Pending, Session
 from catseye.simulators.world.motion import blend
 
-NUMBER_FORMATS = ("plain", "fixed", "exponent")
+NumberFormat = Literal["plain", "fixed", "exponent"]
 """How numbers are printed: `12.3457`, `+12.346` and `1.2345670E+01`."""
 
 LONGEST_RECORD = 255
 MOST_POINTS = 60
 
-_FORMATS = {"plain": "{:.6g}", "fixed": "{:+.3f}", "exponent": "{:.7E}"}
+_FORMATS: dict[NumberFormat, str] = {"plain": "{:.6g}", "fixed": "{:+.3f}", "exponent": "{:.7E}"}
 _NUMBER = re.compile(rb"\s*[+-]?(\d+\.?\d*|\.\d+)([Ee][+-]?\d{1,2})?\s*")
 _MOST_WAITING = 128
 _DWELL_S = 0.05
@@ -67,10 +68,12 @@ class Datalink(Resident):
     Args:
         controller: where it runs.
         name: of the program.
-        number_format: one of NUMBER_FORMATS.
+        number_format: how it prints numbers.
     """
 
-    def __init__(self, controller: ArmControl, name: str = "CATSDL", number_format: str = "plain") -> None:
+    def __init__(
+        self, controller: ArmControl, name: str = "CATSDL", number_format: NumberFormat = "plain"
+    ) -> None:
         super().__init__(name, controller.require_start, controller.changed)
         self.controller = controller
         self.client: DatalinkSession | None = None

@@ -23,6 +23,7 @@ import math
 from collections import deque
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Literal
 
 from catseye.simulators.config import Joints
 from catseye.simulators.errors import BenchError
@@ -35,10 +36,10 @@ from catseye.simulators.melfa.servo import ServoModel
 from catseye.simulators.melfa.values import Position, joints_of
 from catseye.simulators.ports.session import Answer, Pending, Session
 
-MODES = ("joint", "xyz", "pulse")
+Mode = Literal["joint", "xyz", "pulse"]
 """What `Mxt` declares set points to be."""
 
-_SEND_TYPES = {"xyz": 1, "joint": 2, "pulse": 3}
+_SEND_TYPES: dict[Mode, int] = {"xyz": 1, "joint": 2, "pulse": 3}
 _JOINT, _PULSE = 2, 0
 """Remainders of the types of data by three; 1 is a pose."""
 
@@ -53,7 +54,7 @@ class MxtOptions:
 
     Attributes:
         program: name of the program.
-        mode: one of MODES.
+        mode: what set points are.
         cycle_s: of the controller: 0.0071 or 0.0035.
         filter_s: length of the moving average.
         timeout_s: longest time without reception, -1 for any.
@@ -62,7 +63,7 @@ class MxtOptions:
     """
 
     program: str = "CATSMXT"
-    mode: str = "joint"
+    mode: Mode = "joint"
     cycle_s: float = 0.0071
     filter_s: float = 0.010
     timeout_s: float = 0.5

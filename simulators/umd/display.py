@@ -13,8 +13,14 @@ from collections import deque
 from collections.abc import Callable
 from dataclasses import dataclass
 from math import floor
+from typing import Literal
 
-from catseye.simulators.options import LengthOptions
+from pydantic import Field
+
+from catseye.simulators.config import EmulatedDevice
+from catseye.simulators.context import EmulationContext
+from catseye.simulators.emulator import Emulator, Note
+from catseye.simulators.lengths import LengthOptions, Lengths
 from catseye.simulators.ports.session import Answer, Session
 from catseye.simulators.world.air_probe import AirProbe
 from catseye.simulators.world.bench import Instrument
@@ -66,7 +72,7 @@ class Umd:
         self._probe = probe
         self._keeper = keeper
         self._options = options
-        self._lengths = LengthOptions(sign=options.sign)
+        self._lengths = Lengths(sign=options.sign)
         self._counts_per_mm = 2e6 * options.multiplier / options.wavelength_nm
         self._listeners: list[Callable[[bytes], None]] = []
         self._sequence = 0
@@ -174,3 +180,42 @@ class UmdSession(Session):
     def close(self) -> None:
         """Listen no longer."""
         self._umd.leave(self._listener)
+
+
+class UmdDisplay(Emulator):
+    """A display that all its clients share.
+
+    Args:
+        context: what the emulators of the bench share.
+        device: the endpoint and its options.
+        note: called with each request.
+    """
+
+    role = "interferometer"
+
+    class Options(LengthOptions):
+        """Options.
+
+        Attributes:
+            rate_hz: samples a second.
+            vacuum_wavelength_nm: of the laser.
+            multiplier: of the optics.
+            axes: in a line.
+        """
+
+        rate_hz: float = Field(default=610.35, gt=0.0)
+        vacuum_wavelength_nm: float = Field(default=632.9908, gt=0.0)
+        multiplier: Literal[1, 2, 4] = 1
+        axes: Literal[1, 3] = 1
+
+    def __init__(self, context: EmulationContext, device: EmulatedDevice, note: Note) -> None:
+        del note
+        given = self.Options.of(device)
+        options = UmdOptions(
+            given.rate_hz, given.vacuum_wavelength_nm, given.multiplier, given.sign, given.axes
+        )
+        self._umd = Umd(context.instrument(device.name), context.probe, context.keeper, options)
+
+    def session(self) -> Session:
+        """Return the session of a new client."""
+        return UmdSession(self._umd)

@@ -10,10 +10,12 @@ from collections import deque
 from collections.abc import Callable
 from dataclasses import dataclass, field
 
-from catseye.simulators.modbus.air_sensor import dew_point_c
+from catseye.simulators.config import EmulatedDevice
+from catseye.simulators.context import EmulationContext
+from catseye.simulators.emulator import DeviceOptions, Emulator, Note
 from catseye.simulators.ports.session import Answer, Session
 from catseye.simulators.vaisala.output_format import DEFAULT, Format, Value
-from catseye.simulators.world.air import AirSample
+from catseye.simulators.world.air import AirSample, dew_point_c
 from catseye.simulators.world.air_probe import AirProbe
 from catseye.simulators.world.bench import Bench
 
@@ -226,3 +228,32 @@ class Ptu300Session(Session):
 def _ended(text: str) -> str:
     """Return a text with its line end; a line of an output format brings its own."""
     return text if not text or text.endswith(("\r", "\n")) else f"{text}\r\n"
+
+
+class VaisalaAscii(Emulator):
+    """An instrument that all its clients share.
+
+    Args:
+        context: what the emulators of the bench share.
+        device: the endpoint and its options.
+        note: called with each request.
+    """
+
+    role = "environment"
+
+    class Options(DeviceOptions):
+        """Options.
+
+        Attributes:
+            address: on a line with several instruments.
+        """
+
+        address: int = 0
+
+    def __init__(self, context: EmulationContext, device: EmulatedDevice, note: Note) -> None:
+        self._device = Ptu300(context.probe, context.bench, address=self.Options.of(device).address)
+        self._note = note
+
+    def session(self) -> Session:
+        """Return the session of a new client."""
+        return Ptu300Session(self._device, self._note)

@@ -1,5 +1,6 @@
 """The air around the bench, with its slow drift."""
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -61,3 +62,10 @@ class Air:
             n = refractive_index(HE_NE_VACUUM_NM, air.temperature_c, air.pressure_hpa, air.humidity_percent)
             self._index = (step, float(n))
         return self._index[1]
+
+
+def dew_point_c(temperature_c: float, humidity_percent: float) -> float:
+    """Return the dew point, °C (Magnus formula, coefficients of Sonntag 1990)."""
+    humidity = max(0.01, humidity_percent) / 100.0
+    gamma = math.log(humidity) + 17.62 * temperature_c / (243.12 + temperature_c)
+    return 243.12 * gamma / (17.62 - gamma)

@@ -50,11 +50,11 @@ class Sight:
 class Optics:
     """Reflectors in their nests, base column and faults in the way of the beam.
 
-    The beam starts beside the arm's last axis by a lateral offset and rises by its pitch; its length is measured
-    along the beam, so the cosine errors of miss and pitch are in it. A reflector returns the beam when it is in place, the
-    miss is within its acceptance, it lies ahead, the beam comes within its field, and neither the column nor a
-    fault stands between. The acceptance is that of a full signal; it shrinks with what dirt leaves of it, since the
-    level at its edge, exp(-2), is the least that a counter counts with.
+    The beam starts beside the arm's last axis by a lateral offset and rises by its pitch; its length is
+    measured along the beam, so the cosine errors of miss and pitch are in it. A reflector returns the beam when
+    it is in place, the miss is within its acceptance, it lies ahead, the beam comes within its field, and
+    neither the column nor a fault stands between. The acceptance is that of a full signal; it shrinks with what
+    dirt leaves of it, since the level at its edge, exp(-2), is the least that a counter counts with.
 
     Args:
         reflectors: where their centres are.

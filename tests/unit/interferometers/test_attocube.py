@@ -14,7 +14,7 @@ from catseye.drivers.attocube.ids import AttocubeIds, IdsSettings
 from catseye.drivers.errors import ProtocolError, RefusedError, WrongDeviceError
 from catseye.drivers.memory import MemoryTransport
 from catseye.simulators.attocube.json_stream import JsonCutter
-from catseye.simulators.context import World
+from catseye.simulators.context import EmulationContext
 from catseye.simulators.ports.session import Session
 from tests.transcripts import attocube_ids as transcript
 from tests.unit.drivers.peers import Peer, StepClock
@@ -48,12 +48,12 @@ def said(session: Session, data: bytes) -> list[Any]:
 
 
 @pytest.fixture
-def world() -> World:
+def world() -> EmulationContext:
     return quiet_world()
 
 
 @pytest.fixture
-def session(world: World) -> Session:
+def session(world: EmulationContext) -> Session:
     session = new_session(world, "attocube-ids")
     ask(session, "com.attocube.ids.system.startMeasurement")
     world.bench.advance(3.0)
@@ -147,12 +147,14 @@ def test_random_bytes_do_the_emulator_no_harm(chunks: list[bytes]) -> None:
         (b"{not json}", -32700),
     ],
 )
-def test_what_is_no_request_is_an_error_of_json_rpc(world: World, request_: bytes, code: int) -> None:
+def test_what_is_no_request_is_an_error_of_json_rpc(
+    world: EmulationContext, request_: bytes, code: int
+) -> None:
     (answer,) = said(new_session(world, "attocube-ids"), request_)
     assert answer["error"]["code"] == code
 
 
-def test_a_measurement_takes_time_to_start(world: World) -> None:
+def test_a_measurement_takes_time_to_start(world: EmulationContext) -> None:
     session = new_session(world, "attocube-ids")
     space = "com.attocube.ids."
     assert ask(session, space + "system.getCurrentMode") == [0, "system idle"]
@@ -171,7 +173,7 @@ def test_a_measurement_takes_time_to_start(world: World) -> None:
 
 
 def test_an_interrupted_axis_keeps_its_error_and_its_place_until_it_is_reset(
-    world: World, session: Session
+    world: EmulationContext, session: Session
 ) -> None:
     space = "com.attocube.ids."
     world.bench.block_beam(0.5)
@@ -185,7 +187,7 @@ def test_an_interrupted_axis_keeps_its_error_and_its_place_until_it_is_reset(
     assert ask(session, space + "displacement.getAxisDisplacement", 0)[0] == 0
 
 
-def test_contrast_average_and_environment(world: World, session: Session) -> None:
+def test_contrast_average_and_environment(world: EmulationContext, session: Session) -> None:
     space = "com.attocube.ids."
     error, contrast, _, _ = ask(session, space + "adjustment.getContrastInPermille", 0)
     assert error == 0

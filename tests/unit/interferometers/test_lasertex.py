@@ -14,7 +14,7 @@ from catseye.drivers.errors import LinkTimeoutError, ProtocolError, RefusedError
 from catseye.drivers.lasertex import codec
 from catseye.drivers.lasertex.hpi import HpiSettings, LasertexHpi
 from catseye.drivers.memory import MemoryTransport
-from catseye.simulators.context import World
+from catseye.simulators.context import EmulationContext
 from catseye.simulators.lasertex import frames
 from catseye.simulators.ports.session import Session
 from catseye.simulators.world.air_probe import AirFault
@@ -121,23 +121,23 @@ def test_random_bytes_do_no_harm(chunks: list[bytes]) -> None:
 
 
 @pytest.fixture
-def world() -> World:
+def world() -> EmulationContext:
     return quiet_world()
 
 
-def test_each_command_is_acknowledged_by_its_code(world: World) -> None:
+def test_each_command_is_acknowledged_by_its_code(world: EmulationContext) -> None:
     session = new_session(world, "lasertex-hpi")
     answers = said(session, COMMAND_STREAM)
     assert [frame.code for frame in answers] == list(transcript.COMMANDS)
     assert answers[0].data.startswith(b"EMULATOR")
 
 
-def test_what_is_no_command_gets_no_answer(world: World) -> None:
+def test_what_is_no_command_gets_no_answer(world: EmulationContext) -> None:
     session = new_session(world, "lasertex-hpi")
     assert said(session, bytes.fromhex("AA B0 32 00 00 00 00 8F") + codec.command(0xB099)) == []
 
 
-def test_streams_run_at_their_rates_and_distance_excludes_velocity(world: World) -> None:
+def test_streams_run_at_their_rates_and_distance_excludes_velocity(world: EmulationContext) -> None:
     session = new_session(world, "lasertex-hpi")
     for code in (0xB034, 0xB032, 0xB079):
         said(session, codec.command(code))
@@ -153,7 +153,7 @@ def test_streams_run_at_their_rates_and_distance_excludes_velocity(world: World)
     assert session.next_output_s() is None
 
 
-def test_a_sensor_that_measures_nothing_sends_nothing(world: World) -> None:
+def test_a_sensor_that_measures_nothing_sends_nothing(world: EmulationContext) -> None:
     world.probe.fault = AirFault(missing=True)
     session = new_session(world, "lasertex-hpi")
     said(session, codec.command(0xB079))

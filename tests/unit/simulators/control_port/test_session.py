@@ -56,8 +56,8 @@ def test_it_says_that_it_is_an_emulator(panel: Panel) -> None:
 
 def test_the_truth_is_the_result_format(panel: Panel) -> None:
     said = panel.ask(op="truth")
-    assert said["truth"] == panel.emulation.world.truth
-    assert panel.emulation.world.truth["format"] == "catseye-result/1"
+    assert said["truth"] == panel.emulation.context.truth
+    assert panel.emulation.context.truth["format"] == "catseye-result/1"
 
 
 def test_the_state_is_that_of_the_bench(panel: Panel) -> None:
@@ -153,7 +153,7 @@ def test_an_alarm_stops_a_motion(panel: Panel) -> None:
 
 
 def test_the_air_can_be_wrong_or_missing(panel: Panel) -> None:
-    sensor = AirSensor(panel.emulation.world.probe, 0x2C)
+    sensor = AirSensor(panel.emulation.context.probe, 0x2C)
     good = sensor.read_words(0x0100, 2)
     panel.fault("air", temperature_k=1.0)
     assert sensor.read_words(0x0101, 1)[0] == pytest.approx(good[1] + 100, abs=1)

@@ -180,5 +180,5 @@ def test_what_is_not_known_is_chosen_by_options() -> None:
     )
     choices = Choices.of(device)
     assert (choices.exclusive_right, choices.teach_keeps_right, choices.jog_percent) == (True, False, 5)
-    with pytest.raises(EmulatorError, match="exclusive_right has to be true or false"):
+    with pytest.raises(EmulatorError, match=r"robot: option exclusive_right: .*valid boolean"):
         Choices.of(EmulatedDevice("robot", "melfa-r3", options={"exclusive_right": "yes"}))

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from catseye.simulators.melfa.alarms import Refusal
 from catseye.simulators.melfa.choices import Choices
 from catseye.simulators.melfa.controller import Controller
-from catseye.simulators.melfa.datalink import Datalink, DatalinkSession
+from catseye.simulators.melfa.datalink import Datalink, DatalinkSession, NumberFormat
 from catseye.simulators.ports.session import Pending
 from catseye.simulators.world.scara.bench import scara_bench
 from tests.transcripts import melfa_datalink as records
@@ -24,7 +24,7 @@ class Line:
     """A controller that runs the program, and one client."""
 
     def __init__(
-        self, number_format: str = "plain", *, servo: bool = True, start: tuple[float, ...] = HOME
+        self, number_format: NumberFormat = "plain", *, servo: bool = True, start: tuple[float, ...] = HOME
     ) -> None:
         config = without_j4_play(replace(QUIET, start_joints=(start[0], start[1], start[2], start[3])))
         self.bench = scara_bench(perfect_arm(config), config)
@@ -78,7 +78,7 @@ def test_it_says_what_it_is_and_obeys_the_small_commands() -> None:
 
 
 @pytest.mark.parametrize("number_format", records.TOLD)
-def test_feedback_is_told_in_the_chosen_notation(number_format: str) -> None:
+def test_feedback_is_told_in_the_chosen_notation(number_format: NumberFormat) -> None:
     line = Line(number_format, start=records.FEEDBACK)
     assert line.ask(records.TELL) == records.TOLD[number_format]
 

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 
 from catseye.simulators.config import EmulationConfig, Joints
 from catseye.simulators.melfa.controller import Controller
-from catseye.simulators.melfa.mxt import Mxt, MxtOptions, MxtSession
+from catseye.simulators.melfa.mxt import Mode, Mxt, MxtOptions, MxtSession
 from catseye.simulators.ports.session import Pending
 from catseye.simulators.world.scara.bench import scara_bench
 from tests.transcripts import melfa_mxt
@@ -315,7 +315,7 @@ def test_all_monitors_of_an_arm_at_rest() -> None:
 
 
 @pytest.mark.parametrize(("mode", "kind"), [("xyz", 1), ("pulse", 3)])
-def test_other_declared_types_lead_the_arm_to_the_same_joints(mode: str, kind: int) -> None:
+def test_other_declared_types_lead_the_arm_to_the_same_joints(mode: Mode, kind: int) -> None:
     line = Line((30.0, 60.0, 12.0, 10.0), options=MxtOptions(mode=mode))
     line.begin()
     if mode == "xyz":
@@ -360,7 +360,7 @@ datagrams = st.one_of(
 # Bytes at random, as in tests/unit/test_random_bytes.py, hardly ever have the length of a packet.
 @settings(max_examples=200)
 @given(sent=st.lists(datagrams, max_size=8), mode=st.sampled_from(["joint", "xyz", "pulse"]))
-def test_random_datagrams_raise_nothing(sent: list[bytes], mode: str) -> None:
+def test_random_datagrams_raise_nothing(sent: list[bytes], mode: Mode) -> None:
     line = Line(options=MxtOptions(mode=mode))
     for datagram in sent:
         assert len(line.ask(datagram)) in {0, 196}

@@ -5,12 +5,13 @@ import pytest
 from catseye.simulators.config import EmulatedDevice, Option
 from catseye.simulators.errors import EmulatorError
 from catseye.simulators.modbus.emulators import io_block
-from catseye.simulators.modbus.remote_io import Door, RemoteIo
+from catseye.simulators.modbus.remote_io import COUNT, RemoteIo
 from catseye.simulators.modbus.tcp import respond
+from catseye.simulators.world.door import Door
 
 
 def block(door: Door, **options: Option) -> RemoteIo:
-    return io_block(door, EmulatedDevice("io", "modbus-io", options=options))
+    return io_block(door, EmulatedDevice("io", "modbus-io", options=options), [False] * COUNT)
 
 
 def said(device: RemoteIo, request: str) -> str:

@@ -8,8 +8,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from catseye.simulators.modbus.air_sensor import AirSensor, dew_point_c
+from catseye.simulators.modbus.air_sensor import AirSensor
 from catseye.simulators.modbus.tcp import ILLEGAL_ADDRESS, ModbusError, ModbusSession, respond
+from catseye.simulators.world.air import dew_point_c
 from catseye.simulators.world.air_probe import AirFault, AirProbe
 from catseye.simulators.world.scara.bench import scara_bench
 from tests.unit.simulators.benches import QUIET, perfect_arm, quiet_bench, without_j4_play

@@ -9,7 +9,7 @@ import pytest
 from catseye.simulators.counter.line_protocol import CounterSession
 from catseye.simulators.errors import BenchError
 from catseye.simulators.lasertex.hpi import Hpi
-from catseye.simulators.options import LengthOptions
+from catseye.simulators.lengths import Lengths
 from catseye.simulators.world.air_probe import AirProbe
 from catseye.simulators.world.bench import Bench, Instrument
 from tests.unit.simulators.benches import QUIET, go, quiet_bench
@@ -127,7 +127,7 @@ def test_a_laser_that_is_ready_already_loses_nothing() -> None:
 def test_the_instruments_that_can_tell_the_laser_tell_it() -> None:
     bench, instrument = zeroed()
     line = CounterSession(instrument, lambda _text: None)
-    hpi = Hpi(instrument, AirProbe(bench), LengthOptions(compensated=True))
+    hpi = Hpi(instrument, AirProbe(bench), Lengths(compensated=True))
 
     def told() -> tuple[int, bool]:
         line.feed(b"S\r")
@@ -145,7 +145,7 @@ def test_the_instruments_that_can_tell_the_laser_tell_it() -> None:
 
 def test_a_flag_cleared_while_the_laser_drifts_comes_back_when_it_locks() -> None:
     bench, instrument = zeroed()
-    hpi = Hpi(instrument, AirProbe(bench), LengthOptions(compensated=True))
+    hpi = Hpi(instrument, AirProbe(bench), Lengths(compensated=True))
     bench.set_laser(ready=False)
     hpi.zero()
     bench.set_laser(ready=True)
