@@ -24,13 +24,14 @@ from catseye.simulators.config import (
     Screws,
     TruthText,
 )
+from catseye.simulators.control_port.client import ask
+from catseye.simulators.control_port.messages import ReadTruth
 from catseye.simulators.registry import emulator_names
 
 _J3_MM = (0.0, 150.0)
 """Limits of J3, which no cell file has."""
 
 _READY_TIMEOUT_S = 20.0
-_LONGEST_ANSWER_BYTES = 1 << 20
 _DEVICES = ("robot", "interferometer", "environment", "control")
 
 
@@ -183,20 +184,10 @@ async def fetch_truth(control: str) -> dict[str, Any]:
     Raises:
         LinkFailedError: the control port does not answer.
     """
-    host, _, port = control.removeprefix("tcp://").rpartition(":")
     try:
-        async with asyncio.timeout(_READY_TIMEOUT_S):
-            reader, writer = await asyncio.open_connection(host, int(port), limit=_LONGEST_ANSWER_BYTES)
-            try:
-                writer.write(b'{"op": "truth"}\n')
-                answer = json.loads(await reader.readline())
-            finally:
-                writer.close()
-                await writer.wait_closed()
-    except (OSError, TimeoutError, ValueError) as error:
+        return (await ask(control, ReadTruth(), _READY_TIMEOUT_S)).truth
+    except (OSError, ValueError) as error:
         raise LinkFailedError(f"the emulated bench at {control} does not tell its truth: {error}") from error
-    truth: dict[str, Any] = answer["truth"]
-    return truth
 
 
 async def _endpoints(process: asyncio.subprocess.Process, stderr: BinaryIO) -> dict[str, str]:

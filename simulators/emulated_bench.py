@@ -5,7 +5,8 @@ from types import TracebackType
 
 from catseye.simulators.config import EmulatedDevice, EmulationConfig, ErrorBudget, ReflectorPlace
 from catseye.simulators.context import EmulationContext
-from catseye.simulators.control_port.session import ControlSession, Desk
+from catseye.simulators.control_port.operations import Reach
+from catseye.simulators.control_port.session import ControlSession
 from catseye.simulators.emulator import DeviceOptions
 from catseye.simulators.errors import EmulatorError
 from catseye.simulators.melfa.controller import Controller
@@ -69,9 +70,11 @@ class EmulatedBench:
         by_name: dict[str, list[Port]] = {}
         for port in self._ports:
             by_name.setdefault(port.device, []).append(port)
-        self.desk = Desk(self.context, Tracker(config.seed), by_name)
+        self.reach = Reach(self.context, Tracker(config.seed), by_name)
         self._ports.append(
-            Port("control", "catseye-control", config.control, self.keeper, lambda: ControlSession(self.desk))
+            Port(
+                "control", "catseye-control", config.control, self.keeper, lambda: ControlSession(self.reach)
+            )
         )
 
     @property

@@ -26,7 +26,7 @@ class Panel:
     def __init__(self, emulation: EmulatedBench | None = None) -> None:
         self.emulation = emulation or EmulatedBench(CONFIG)
         self.bench = self.emulation.bench
-        self.session = ControlSession(self.emulation.desk)
+        self.session = ControlSession(self.emulation.reach)
 
     def ask(self, **request: object) -> dict[str, object]:
         return self.raw(json.dumps(request).encode() + b"\n")
