@@ -3,9 +3,9 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from catseye.calibration.types import Bools, Floats, Ints
+Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
+Bools = NDArray[np.bool_]
 
 Plane = NDArray[np.complex128]
 """Positions or directions in the plane."""
-
-__all__ = ["Bools", "Floats", "Ints", "Plane"]

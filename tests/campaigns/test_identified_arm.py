@@ -21,7 +21,7 @@ from catseye.app.cell.load import load_cell
 from catseye.app.emulation import emulation_config
 from catseye.calibration.types import Floats
 from catseye.simulators.config import EmulationConfig, ErrorBudget
-from catseye.simulators.world.scara.arm import RadialError
+from catseye.simulators.world.scara.axis_errors import RadialError
 from tests.campaigns.test_whole_plan import run
 from tests.system.command import Emulated, catseye, emulated
 from tests.system.test_compensation_round_trip import Row, rms, row_of, true_errors_um, uncorrected

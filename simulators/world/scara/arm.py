@@ -17,7 +17,6 @@ from itertools import accumulate
 
 import numpy as np
 
-from catseye.calibration.error_map import BidirectionalMap
 from catseye.simulators.config import EmulationConfig, Joints
 from catseye.simulators.world.arm import BeamPoses
 from catseye.simulators.world.motion import (
@@ -29,6 +28,7 @@ from catseye.simulators.world.motion import (
     plan_stop,
     plan_way,
 )
+from catseye.simulators.world.scara.axis_errors import FlankTable, JointMap, RadialError
 from catseye.simulators.world.scara.truth import TrueArm
 from catseye.simulators.world.types import Floats, Ints, Plane
 
@@ -53,64 +53,6 @@ class _Shape:
     white_mm: Floats
 
 
-class FlankTable:
-    """Deviation of one joint for every state of its play.
-
-    The deviation is mid + q half: q = 1 is the table of positive approach, q = -1 that of negative approach.
-    Angles are command angles in deg; outside its nodes the table is held constant.
-    """
-
-    def __init__(self, table: BidirectionalMap) -> None:
-        mid = (table.positive_rad + table.negative_rad) / 2.0
-        half = (table.positive_rad - table.negative_rad) / 2.0
-        self._nodes_deg = np.rad2deg(table.nodes_rad)
-        self._tables = mid + 1j * half
-        self._half_rad = half
-
-    def deviation_rad(self, theta_deg: Floats, play: Floats) -> Floats:
-        """Return the deviations, rad, for command angles and states of the play (-1...1)."""
-        both = np.interp(theta_deg, self._nodes_deg, self._tables)
-        deviation: Floats = both.real + play * both.imag
-        return deviation
-
-    def width_deg(self, theta_deg: Floats) -> Floats:
-        """Return the distances between the two tables at command angles, deg."""
-        half = np.interp(theta_deg, self._nodes_deg, self._half_rad)
-        width: Floats = np.abs(half) * (2.0 / _TO_RAD)
-        return width
-
-
-_CURVE_DEG = np.linspace(0.0, 360.0, 721)
-_ORDERS = np.arange(1, 6)
-_TURNS = np.exp(1j * _ORDERS[:, None] * np.deg2rad(_CURVE_DEG))
-
-
-class RadialError:
-    """Radial error motion of one axis: a smooth closed curve over a turn, harmonics 1 to 5.
-
-    Args:
-        rng: where amplitudes and phases come from.
-        rms_um: rms of x and of y over a turn.
-    """
-
-    def __init__(self, rng: np.random.Generator, rms_um: float) -> None:
-        axes = [self._harmonics(rng, rms_um * 1e-3) for _ in range(2)]
-        self._curve_mm = axes[0] + 1j * axes[1]
-
-    @staticmethod
-    def _harmonics(rng: np.random.Generator, rms_mm: float) -> Floats:
-        weights = rng.uniform(0.5, 1.0, 5) / _ORDERS
-        weights *= rms_mm * np.sqrt(2.0) / np.linalg.norm(weights)
-        phases = rng.uniform(0.0, 2.0 * np.pi, 5)
-        waves: Floats = ((weights * np.exp(1j * phases)) @ _TURNS).imag
-        return waves
-
-    def shift_mm(self, theta_deg: Floats) -> Plane:
-        """Return the shifts, mm, at command angles in deg."""
-        shift: Plane = np.interp(theta_deg % 360.0, _CURVE_DEG, self._curve_mm).astype(np.complex128)
-        return shift
-
-
 class ScaraArm:
     """State of the arm: the present motion, the play of each joint, what is left of earlier ringing.
 
@@ -124,7 +66,7 @@ class ScaraArm:
         self._budget = config.budget
         self._dynamics = config.dynamics
         half_j4 = np.array([config.scara.j4_backlash_mdeg * _TO_RAD / 2e3])
-        j4_map = BidirectionalMap(np.zeros(1), -half_j4, half_j4)
+        j4_map = JointMap(np.zeros(1), -half_j4, half_j4)
         self._tables = [FlankTable(m) for m in (truth.theta1_map, truth.theta2_map, j4_map)]
         rng = np.random.default_rng([config.seed, 3])
         self._radial = [RadialError(rng, rms_um) for rms_um in config.budget.radial_um]

@@ -10,10 +10,10 @@ from typing import Literal
 import numpy as np
 from pydantic import BaseModel, ConfigDict, ValidationError
 
-from catseye.calibration.error_map import BidirectionalMap
-from catseye.calibration.types import Floats
 from catseye.simulators.config import EmulationConfig, Range, TruthText
 from catseye.simulators.errors import TruthFileError
+from catseye.simulators.world.scara.axis_errors import JointMap
+from catseye.simulators.world.types import Floats
 
 FORMAT = "catseye-result/1"
 
@@ -33,8 +33,8 @@ class TrueArm:
 
     link1_mm: float
     link2_mm: float
-    theta1_map: BidirectionalMap
-    theta2_map: BidirectionalMap
+    theta1_map: JointMap
+    theta2_map: JointMap
     reflectors: dict[str, tuple[float, float]] = field(default_factory=dict)
     theta40_rad: float = 0.0
 
@@ -64,7 +64,7 @@ def _draw_reflectors(seed: int, config: EmulationConfig) -> dict[str, tuple[floa
 
 def _draw_map(
     rng: np.random.Generator, limits_deg: Range, offset_mdeg: float, amplitudes_mdeg: tuple[float, ...]
-) -> BidirectionalMap:
+) -> JointMap:
     span_deg = limits_deg[1] - limits_deg[0]
     nodes_deg = np.linspace(*limits_deg, max(2, int(np.ceil(span_deg)) + 1))
     nodes = np.deg2rad(nodes_deg)
@@ -75,7 +75,7 @@ def _draw_map(
     smooth_mdeg += 0.7 * np.sin(50.0 * nodes + rng.uniform(0.0, 2.0 * np.pi))
     backlash_mdeg = rng.uniform(19.0, 23.0) + np.sin(nodes + rng.uniform(0.0, 2.0 * np.pi))
     to_rad = np.pi / 180e3
-    return BidirectionalMap(
+    return JointMap(
         nodes, to_rad * (smooth_mdeg - backlash_mdeg / 2.0), to_rad * (smooth_mdeg + backlash_mdeg / 2.0)
     )
 
@@ -152,12 +152,12 @@ def _positive(length_mm: float, path: str, key: str) -> float:
     return length_mm
 
 
-def _map(table: _Map | None, document: _Document, path: str, key: str) -> BidirectionalMap:
+def _map(table: _Map | None, document: _Document, path: str, key: str) -> JointMap:
     if table is None:
         return _constant_map(document, path, key)
     to_rad = np.pi / 180e3
     try:
-        return BidirectionalMap(
+        return JointMap(
             np.deg2rad(np.array(table.node_deg)),
             to_rad * np.array(table.positive_mdeg),
             to_rad * np.array(table.negative_mdeg),
@@ -166,14 +166,14 @@ def _map(table: _Map | None, document: _Document, path: str, key: str) -> Bidire
         raise TruthFileError(f"{path}: {key}: {error}") from error
 
 
-def _constant_map(document: _Document, path: str, key: str) -> BidirectionalMap:
+def _constant_map(document: _Document, path: str, key: str) -> JointMap:
     if document.theta20_mdeg is None:
         raise TruthFileError(
             f"{path}: {key}: missing; give both maps, or theta20_mdeg for a conventional model"
         )
     theta20_rad = document.theta20_mdeg.value * np.pi / 180e3
     value = np.array([theta20_rad if key == "theta2_map" else 0.0])
-    return BidirectionalMap(np.zeros(1), value, value)
+    return JointMap(np.zeros(1), value, value)
 
 
 def truth_document(truth: TrueArm) -> dict[str, object]:
@@ -201,7 +201,7 @@ def _exact(value: float) -> dict[str, float]:
     return {"value": float(value), "u": 0.0}
 
 
-def _map_document(table: BidirectionalMap) -> dict[str, list[float]]:
+def _map_document(table: JointMap) -> dict[str, list[float]]:
     zeros = [0.0] * table.nodes_rad.size
     return {
         "node_deg": _listed(np.rad2deg(table.nodes_rad)),

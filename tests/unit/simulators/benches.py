@@ -8,6 +8,7 @@ import numpy as np
 from catseye.calibration.error_map import BidirectionalMap
 from catseye.simulators.config import EmulationConfig, ErrorBudget, Joints, ReflectorPlace
 from catseye.simulators.world.bench import Bench
+from catseye.simulators.world.scara.axis_errors import JointMap
 from catseye.simulators.world.scara.bench import scara_bench
 from catseye.simulators.world.scara.truth import TrueArm
 
@@ -21,12 +22,15 @@ QUIET = EmulationConfig(
 """The paper's layout without any error."""
 
 
-def constant_map(positive_mdeg: float = 0.0, negative_mdeg: float = 0.0) -> BidirectionalMap:
+def constant_map(positive_mdeg: float = 0.0, negative_mdeg: float = 0.0) -> JointMap:
     """Return a map that is the same everywhere."""
     to_rad = math.pi / 180e3
-    return BidirectionalMap(
-        np.zeros(1), np.array([positive_mdeg * to_rad]), np.array([negative_mdeg * to_rad])
-    )
+    return JointMap(np.zeros(1), np.array([positive_mdeg * to_rad]), np.array([negative_mdeg * to_rad]))
+
+
+def calibration_map(table: JointMap) -> BidirectionalMap:
+    """Return a true map as the calibration reads it."""
+    return BidirectionalMap(table.nodes_rad, table.positive_rad, table.negative_rad)
 
 
 def perfect_arm(config: EmulationConfig = QUIET) -> TrueArm:

@@ -11,9 +11,9 @@ from catseye.app.errors import UsageError
 from catseye.app.files.compensated_path import Origin
 from catseye.app.files.melfa_program import MelfaSettings, melfa_program
 from catseye.app.files.path_csv import CommandPath, cartesian_commands
-from catseye.calibration.error_map import BidirectionalMap
 from catseye.calibration.identification import IdentifiedArm
 from catseye.calibration.layout import Layout
+from catseye.simulators.world.scara.axis_errors import JointMap
 from catseye.simulators.world.scara.bench import scara_bench
 from catseye.simulators.world.scara.truth import TrueArm
 from tests.unit.simulators.benches import QUIET
@@ -30,9 +30,9 @@ ORIGIN = Origin(
 SETTINGS = MelfaSettings(j3_mm=50.0, j4_deg=-30.0, override_percent=20.0, settle_time_s=0.5)
 
 
-def joint_map(nodes: list[float], tables: tuple[list[float], list[float]]) -> BidirectionalMap:
+def joint_map(nodes: list[float], tables: tuple[list[float], list[float]]) -> JointMap:
     up, down = (np.radians(1e-3 * np.array(table)) for table in tables)
-    return BidirectionalMap(np.deg2rad(nodes), up, down)
+    return JointMap(np.deg2rad(nodes), up, down)
 
 
 def compensated(y_mm: list[float]) -> CompensatedPath:

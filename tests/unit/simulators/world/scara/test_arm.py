@@ -8,15 +8,16 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from catseye.calibration.error_map import BidirectionalMap
 from catseye.simulators.config import EmulationConfig, ErrorBudget
 from catseye.simulators.world.bench import Bench
-from catseye.simulators.world.scara.arm import RadialError, ScaraArm
+from catseye.simulators.world.scara.arm import ScaraArm
+from catseye.simulators.world.scara.axis_errors import JointMap, RadialError
 from catseye.simulators.world.scara.bench import scara_bench
 from catseye.simulators.world.scara.truth import TrueArm, draw_truth
 from tests.unit.simulators.benches import (
     QUIET,
     axis_mm,
+    calibration_map,
     constant_map,
     go,
     perfect_arm,
@@ -109,13 +110,14 @@ def test_maps_are_those_of_the_calibration_on_both_flanks() -> None:
     for target, direction in ((33.3, 1), (-71.7, -1)):
         go(bench, (target, target, 0.0, 0.0))
         angle, state = np.array([math.radians(target)]), np.array([direction])
-        expected = [float(m.deviation(angle, state)[0]) / MDEG for m in (truth.theta1_map, truth.theta2_map)]
+        maps = map(calibration_map, (truth.theta1_map, truth.theta2_map))
+        expected = [float(m.deviation(angle, state)[0]) / MDEG for m in maps]
         assert deviations_mdeg(bench) == pytest.approx(expected, abs=1e-9)
 
 
 def test_a_map_is_held_constant_outside_its_nodes() -> None:
     nodes = np.deg2rad(np.array([-10.0, 10.0]))
-    table = BidirectionalMap(nodes, np.array([1.0, 2.0]) * MDEG, np.array([1.0, 2.0]) * MDEG)
+    table = JointMap(nodes, np.array([1.0, 2.0]) * MDEG, np.array([1.0, 2.0]) * MDEG)
     bench = quiet_bench(truth=replace(perfect_arm(), theta1_map=table))
     go(bench, (50.0, 0.0, 0.0, 0.0))
     assert deviations_mdeg(bench)[0] == pytest.approx(2.0)

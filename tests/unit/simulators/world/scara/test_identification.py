@@ -7,13 +7,13 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from catseye.calibration.error_map import BidirectionalMap
 from catseye.calibration.identification import identify
 from catseye.calibration.points import Commands, Points
 from catseye.calibration.types import Floats
+from catseye.simulators.world.scara.axis_errors import JointMap
 from catseye.simulators.world.scara.bench import scara_bench
 from catseye.simulators.world.scara.truth import TrueArm
-from tests.unit.simulators.benches import QUIET, go, without_j4_play
+from tests.unit.simulators.benches import QUIET, calibration_map, go, without_j4_play
 
 MDEG = math.pi / 180e3
 NODES1_DEG = np.arange(-120.0, 101.0, 40.0)
@@ -29,9 +29,9 @@ def true_arm() -> TrueArm:
     return TrueArm(325.02, 224.97, theta1, theta2, PLACES, 0.01)
 
 
-def random_map(rng: np.random.Generator, nodes_deg: Floats) -> BidirectionalMap:
+def random_map(rng: np.random.Generator, nodes_deg: Floats) -> JointMap:
     positive, negative = rng.normal(0.0, 10.0 * MDEG, (2, nodes_deg.size))
-    return BidirectionalMap(np.deg2rad(nodes_deg), positive, negative)
+    return JointMap(np.deg2rad(nodes_deg), positive, negative)
 
 
 def measured_lengths(truth: TrueArm, name: str) -> list[tuple[float, float, int, int, float]]:
@@ -72,9 +72,10 @@ def points(rows: dict[str, list[tuple[float, float, int, int, float]]]) -> Point
     return Points(commands, owner, owner, table[:, 4] - dead_mm[owner], None, tuple(PLACES), paths)
 
 
-def both_tables(table: BidirectionalMap, nodes_deg: Floats) -> Floats:
+def both_tables(table: JointMap, nodes_deg: Floats) -> Floats:
     nodes, up = np.deg2rad(nodes_deg), np.ones(nodes_deg.size, dtype=np.int64)
-    return np.concatenate([table.deviation(nodes, up), table.deviation(nodes, -up)])
+    read = calibration_map(table)
+    return np.concatenate([read.deviation(nodes, up), read.deviation(nodes, -up)])
 
 
 def test_an_arm_measured_without_noise_is_identified_without_error() -> None:

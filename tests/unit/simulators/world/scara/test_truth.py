@@ -7,9 +7,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from catseye.calibration.error_map import BidirectionalMap
 from catseye.simulators.config import EmulationConfig, TruthText
 from catseye.simulators.errors import TruthFileError
+from catseye.simulators.world.scara.axis_errors import JointMap
 from catseye.simulators.world.scara.truth import TrueArm, draw_truth, true_arm, truth_document
 from tests.unit.simulators.benches import QUIET
 
@@ -28,7 +28,7 @@ def written(tmp_path: Path, document: object) -> Path:
     return path
 
 
-def equal(a: BidirectionalMap, b: BidirectionalMap) -> bool:
+def equal(a: JointMap, b: JointMap) -> bool:
     pairs = ((a.nodes_rad, b.nodes_rad), (a.positive_rad, b.positive_rad), (a.negative_rad, b.negative_rad))
     return all(np.allclose(first, second, rtol=0.0, atol=1e-15) for first, second in pairs)
 
@@ -46,7 +46,7 @@ def test_a_drawn_arm_is_plausible() -> None:
 @pytest.mark.parametrize("name", ["theta1_map", "theta2_map"])
 def test_drawn_maps_cover_the_limits_and_are_some_ten_millidegrees_large(name: str) -> None:
     for seed in range(20):
-        table: BidirectionalMap = getattr(draw_truth(seed, QUIET), name)
+        table: JointMap = getattr(draw_truth(seed, QUIET), name)
         limits = QUIET.limits[0] if name == "theta1_map" else QUIET.limits[1]
         nodes_deg = np.rad2deg(table.nodes_rad)
         assert (nodes_deg[0], nodes_deg[-1]) == pytest.approx(limits)
