@@ -227,7 +227,7 @@ class Ids:
     def _reset_count(self) -> None:
         self._instrument.zero()
         self._breaks_cleared = self._instrument.break_count
-        self._reference_mm = self._instrument.bench.insight().length_mm
+        self._reference_mm = self._instrument.bench.true_state().length_mm
 
     def _reset_error(self, renormalize: bool = False) -> list[object]:
         del renormalize

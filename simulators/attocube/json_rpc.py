@@ -30,7 +30,7 @@ class IdsSession(Session):
 
     Args:
         ids: the instrument.
-        note: is told each request.
+        note: called with each request.
     """
 
     def __init__(self, ids: Ids, note: Callable[[str], None]) -> None:

@@ -72,13 +72,13 @@ def _truth(request: messages.ReadTruth, reach: Reach) -> Answer:
 def _state(request: messages.ReadState, reach: Reach) -> Answer:
     del request
     context, bench = reach.context, reach.context.bench
-    insight = bench.insight()
+    true = bench.true_state()
     return messages.State(
         time_s=bench.time_s,
         joints=bench.joints,
-        true_joints=insight.joints,
-        play=insight.play,
-        xy_mm=insight.axis_mm,
+        true_joints=true.joints,
+        play=true.play,
+        xy_mm=true.axis_mm,
         moving=bench.moving,
         servo=context.controller.servo_on,
         alarm=context.controller.alarm,
@@ -91,18 +91,18 @@ def _state(request: messages.ReadState, reach: Reach) -> Answer:
 
 
 def _beam(context: EmulationContext) -> messages.BeamState:
-    bench, insight = context.bench, context.bench.insight()
+    bench, true = context.bench, context.bench.true_state()
     latches = {name: instrument.beam_lost for name, instrument in context.instruments.items()}
     return messages.BeamState(
-        reflector=insight.reflector,
-        returns=insight.reflector is not None,
+        reflector=true.reflector,
+        returns=true.reflector is not None,
         lost=latches.get("interferometer", bench.beam_lost),
         lost_of=latches,
-        nearest=insight.nearest,
-        miss_mm=insight.miss_mm,
+        nearest=true.nearest,
+        miss_mm=true.miss_mm,
         largest_miss_mm=bench.largest_miss_mm,
-        length_mm=insight.length_mm,
-        direction_deg=insight.beam_deg,
+        length_mm=true.length_mm,
+        direction_deg=true.beam_deg,
     )
 
 
@@ -119,7 +119,7 @@ def _mount(context: EmulationContext) -> messages.MountState:
 @carry_out.register
 def _track(request: messages.Track, reach: Reach) -> Answer:
     del request
-    x_mm, y_mm = reach.tracker.measure(reach.context.bench.insight().axis_mm)
+    x_mm, y_mm = reach.tracker.measure(reach.context.bench.true_state().axis_mm)
     return messages.TrackedPlace(x_mm=x_mm, y_mm=y_mm, u_mm=reach.tracker.u_mm)
 
 

@@ -62,8 +62,8 @@ class CounterSession(Session):
 
     Args:
         instrument: what it shows.
-        note: is told each request.
-        lengths: how it tells lengths; by default corrected for the air.
+        note: called with each request.
+        lengths: how it shows lengths; by default corrected for the air.
     """
 
     def __init__(

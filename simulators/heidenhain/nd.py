@@ -136,7 +136,7 @@ class NdSession(Session):
 
     Args:
         display: the display.
-        note: is told each command.
+        note: called with each command.
     """
 
     def __init__(self, display: Display, note: Callable[[str], None]) -> None:

@@ -33,7 +33,7 @@ class Hpi:
     Args:
         instrument: its length counter.
         probe: its air sensor.
-        lengths: how it tells lengths.
+        lengths: how it shows lengths.
         full_scale: level of a full signal.
     """
 
@@ -96,7 +96,7 @@ class HpiSession(Session):
 
     Args:
         hpi: the instrument.
-        note: is told each command.
+        note: called with each command.
     """
 
     def __init__(self, hpi: Hpi, note: Callable[[str], None]) -> None:

@@ -43,7 +43,7 @@ class ArmControl:
         bench: the arm.
         config: limits, nominal links, delays.
         changed: called when a motion ends at another moment than it would have.
-        choices: what no source tells of a controller.
+        choices: what no source says of a controller.
 
     Attributes:
         on_interrupt: called with the error number when something stops the arm, before it stops.
@@ -80,7 +80,7 @@ class ArmControl:
 
     @property
     def alarm_shown(self) -> int:
-        """The alarm that ERROR tells: the active one, else a caution that nobody has reset."""
+        """The alarm that ERROR answers: the active one, else a caution that nobody has reset."""
         return self.alarm or self.caution
 
     @property
@@ -98,7 +98,7 @@ class ArmControl:
             self._servo_from_s = self.bench.time_s + self.config.dynamics.servo_delay_s
 
     def switch_servo_off(self, number: int = alarms.SERVO_IS_OFF) -> None:
-        """Stop the arm and take the power off; a waiting client is told the number."""
+        """Stop the arm and take the power off; a waiting client gets the number."""
         self.interrupt(number)
         self._servo_from_s = None
 

@@ -4,7 +4,7 @@ from catseye.simulators.emulator import DeviceOptions
 
 
 class Choices(DeviceOptions):
-    """How this controller behaves where no source tells.
+    """How this controller behaves where no source says.
 
     Attributes:
         exclusive_right: one connection only may hold the operation right; others are refused with 6020.

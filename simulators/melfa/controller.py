@@ -23,7 +23,7 @@ class Controller(ArmControl):
         bench: the arm.
         config: limits, nominal links, delays.
         changed: called when a motion ends at another moment than it would have.
-        choices: what no source tells of a controller.
+        choices: what no source says of a controller.
     """
 
     def __init__(

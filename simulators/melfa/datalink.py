@@ -13,7 +13,7 @@ command  a, b, c, d                                     answer
 3        –                                              ``id,3,<feedback>``
 4        –                                              forgets the points, ``id,4,0,0,0,0``
 5        –                                              ``id,5,1,4,0,1``: version 1, four joints, an EMULATOR
-                                                        (a real controller tells 0 in the last place)
+                                                        (a real controller says 0 in the last place)
 6        override in per cent, in-position pulses       ``id,6,a,b,0,0``
 7        –                                              ``id,7,0,0,0,0``, the program ends
 other    –                                              ``id,-1,<command>,0,0,0``
@@ -199,7 +199,7 @@ class DatalinkSession(Session):
 
     Args:
         program: what all clients of the port wait for.
-        note: is told each request.
+        note: called with each request.
     """
 
     def __init__(self, program: Datalink, note: Callable[[str], None]) -> None:
@@ -214,7 +214,7 @@ class DatalinkSession(Session):
         self._bytes += data.replace(b"\n", b"")
         *whole, rest = self._bytes.split(b"\r")
         self._records.extend(bytes(line[: LONGEST_RECORD + 1]) for line in whole)
-        # What is too long already will not become a record; enough is kept to tell.
+        # What is too long already will not become a record; enough is kept to refuse it.
         self._bytes = rest[: LONGEST_RECORD + 1]
 
     def answer(self) -> Answer | None:

@@ -7,7 +7,7 @@ in mm, the other axes are in rad.
 
 Each cycle: the set point, a moving average over the filter's length, a first-order lag of each axis' servo, and
 the arm glides there until the next cycle. The lags and their differences are assumptions (a lag common to all
-axes delays the motion, a difference makes the beam miss), as are the currents. What the sheet does not tell:
+axes delays the motion, a difference makes the beam miss), as are the currents. What the sheet does not say:
 answers repeat command, types and communication counter of the request; the time-out (H7820) counts from the first
 set point on; set points without a command 0 before, or after END, are ignored; END is answered too; datagrams of
 any address are taken, since a PC that opens its socket again is the same PC; signals in datagrams are ignored;
@@ -281,7 +281,7 @@ class MxtSession(Session):
 
     Args:
         program: what all addresses talk to.
-        note: is told each command but set points, which are too many.
+        note: called with each command but set points, which are too many.
     """
 
     def __init__(self, program: Mxt, note: Callable[[str], None]) -> None:

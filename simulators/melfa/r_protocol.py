@@ -21,7 +21,7 @@ class MelfaSession(Session):
     Args:
         controller: the controller that all clients share.
         suffix: what is appended to each answer.
-        note: is told each request.
+        note: called with each request.
         segments: a request may end with its segment or a pause, as on TCP; on a serial line it has a terminator.
     """
 
@@ -108,7 +108,7 @@ class MelfaSession(Session):
         return f"{prefix}{text}{self._suffix}".encode("latin-1")
 
     def _refused(self, refusal: Refusal) -> bytes:
-        # Editing commands tell the place of the fault, behind another prefix (sheet, section 1.6).
+        # Editing commands give the place of the fault, behind another prefix (sheet, section 1.6).
         prefix = "Qer" if refusal.place else "QeR"
         said = f"{prefix}{refusal.number:04d}{refusal.detail:05d}{refusal.place}{self._suffix}"
         return said.encode("latin-1")

@@ -44,7 +44,7 @@ def execute(controller: ArmControl, statement: str) -> Run | None:
 
 
 def assign(controller: ArmControl, name: str, value: str) -> None:
-    """Give a variable a value; the first letter of its name tells its type."""
+    """Give a variable a value; the first letter of its name is its type."""
     if _NAME.fullmatch(name) is None:
         raise Refusal(alarms.SYNTAX)
     new = _number(controller, value) if name[0] == "M" else _operand(controller, value, name[0])
@@ -107,7 +107,7 @@ def _added(base: Position, shift: Position) -> Position:
 
 
 def constant(controller: ArmControl, text: str, kind: str) -> Joints | Position:
-    """Return the value of a constant `(…)` or `(…)(…)`; kind, J or P, says what it is, nothing lets its form tell."""
+    """Return the value of a constant `(…)` or `(…)(…)`; kind, J or P, says what it is; without one its form does."""
     found = _CONSTANT.fullmatch(text)
     if found is None:
         raise Refusal(alarms.SYNTAX)

@@ -1,4 +1,4 @@
-"""Air sensors that are told point by point: Comet's register map and maps of the cell file.
+"""Air sensors described point by point: Comet's register map and maps of the cell file.
 
 Comet (sheet `modbus_env`, section 2): one register each, signed, from address 0x31: temperature, humidity, computed
 value (dew point here; it can be set on the device), pressure in hPa, dew point, all times 10; serial number and

@@ -35,7 +35,7 @@ class RtuSession(Session):
     Args:
         registers: the device.
         unit: its address, 1...247.
-        note: is told each request.
+        note: called with each request.
         silence_s: what ends a request, real s.
     """
 

@@ -62,7 +62,7 @@ class ModbusSession(Session):
 
     Args:
         registers: the device.
-        note: is told each request.
+        note: called with each request.
     """
 
     def __init__(self, registers: Registers, note: Callable[[str], None]) -> None:

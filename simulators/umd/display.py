@@ -81,7 +81,7 @@ class Umd:
         self.next_s = 0.0
 
     def join(self, listener: Callable[[bytes], None]) -> None:
-        """Have a listener told every line from now on."""
+        """Call a listener with every line from now on."""
         # Bench time may stand where the last one asked: what was sampled until now went to nobody.
         self._keeper.sync()
         self._listeners.append(listener)
@@ -93,7 +93,7 @@ class Umd:
             self._plan(max(self.bench.time_s, self.next_s + missed * self._period_s()))
 
     def leave(self, listener: Callable[[bytes], None]) -> None:
-        """Tell a listener nothing more."""
+        """Call a listener no longer."""
         self._listeners.remove(listener)
 
     def _period_s(self) -> float:

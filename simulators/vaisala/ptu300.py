@@ -99,7 +99,7 @@ class Ptu300Session(Session):
 
     Args:
         device: the instrument.
-        note: is told each command.
+        note: called with each command.
     """
 
     def __init__(self, device: Ptu300, note: Callable[[str], None]) -> None:

@@ -9,18 +9,18 @@ from catseye.simulators.errors import BenchError
 from catseye.simulators.world.air import Air, AirSample
 from catseye.simulators.world.arm import Arm
 from catseye.simulators.world.counter import Counter, Gap, Reading, gaps_between
-from catseye.simulators.world.insight import Insight
-from catseye.simulators.world.looks import Looks
 from catseye.simulators.world.motion import SHORTEST
 from catseye.simulators.world.mount import Mount
 from catseye.simulators.world.optics import NOBODY, Optics, Reflectors, Sight
+from catseye.simulators.world.sampling import BeamSampling
+from catseye.simulators.world.true_state import TrueState
 from catseye.simulators.world.types import Floats
 
 _MOMENT_S = 1e-3
 """Speeds are taken over this time."""
 
-Witness = Callable[[str], None]
-"""Is told what happens on the bench, at the moment it happens."""
+OnEvent = Callable[[str], None]
+"""Called with what happens on the bench, at the moment it happens."""
 
 
 class Bench:
@@ -33,11 +33,11 @@ class Bench:
         arm: that carries the beam.
         reflectors: where their centres are.
         config: everything else.
-        witness: is told of motions, stops and arrivals; by default nobody is.
+        on_event: called with motions, stops and arrivals.
     """
 
     def __init__(
-        self, arm: Arm, reflectors: Reflectors, config: EmulationConfig, witness: Witness | None = None
+        self, arm: Arm, reflectors: Reflectors, config: EmulationConfig, on_event: OnEvent | None = None
     ) -> None:
         if not reflectors:
             raise BenchError("a bench needs at least one reflector")
@@ -49,10 +49,10 @@ class Bench:
         self._counter = Counter(config, self._look(np.zeros(1)), self._air.index_at)
         self._instruments: list[Counter] = []
         self._largest_miss_mm = 0.0
-        self._witness = witness or (lambda _text: None)
-        self._looks = Looks(self._arm.sample_times())
+        self._on_event = on_event or (lambda _text: None)
+        self._sampling = BeamSampling(self._arm.sample_times())
         self._arrived = True
-        self._appointments: list[tuple[float, Callable[[], None]]] = []
+        self._scheduled: list[tuple[float, Callable[[], None]]] = []
         self._slip: Floats = np.zeros(len(arm.motion.end))
 
     @property
@@ -88,15 +88,15 @@ class Bench:
 
         Args:
             time_s: bench time, s; a moment in the past is now, at the next `advance_to`.
-            action: may command the arm and make further appointments.
+            action: may command the arm and schedule further calls.
         """
-        self._appointments.append((max(time_s, self.time_s), action))
+        self._scheduled.append((max(time_s, self.time_s), action))
 
     def advance_to(self, time_s: float) -> None:
         """Let bench time pass up to a moment, with all that is to be done until then; the past is left alone."""
-        while due := [made for made in self._appointments if made[0] <= time_s]:
-            first = min(due, key=lambda made: made[0])
-            self._appointments.remove(first)
+        while due := [at for at in self._scheduled if at[0] <= time_s]:
+            first = min(due, key=lambda at: at[0])
+            self._scheduled.remove(first)
             self._pass_to(first[0])
             first[1]()
         self._pass_to(time_s)
@@ -106,7 +106,7 @@ class Bench:
     def _pass_to(self, time_s: float) -> None:
         if time_s <= self.time_s:
             return
-        due = self._looks.due(self.time_s, time_s)
+        due = self._sampling.due(self.time_s, time_s)
         if due.size:
             self._follow(self._look(due))
         if time_s > self.standstill_s + SHORTEST:
@@ -114,12 +114,12 @@ class Bench:
         self.time_s = time_s
 
     def _note_arrival(self) -> None:
-        """Tell of the end of a motion; at its very end something that is to be done may still continue it."""
+        """Report the end of a motion; at its very end something that is to be done may still continue it."""
         if self._arrived:
             return
         self._arrived = True
         self.time_s = self.standstill_s
-        self._witness(f"arrival at {_listed(self.destination)}")
+        self._on_event(f"arrival at {_listed(self.destination)}")
 
     def move_to(self, target: Joints, override_percent: float = 100.0, accel_percent: float = 100.0) -> None:
         """Start a joint-interpolated motion.
@@ -136,7 +136,7 @@ class Bench:
         self._observe()
         target = self._slipped(np.array(target))
         self._arm.move_to(target, self.time_s, override_percent / 100.0, accel_percent / 100.0)
-        self._witness(f"motion to {_listed(target)} at {override_percent:g} %")
+        self._on_event(f"motion to {_listed(target)} at {override_percent:g} %")
         self._restart_looks()
 
     def follow(self, times_s: Floats, joints: Floats) -> None:
@@ -161,7 +161,7 @@ class Bench:
         self._observe()
         joints = np.concatenate([joints[:-1], [self._slipped(joints[-1])]])
         self._arm.follow(times_s, joints, self.time_s)
-        self._witness(f"way through {times_s.size} knots to {_listed(self.destination)}")
+        self._on_event(f"way through {times_s.size} knots to {_listed(self.destination)}")
         self._restart_looks()
 
     def glide(self, target: Joints, duration_s: float) -> None:
@@ -178,7 +178,7 @@ class Bench:
         rested = self._arrived
         if self._arm.glide(target, self.time_s, duration_s):
             if rested:
-                self._witness(f"stream from {_listed(self._arm.motion.start)}")
+                self._on_event(f"stream from {_listed(self._arm.motion.start)}")
             self._restart_looks()
 
     def _require_rest(self) -> None:
@@ -192,7 +192,7 @@ class Bench:
             return
         self._observe()
         self._arm.stop(self.time_s)
-        self._witness(f"stop towards {_listed(self.destination)}")
+        self._on_event(f"stop towards {_listed(self.destination)}")
         self._restart_looks()
 
     def new_instrument(self) -> "Instrument":
@@ -251,14 +251,14 @@ class Bench:
         """Return the refractive index of the air for a helium-neon laser at this moment."""
         return self._air.index_at(self.time_s)
 
-    def insight(self) -> Insight:
+    def true_state(self) -> TrueState:
         """Return the truth of this moment; nothing on the bench notices."""
         now = np.array([self.time_s])
         poses = self._arm.poses(now)
         sight = self._optics.look(poses)
         axis = complex(poses.axis_mm[0])
         nearest = self._nearest(sight)
-        return Insight(
+        return TrueState(
             axis_mm=(axis.real, axis.imag),
             joints=self._arm.true_joints(self.time_s),
             beam_deg=float(np.rad2deg(poses.beam_rad[0])),
@@ -356,7 +356,7 @@ class Bench:
         """Keep the arm ringing from now on for a time, s."""
         self._observe()
         self._arm.shake(amplitude_mm, self.time_s, self.time_s + duration_s)
-        self._looks.plan(self._arm.sample_times(), self.time_s)
+        self._sampling.plan(self._arm.sample_times(), self.time_s)
 
     def outrun_counters(self) -> None:
         """Let all counters lose count as after too fast a motion.
@@ -381,7 +381,7 @@ class Bench:
         return self._counter.laser_ready
 
     def slip(self, joint: int, by: float) -> None:
-        """Let the next motion end beside its target, as after a collision; the encoders tell where.
+        """Let the next motion end beside its target, as after a collision; the encoders show where.
 
         Real-time streams are left alone.
 
@@ -443,7 +443,7 @@ class Bench:
         return self._optics.names[int(sight.nearest[0])]
 
     def _restart_looks(self) -> None:
-        self._looks.plan(self._arm.sample_times(), self.time_s)
+        self._sampling.plan(self._arm.sample_times(), self.time_s)
         self._arrived = not self.moving
 
 

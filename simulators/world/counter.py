@@ -40,7 +40,7 @@ class Reading:
 
     @property
     def counts(self) -> bool:
-        """The beam returns and its fringes mean something: all that an instrument without a laser bit can tell."""
+        """The beam returns and its fringes mean something: all that an instrument without a laser bit can show."""
         return self.returns and self.laser_ready
 
 

@@ -199,7 +199,7 @@ def test_contrast_average_and_environment(world: EmulationContext, session: Sess
     index = ask(session, "com.attocube.ecu.getRefractiveIndex")[1]
     assert index == pytest.approx(1.000271, abs=2e-6)
     absolute_pm = ask(session, space + "displacement.getAbsolutePosition", 0)[1]
-    assert absolute_pm * 1e-9 == pytest.approx(world.bench.insight().length_mm, abs=1e-3)
+    assert absolute_pm * 1e-9 == pytest.approx(world.bench.true_state().length_mm, abs=1e-3)
     assert len(ask(session, space + "displacement.getAxesDisplacement")) == 4
 
 

@@ -166,10 +166,10 @@ async def test_the_driver_counts_in_vacuum_wavelengths() -> None:
         identity = await pair.driver.connect()
         assert (identity.model, identity.simulated) == ("Lasertex HPI-3D", True)
         assert await pair.driver.zero() == 1
-        before = pair.bench.insight().length_mm
+        before = pair.bench.true_state().length_mm
         go(pair.bench, aimed(20.01, 30.01))
         reading = await pair.driver.read()
-        way_mm = pair.bench.insight().length_mm - before
+        way_mm = pair.bench.true_state().length_mm - before
         assert reading.displacement_mm == pytest.approx(way_mm * 1.00027, rel=1e-4, abs=2e-6)
         assert reading.displacement_mm != pytest.approx(way_mm, abs=1e-6)
         assert reading.zero_id == 1
@@ -178,9 +178,9 @@ async def test_the_driver_counts_in_vacuum_wavelengths() -> None:
 async def test_an_instrument_that_compensates_shows_the_length_itself() -> None:
     async with paired("lasertex-hpi", make, {"compensated": "instrument", "sign": -1}) as pair:
         await pair.driver.zero()
-        before = pair.bench.insight().length_mm
+        before = pair.bench.true_state().length_mm
         go(pair.bench, aimed(20.01, 30.01))
-        way_mm = pair.bench.insight().length_mm - before
+        way_mm = pair.bench.true_state().length_mm - before
         assert (await pair.driver.read()).displacement_mm == pytest.approx(-way_mm, abs=1e-6)
 
 

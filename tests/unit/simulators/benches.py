@@ -72,7 +72,7 @@ def go(bench: Bench, target: Joints, override_percent: float = 20.0) -> None:
 
 def driven_mm(bench: Bench, target: Joints) -> float:
     """Drive to a target and let a moment pass; return by how much the beam has become longer, mm."""
-    before_mm = bench.insight().length_mm
+    before_mm = bench.true_state().length_mm
     go(bench, target)
     bench.advance(0.01)
-    return bench.insight().length_mm - before_mm
+    return bench.true_state().length_mm - before_mm

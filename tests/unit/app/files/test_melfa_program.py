@@ -68,7 +68,7 @@ def test_the_program_brings_the_arm_to_the_path() -> None:
     while desk.controller.task.running:
         # Every delay begins at standstill and is half a second long.
         if desk.controller.task.line_text.endswith("Dly 0.50") and not desk.bench.moving:
-            stood.append(complex(*desk.bench.insight().axis_mm))
+            stood.append(complex(*desk.bench.true_state().axis_mm))
             desk.bench.advance(0.6)
         else:
             desk.bench.advance(0.01)

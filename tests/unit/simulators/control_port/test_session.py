@@ -62,7 +62,7 @@ def test_the_truth_is_the_result_format(panel: Panel) -> None:
 
 def test_the_state_is_that_of_the_bench(panel: Panel) -> None:
     said = panel.ask(op="state")
-    insight = panel.bench.insight()
+    insight = panel.bench.true_state()
     assert said["joints"] == list(CONFIG.start_joints)
     assert said["true_joints"] == pytest.approx(list(insight.joints))
     assert said["xy_mm"] == pytest.approx(list(insight.axis_mm))
@@ -113,7 +113,7 @@ def test_beam_faults_come_and_go(panel: Panel) -> None:
 
 
 def _way_to_beam(panel: Panel) -> tuple[float, float]:
-    insight = panel.bench.insight()
+    insight = panel.bench.true_state()
     x_mm, y_mm = draw_truth(CONFIG.seed, CONFIG).reflectors["P2"]
     direction = np.exp(1j * np.deg2rad(insight.beam_deg))
     foot = complex(*insight.axis_mm) + direction * insight.length_mm

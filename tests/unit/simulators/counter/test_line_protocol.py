@@ -43,14 +43,14 @@ def test_it_says_that_it_is_an_emulator(counter: CounterSession) -> None:
 def test_zero_reads_zero_and_a_move_is_counted(bench: Bench, counter: CounterSession) -> None:
     assert talk(counter, b"Z\r\n") == ["OK"]
     assert talk(counter, b"R\r\n") == ["+000000.000000 mm"]
-    before_mm = bench.insight().length_mm
+    before_mm = bench.true_state().length_mm
     go(bench, aimed(20.01, 30.01))
     (line,) = talk(counter, b"R\r\n")
     found = VALUE.match(line)
     assert found is not None
     assert found["ch"] == ""
     assert found["unit"] == "mm"
-    assert float(found["val"]) == pytest.approx(bench.insight().length_mm - before_mm, abs=1e-6)
+    assert float(found["val"]) == pytest.approx(bench.true_state().length_mm - before_mm, abs=1e-6)
     assert re.fullmatch(r"[+-]\d{6}\.\d{6} mm", line)
 
 

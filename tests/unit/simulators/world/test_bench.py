@@ -50,7 +50,7 @@ def follow(bench: Bench, target: tuple[float, float], steps: int) -> None:
 def test_an_aimed_beam_returns_with_the_true_length() -> None:
     bench = quiet_bench()
     go(bench, aimed(20.0, 30.0))
-    insight = bench.insight()
+    insight = bench.true_state()
     assert insight.reflector == "P2"
     assert insight.miss_mm == pytest.approx(0.0, abs=1e-9)
     assert insight.length_mm == pytest.approx(abs(680.0 - axis_mm(20.0, 30.0)))
@@ -62,7 +62,7 @@ def test_the_miss_grows_with_the_angle_and_ends_the_return_at_the_acceptance() -
     length = abs(680.0 - axis_mm(20.0, 30.0))
     for miss_mm, returns in ((0.5, True), (0.99, True), (1.01, False)):
         go(bench, (j1, j2, j3, j4 + math.degrees(math.asin(miss_mm / length))))
-        insight = bench.insight()
+        insight = bench.true_state()
         assert insight.miss_mm == pytest.approx(miss_mm, abs=1e-6)
         assert (insight.reflector is not None) is returns
         assert insight.length_mm == pytest.approx(math.sqrt(length**2 - miss_mm**2))
@@ -84,13 +84,13 @@ def test_the_offset_shifts_the_beam_to_its_left_and_is_the_slope_of_the_length()
     bench = quiet_bench(replace(QUIET, beam_offset_mm=0.2))
     j1, j2, j3, j4 = aimed(20.0, 30.0)
     go(bench, (j1, j2, j3, j4))
-    assert bench.insight().miss_mm == pytest.approx(0.2)
+    assert bench.true_state().miss_mm == pytest.approx(0.2)
     lengths = []
     # With the offset to the left the beam meets the centre when it is turned to the right.
     turn = math.asin(0.2 / abs(680.0 - axis_mm(20.0, 30.0)))
     for delta in (-1e-3, 1e-3):
         go(bench, (j1, j2, j3, j4 - math.degrees(turn) + math.degrees(delta)))
-        lengths.append(bench.insight().length_mm)
+        lengths.append(bench.true_state().length_mm)
     assert (lengths[1] - lengths[0]) / 2e-3 == pytest.approx(0.2, rel=1e-3)
 
 
@@ -98,7 +98,7 @@ def test_a_reflector_behind_the_beam_does_not_return_it() -> None:
     bench = quiet_bench()
     j1, j2, j3, j4 = aimed(20.0, 30.0)
     go(bench, (j1, j2, j3, j4 + 180.0))
-    assert bench.insight().reflector is None
+    assert bench.true_state().reflector is None
     assert not bench.read().returns
 
 
@@ -106,10 +106,10 @@ def test_the_column_hides_the_reflector() -> None:
     bench = quiet_bench()
     # From (-541, 95) mm the line to (680, 0) mm passes the J1 axis at 53 mm; from (-476, 275) mm at 157 mm.
     go(bench, aimed(170.0, 0.0))
-    assert bench.insight().miss_mm < 1e-6
-    assert bench.insight().reflector is None
+    assert bench.true_state().miss_mm < 1e-6
+    assert bench.true_state().reflector is None
     go(bench, aimed(150.0, 0.0))
-    assert bench.insight().reflector == "P2"
+    assert bench.true_state().reflector == "P2"
 
 
 @pytest.mark.parametrize(
@@ -120,21 +120,21 @@ def test_the_field_of_the_cats_eye_is_limited(facing_deg: float, *, returns: boo
     bench = quiet_bench(replace(QUIET, reflectors=(place,)))
     # The straight arm along +X looks along +X; the beam leaves the reflector at 180 deg.
     go(bench, (0.0, 0.0, 0.0, 0.0))
-    assert (bench.insight().reflector is not None) is returns
+    assert (bench.true_state().reflector is not None) is returns
 
 
 def test_the_first_of_two_reflectors_in_line_is_hit() -> None:
     near = replace(P2, name="near", x_mm=600.0)
     bench = quiet_bench(replace(QUIET, reflectors=(P2, near)))
-    assert bench.insight().reflector == "near"
+    assert bench.true_state().reflector == "near"
 
 
 def test_a_lifted_beam_misses() -> None:
     bench = quiet_bench()
     go(bench, (0.0, 0.0, 0.9, 0.0))
-    assert bench.insight().miss_mm == pytest.approx(0.9)
+    assert bench.true_state().miss_mm == pytest.approx(0.9)
     go(bench, (0.0, 0.0, 1.1, 0.0))
-    assert bench.insight().reflector is None
+    assert bench.true_state().reflector is None
 
 
 def test_one_straight_move_between_aimed_poses_breaks_the_beam() -> None:
@@ -147,19 +147,19 @@ def test_one_straight_move_between_aimed_poses_breaks_the_beam() -> None:
 
 def test_the_same_way_in_small_steps_keeps_the_beam_and_the_count() -> None:
     bench = on_target()
-    start_mm = bench.insight().length_mm
+    start_mm = bench.true_state().length_mm
     follow(bench, (40.0, 50.0), 20)
     reading = bench.read()
     assert not reading.beam_lost
-    assert reading.displacement_mm == pytest.approx(bench.insight().length_mm - start_mm, abs=1e-9)
+    assert reading.displacement_mm == pytest.approx(bench.true_state().length_mm - start_mm, abs=1e-9)
     assert abs(reading.displacement_mm) > 10.0
 
 
 def test_the_displacement_grows_with_the_beam() -> None:
     bench = on_target()
-    before_mm = bench.insight().length_mm
+    before_mm = bench.true_state().length_mm
     follow(bench, (25.0, 35.0), 10)
-    assert bench.insight().length_mm > before_mm
+    assert bench.true_state().length_mm > before_mm
     assert bench.read().displacement_mm > 0.0
 
 
@@ -171,27 +171,27 @@ def test_the_vacuum_count_has_the_index_of_the_air_and_its_change_along_the_dead
         now = bench.air()
         return float(refractive_index(632.9908, now.temperature_c, now.pressure_hpa, now.humidity_percent))
 
-    n_zero, dead_mm = index(), bench.insight().length_mm
+    n_zero, dead_mm = index(), bench.true_state().length_mm
     bench.advance(1800.0)
     still = bench.read()
     assert still.displacement_mm == pytest.approx(0.0, abs=1e-9)
     assert still.vacuum_mm == pytest.approx((index() - n_zero) * dead_mm, abs=2e-5)
     assert abs(still.vacuum_mm) > 1e-4
     follow(bench, (25.0, 35.0), 10)
-    length_mm = bench.insight().length_mm
+    length_mm = bench.true_state().length_mm
     assert bench.read().vacuum_mm == pytest.approx(index() * length_mm - n_zero * dead_mm, abs=2e-5)
 
 
 def test_a_lost_count_stays_lost_and_wrong_until_zero() -> None:
     bench = on_target()
-    true_mm = bench.insight().length_mm
+    true_mm = bench.true_state().length_mm
     go(bench, aimed(40.0, 50.0))
     go(bench, aimed(20.0, 30.0))
     reading = bench.read()
     assert reading.returns
     assert reading.beam_lost
     assert abs(reading.displacement_mm) > 3e-4
-    assert bench.insight().length_mm == pytest.approx(true_mm)
+    assert bench.true_state().length_mm == pytest.approx(true_mm)
     assert bench.zero()
     again = bench.read()
     assert not again.beam_lost
@@ -230,11 +230,11 @@ def test_changing_the_reflector_is_a_break() -> None:
     far = replace(P2, name="far", x_mm=690.0, y_mm=1.5)
     bench = quiet_bench(replace(QUIET, reflectors=(P2, far), acceptance_mm=1.0))
     assert bench.zero()
-    assert bench.insight().reflector == "P2"
+    assert bench.true_state().reflector == "P2"
     # 0.7 mm to the left of P2 is 0.8 mm to the right of the other one: no gap between the two.
     go(bench, (0.0, 0.0, 0.0, math.degrees(math.atan2(1.3, 140.0))), 1.0)
     reading = bench.read()
-    assert bench.insight().reflector == "far"
+    assert bench.true_state().reflector == "far"
     assert reading.returns
     assert reading.beam_lost
 
@@ -278,12 +278,12 @@ def test_too_fast_a_move_latches_the_overspeed_and_spoils_the_count() -> None:
     bench = quiet_bench(config)
     assert bench.zero()
     go(bench, (0.0, 0.0, 0.0, 0.0))
-    before_mm = bench.insight().length_mm
+    before_mm = bench.true_state().length_mm
     go(bench, (30.0, 0.0, 0.0, -30.0), 100.0)
     reading = bench.read()
     assert reading.overspeed
     assert not reading.beam_lost
-    assert abs(reading.displacement_mm - (bench.insight().length_mm - before_mm)) > 1.0
+    assert abs(reading.displacement_mm - (bench.true_state().length_mm - before_mm)) > 1.0
 
 
 def test_the_counter_measures_its_velocity() -> None:
@@ -292,9 +292,9 @@ def test_the_counter_measures_its_velocity() -> None:
     assert bench.velocity_mm_s() == 0.0
     bench.move_to((30.0, 0.0, 0.0, -30.0), 10.0)
     bench.advance(0.2)
-    first_mm = bench.insight().length_mm
+    first_mm = bench.true_state().length_mm
     bench.advance(0.001)
-    rate = (bench.insight().length_mm - first_mm) / 0.001
+    rate = (bench.true_state().length_mm - first_mm) / 0.001
     assert bench.velocity_mm_s() == pytest.approx(rate, rel=1e-6)
 
 
@@ -309,13 +309,13 @@ def test_scale_noise_drift_and_resolution_follow_the_budget() -> None:
 def test_the_scale_error_is_that_of_the_wavelength() -> None:
     budget = replace(ErrorBudget.none(), wavelength_um=40.0)
     bench = on_target(replace(QUIET, budget=budget))
-    start_mm = bench.insight().length_mm
+    start_mm = bench.true_state().length_mm
     follow(bench, (40.0, 50.0), 20)
-    way_mm = bench.insight().length_mm - start_mm
+    way_mm = bench.true_state().length_mm - start_mm
     error_mm = bench.read().displacement_mm - way_mm
     again = on_target(replace(QUIET, budget=budget))
     follow(again, (30.0, 40.0), 20)
-    half_mm = again.insight().length_mm - start_mm
+    half_mm = again.true_state().length_mm - start_mm
     assert 0.0 < abs(error_mm) < 3.0 * 0.040 * abs(way_mm) / 700.0
     assert (again.read().displacement_mm - half_mm) / half_mm == pytest.approx(error_mm / way_mm)
 
@@ -329,7 +329,7 @@ def test_white_noise_is_drawn_once_an_arrival() -> None:
         go(bench, aimed(20.0, 30.0))
         values = {bench.read().displacement_mm for _ in range(3)}
         assert len(values) == 1
-        draws.append(bench.insight().length_mm - abs(680.0 - axis_mm(20.0, 30.0)))
+        draws.append(bench.true_state().length_mm - abs(680.0 - axis_mm(20.0, 30.0)))
     assert np.std(draws) == pytest.approx(0.015, rel=0.12)
 
 
@@ -411,7 +411,7 @@ def play_script(script: list[tuple[tuple[str, Joints | None], float]], cuts: int
         for part in range(1, cuts):
             bench.advance_to(until_s - wait_s * (1.0 - part / cuts))
         bench.advance_to(until_s)
-    insight = bench.insight()
+    insight = bench.true_state()
     return [*seen, _rounded(bench.read()), insight.reflector, *(round(q, 9) for q in insight.play)]
 
 

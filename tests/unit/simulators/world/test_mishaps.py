@@ -176,7 +176,7 @@ def test_a_joint_that_slips_ends_beside_its_target_once_and_the_encoder_tells_it
     bench.slip(1, 0.4)
     go(bench, (10.0, 20.0, 0.0, 30.0))
     assert bench.joints == pytest.approx((10.4, 20.0, 0.0, 30.0))
-    assert bench.insight().joints == pytest.approx(bench.joints)
+    assert bench.true_state().joints == pytest.approx(bench.joints)
     go(bench, (10.0, 20.0, 0.0, 30.0))
     assert bench.joints == pytest.approx((10.0, 20.0, 0.0, 30.0))
 

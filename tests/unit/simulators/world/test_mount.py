@@ -21,7 +21,7 @@ D_MM = 130.0
 
 def test_a_tilted_beam_misses_above_and_its_length_has_the_cosine() -> None:
     bench = quiet_bench(replace(QUIET, beam_pitch_mrad=5.0))
-    insight = bench.insight()
+    insight = bench.true_state()
     assert insight.miss_mm == pytest.approx(0.65, abs=1e-5)
     assert insight.length_mm == pytest.approx(D_MM - 130.0 * 0.005**2 / 2.0, abs=1e-7)
 
@@ -32,18 +32,18 @@ def test_the_miss_of_a_tilted_beam_grows_with_the_distance() -> None:
     # 325 cos 60 + 225 cos -60 = 275 mm and 325 sin 60 - 225 sin 60 = 86.6 mm: turn back to P2 at J1 + J2 + J4.
     way = complex(680.0 - 275.0, -100.0 * math.sin(math.radians(60.0)))
     go(bench, (60.0, -120.0, 0.0, 60.0 + math.degrees(math.atan2(way.imag, way.real))))
-    assert bench.insight().miss_mm == pytest.approx(1e-3 * abs(way), rel=1e-5)
+    assert bench.true_state().miss_mm == pytest.approx(1e-3 * abs(way), rel=1e-5)
 
 
 def test_height_and_tilt_add_with_their_signs_and_to_the_lateral_miss() -> None:
     bench = quiet_bench(replace(QUIET, beam_pitch_mrad=5.0, beam_height_mm=10.0, beam_offset_mm=0.3))
     for j3_mm, above_mm in ((10.0, 0.65), (9.35, 0.0), (9.0, -0.35), (10.2, 0.85)):
         go(bench, (0.0, 0.0, j3_mm, 0.0))
-        assert bench.insight().miss_mm == pytest.approx(math.hypot(above_mm, 0.3), abs=1e-4)
+        assert bench.true_state().miss_mm == pytest.approx(math.hypot(above_mm, 0.3), abs=1e-4)
     # A lift by 1 mm shortens a beam that rises by 5 mrad by 5 µm.
-    high_mm = bench.insight().length_mm
+    high_mm = bench.true_state().length_mm
     go(bench, (0.0, 0.0, 9.2, 0.0))
-    assert high_mm - bench.insight().length_mm == pytest.approx(-0.005, abs=1e-6)
+    assert high_mm - bench.true_state().length_mm == pytest.approx(-0.005, abs=1e-6)
 
 
 def test_a_screw_loses_its_play_at_each_reversal() -> None:
@@ -67,11 +67,11 @@ def test_the_stage_moves_the_beam_to_its_side_without_a_change_of_length() -> No
     assert bench.zero()
     bench.turn_screw("stage", 1.5)
     assert bench.mount.offset_mm == pytest.approx(0.75)
-    assert bench.insight().miss_mm == pytest.approx(0.75)
+    assert bench.true_state().miss_mm == pytest.approx(0.75)
     assert bench.read().displacement_mm == pytest.approx(0.0, abs=1e-9)
     assert not bench.read().beam_lost
     bench.turn_screw("stage", 0.6)
-    assert bench.insight().miss_mm == pytest.approx(1.05)
+    assert bench.true_state().miss_mm == pytest.approx(1.05)
     assert bench.read().beam_lost
 
 
@@ -81,7 +81,7 @@ def test_the_level_screw_tilts_about_its_pivot_and_the_counter_sees_it_until_the
     bench.turn_screw("level", 2.5)
     # 5 mrad up, and 40 mm in front of the pivot the beam is 0.2 mm higher.
     assert 1e3 * bench.mount.pitch_rad == pytest.approx(5.0)
-    assert bench.insight().miss_mm == pytest.approx(0.85, abs=1e-5)
+    assert bench.true_state().miss_mm == pytest.approx(0.85, abs=1e-5)
     assert bench.read().displacement_mm == pytest.approx(-130.0 * 0.005**2 / 2.0 - 0.2 * 0.005, abs=1e-7)
     assert not bench.read().beam_lost
     # 7 mrad · 130 mm + 0.28 mm = 1.19 mm.
@@ -131,7 +131,7 @@ SCATTERING = replace(QUIET, budget=replace(ErrorBudget.none(), repeatability_um=
 
 
 def axis(bench: Bench) -> tuple[float, float]:
-    return bench.insight().axis_mm
+    return bench.true_state().axis_mm
 
 
 def test_a_turn_of_j4_or_a_lift_leaves_the_arm_where_it_stands() -> None:
@@ -164,7 +164,7 @@ def test_the_offset_is_the_slope_of_the_length_although_the_robot_scatters() -> 
     lengths = []
     for turn in (-2e-3, 2e-3):
         go(bench, (0.0, 0.0, 0.0, math.degrees(centred + turn)))
-        lengths.append(bench.insight().length_mm)
+        lengths.append(bench.true_state().length_mm)
     # One new arrival, of 10 µm, between the two would be 2.5 mm/rad.
     assert (lengths[1] - lengths[0]) / 4e-3 == pytest.approx(0.05, rel=1e-3)
 

@@ -28,10 +28,10 @@ def test_at_the_start_the_first_nest_is_occupied() -> None:
 def test_an_empty_nest_returns_no_beam_and_is_not_the_nearest() -> None:
     bench = quiet_bench(CARRIED)
     go(bench, aimed(20.0, 30.0, P1))
-    insight = bench.insight()
+    insight = bench.true_state()
     assert (insight.reflector, insight.nearest) == (None, "P2")
     bench.place_reflector("P1")
-    assert bench.insight().reflector == "P1"
+    assert bench.true_state().reflector == "P1"
 
 
 def test_the_beam_is_lost_when_the_reflector_is_taken_out_and_when_it_comes_back() -> None:
@@ -61,7 +61,7 @@ def test_a_nest_holds_the_reflector_to_some_micrometres() -> None:
         bench.place_reflector("P1")
         bench.place_reflector("P2")
         # The straight arm looks along +X: 680 mm - 550 mm, and the scatter along x.
-        lengths.append(bench.insight().length_mm - 130.0)
+        lengths.append(bench.true_state().length_mm - 130.0)
     # 600 draws: the standard deviation is known to 2.9 %.
     assert np.std(lengths) == pytest.approx(0.002, rel=0.1)
     assert abs(np.mean(lengths)) < 0.0004
@@ -72,7 +72,7 @@ def test_a_moved_nest_stays_where_it_was_moved_to() -> None:
     bench.move_reflector("P2", 3.0, 0.0)
     bench.place_reflector("P1")
     bench.place_reflector("P2")
-    assert bench.insight().length_mm == pytest.approx(133.0)
+    assert bench.true_state().length_mm == pytest.approx(133.0)
 
 
 def test_an_unknown_nest_is_refused_and_nothing_is_carried() -> None:

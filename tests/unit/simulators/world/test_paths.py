@@ -159,7 +159,7 @@ def test_play_on_a_way_with_reversals_equals_small_steps(knots_deg: list[float],
     bench.advance_to(done * float(times[-1]))
     passed = [angle for angle, time in zip(knots_deg, times, strict=True) if time < bench.time_s]
     passed.append(bench.joints[0])
-    play1, play2, _ = bench.insight().play
+    play1, play2, _ = bench.true_state().play
     assert play1 == pytest.approx(small_steps_play(passed, 0.05), abs=1e-6)
     assert play2 == pytest.approx(small_steps_play([-angle for angle in passed], 0.05), abs=1e-6)
 
@@ -170,7 +170,7 @@ def test_play_in_a_stream_with_reversals_equals_small_steps(knots_deg: list[floa
     for angle in knots_deg:
         bench.glide((angle, 0.0, 0.0, 0.0), CYCLE_S)
         bench.advance(CYCLE_S)
-    assert bench.insight().play[0] == pytest.approx(small_steps_play(knots_deg, 0.05), abs=1e-6)
+    assert bench.true_state().play[0] == pytest.approx(small_steps_play(knots_deg, 0.05), abs=1e-6)
 
 
 def test_a_beam_that_misses_on_the_way_only_is_lost() -> None:
@@ -190,7 +190,7 @@ def test_an_aimed_way_and_an_aimed_stream_keep_the_count() -> None:
         bench = quiet_bench()
         go(bench, aimed(20.0, 30.0))
         assert bench.zero()
-        start_mm = bench.insight().length_mm
+        start_mm = bench.true_state().length_mm
         knots = [aimed(20.0 + 0.1 * k, 30.0) for k in range(1, 101)]
         if streamed:
             stream(bench, knots)
@@ -209,13 +209,13 @@ def test_a_stream_scatters_once() -> None:
     for k in range(1, 40):
         bench.glide((0.1 * k, 0.0, 0.0, 0.0), CYCLE_S)
         bench.advance(CYCLE_S)
-        errors.append(complex(*bench.insight().axis_mm) - axis_mm(0.1 * k, 0.0))
+        errors.append(complex(*bench.true_state().axis_mm) - axis_mm(0.1 * k, 0.0))
     assert errors == pytest.approx([errors[0]] * len(errors), abs=1e-9)
     assert abs(errors[0]) > 1e-4
     bench.advance(1.0)
     bench.glide((0.0, 0.0, 0.0, 0.0), CYCLE_S)
     bench.advance(CYCLE_S)
-    assert abs(complex(*bench.insight().axis_mm) - 550.0 - errors[0]) > 1e-4
+    assert abs(complex(*bench.true_state().axis_mm) - 550.0 - errors[0]) > 1e-4
 
 
 def test_a_stream_rings_at_its_end_only() -> None:
@@ -223,9 +223,9 @@ def test_a_stream_rings_at_its_end_only() -> None:
     for k in range(1, 40):
         bench.glide((0.1 * k, 0.0, 0.0, 0.0), CYCLE_S)
         bench.advance(CYCLE_S)
-        assert abs(complex(*bench.insight().axis_mm) - axis_mm(0.1 * k, 0.0)) < 1e-9
+        assert abs(complex(*bench.true_state().axis_mm) - axis_mm(0.1 * k, 0.0)) < 1e-9
     bench.advance(0.0162)
-    swing_um = 1e3 * abs(complex(*bench.insight().axis_mm) - axis_mm(3.9, 0.0))
+    swing_um = 1e3 * abs(complex(*bench.true_state().axis_mm) - axis_mm(3.9, 0.0))
     # The first crest of 15 Hz with a decay of 80 ms.
     assert swing_um == pytest.approx(20.0 * math.exp(-0.0162 / 0.08), rel=0.02)
 
@@ -292,7 +292,7 @@ def play_script(script: Script, cuts: int) -> list[object]:
         for part in range(1, cuts):
             bench.advance_to(start_s + wait_s * part / cuts)
         bench.advance_to(until_s)
-    insight = bench.insight()
+    insight = bench.true_state()
     return [*seen, *(round(value, 8) for value in (*insight.axis_mm, *insight.play, insight.length_mm))]
 
 

@@ -30,7 +30,7 @@ MDEG = math.pi / 180e3
 
 def deviations_mdeg(bench: Bench) -> tuple[float, float]:
     """Return the true deviations of J1 and J2 at this moment."""
-    true, command = bench.insight().joints, bench.joints
+    true, command = bench.true_state().joints, bench.joints
     return (true[0] - command[0]) * 1e3, (true[1] - command[1]) * 1e3
 
 
@@ -41,7 +41,7 @@ def played_arm() -> TrueArm:
 def test_the_perfect_arm_is_where_the_geometry_says() -> None:
     bench = quiet_bench()
     go(bench, (30.0, 60.0, 0.0, 10.0))
-    insight = bench.insight()
+    insight = bench.true_state()
     # 325 cos 30 + 225 cos 90, 325 sin 30 + 225 sin 90.
     assert insight.axis_mm == pytest.approx((281.458256, 387.5), abs=1e-6)
     assert insight.beam_deg == pytest.approx(100.0)
@@ -101,7 +101,7 @@ def test_play_equals_its_stepwise_integration(angles_deg: list[float]) -> None:
     bench = quiet_bench(truth=played_arm())
     for angle in angles_deg:
         go(bench, (angle, 0.0, 0.0, 0.0), 5.0)
-    assert bench.insight().play[0] == pytest.approx(stepwise_play(angles_deg, 0.05), abs=1e-9)
+    assert bench.true_state().play[0] == pytest.approx(stepwise_play(angles_deg, 0.05), abs=1e-9)
 
 
 def test_maps_are_those_of_the_calibration_on_both_flanks() -> None:
@@ -129,7 +129,7 @@ def arrivals(budget: ErrorBudget, count: int = 400) -> np.ndarray[tuple[int], np
     places = []
     for turn in range(count):
         go(bench, (float(turn % 2), 0.0, 0.0, 0.0), 100.0)
-        places.append(complex(*bench.insight().axis_mm) - axis_mm(float(turn % 2), 0.0))
+        places.append(complex(*bench.true_state().axis_mm) - axis_mm(float(turn % 2), 0.0))
     return np.array(places)
 
 
@@ -144,9 +144,9 @@ def test_each_arrival_scatters_as_the_budget_says() -> None:
 def test_at_rest_nothing_scatters() -> None:
     bench = quiet_bench(replace(QUIET, budget=replace(ErrorBudget.none(), repeatability_um=10.0)))
     go(bench, (20.0, 0.0, 0.0, 0.0))
-    before = bench.insight().axis_mm
+    before = bench.true_state().axis_mm
     bench.advance(100.0)
-    assert bench.insight().axis_mm == before
+    assert bench.true_state().axis_mm == before
 
 
 @pytest.mark.parametrize("rms_um", [5.0, 10.0])
@@ -165,9 +165,9 @@ def test_radial_errors_turn_with_the_link_that_carries_them() -> None:
         budget = replace(ErrorBudget.none(), radial_um=radial_um)
         bench = quiet_bench(replace(QUIET, budget=budget))
         go(bench, (0.0, 40.0, 0.0, 25.0))
-        first = complex(*bench.insight().axis_mm) - axis_mm(0.0, 40.0)
+        first = complex(*bench.true_state().axis_mm) - axis_mm(0.0, 40.0)
         go(bench, (90.0, 40.0, 0.0, 25.0))
-        second = complex(*bench.insight().axis_mm) - axis_mm(90.0, 40.0)
+        second = complex(*bench.true_state().axis_mm) - axis_mm(90.0, 40.0)
         assert abs(first) > 1e-3
         assert second == pytest.approx(1j * first, abs=1e-9)
 
@@ -177,7 +177,9 @@ def test_links_grow_with_the_time_constant() -> None:
     bench = quiet_bench(replace(QUIET, budget=budget))
     bench.advance(3600.0)
     # 550 mm · 11.7e-6 1/K · 0.2 K · (1 - 1/e)
-    assert bench.insight().axis_mm[0] - 550.0 == pytest.approx(550.0 * 11.7e-6 * 0.2 * (1.0 - math.exp(-1.0)))
+    assert bench.true_state().axis_mm[0] - 550.0 == pytest.approx(
+        550.0 * 11.7e-6 * 0.2 * (1.0 - math.exp(-1.0))
+    )
 
 
 def test_the_arm_rings_after_a_motion_and_calms_down() -> None:
@@ -188,11 +190,11 @@ def test_the_arm_rings_after_a_motion_and_calms_down() -> None:
     swings_um = []
     for step in range(1, 60):
         bench.advance_to(start + step * 1e-3)
-        swings_um.append(1e3 * abs(complex(*bench.insight().axis_mm) - axis_mm(20.0, 0.0)))
+        swings_um.append(1e3 * abs(complex(*bench.true_state().axis_mm) - axis_mm(20.0, 0.0)))
     # The first crest comes a little before a quarter of 1/15 s.
     assert max(swings_um) == pytest.approx(20.0 * math.exp(-0.0162 / 0.08), rel=0.02)
     bench.advance(1.0)
-    assert 1e3 * abs(complex(*bench.insight().axis_mm) - axis_mm(20.0, 0.0)) < 1e-3
+    assert 1e3 * abs(complex(*bench.true_state().axis_mm) - axis_mm(20.0, 0.0)) < 1e-3
 
 
 def test_ringing_goes_on_into_the_next_motion_without_a_jump() -> None:
@@ -200,9 +202,9 @@ def test_ringing_goes_on_into_the_next_motion_without_a_jump() -> None:
     bench = quiet_bench(replace(QUIET, budget=budget))
     go(bench, (20.0, 0.0, 0.0, 0.0))
     bench.advance(0.01)
-    before = bench.insight().axis_mm
+    before = bench.true_state().axis_mm
     bench.move_to((0.0, 0.0, 0.0, 0.0), 100.0)
-    assert bench.insight().axis_mm == pytest.approx(before, abs=1e-9)
+    assert bench.true_state().axis_mm == pytest.approx(before, abs=1e-9)
 
 
 def test_the_same_seed_gives_the_same_arm_and_another_seed_another() -> None:
@@ -210,7 +212,7 @@ def test_the_same_seed_gives_the_same_arm_and_another_seed_another() -> None:
         config = EmulationConfig(reflectors=QUIET.reflectors, seed=seed)
         bench = scara_bench(draw_truth(seed, config), config)
         go(bench, (45.0, 45.0, 0.0, 45.0))
-        return bench.insight().axis_mm
+        return bench.true_state().axis_mm
 
     assert place(1) == place(1)
     assert place(1) != place(2)

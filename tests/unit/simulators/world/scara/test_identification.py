@@ -49,10 +49,10 @@ def measured_lengths(truth: TrueArm, name: str) -> list[tuple[float, float, int,
                         100.0,
                     )
                     go(bench, (theta1, theta2, 0.0, 0.0), 100.0)
-                    insight = bench.insight()
+                    insight = bench.true_state()
                     aim_deg = math.degrees(cmath.phase(centre - complex(*insight.axis_mm)))
                     go(bench, (theta1, theta2, 0.0, aim_deg - insight.beam_deg), 100.0)
-                    insight = bench.insight()
+                    insight = bench.true_state()
                     assert insight.miss_mm < 1e-6
                     rows.append((theta1, theta2, direction1, direction2, insight.length_mm))
     return rows

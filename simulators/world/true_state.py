@@ -6,7 +6,7 @@ from catseye.simulators.config import Joints
 
 
 @dataclass(frozen=True)
-class Insight:
+class TrueState:
     """What nobody on a real bench could know.
 
     Attributes:

@@ -8,7 +8,7 @@ _REST_STEP_S = 10.0
 """While nothing moves only warming changes the beam; it is looked at this often."""
 
 
-class Looks:
+class BeamSampling:
     """Times of looks: those that a motion asks for, and after its end one now and then.
 
     Args:
