@@ -5,7 +5,7 @@ from typing import Annotated, Literal
 
 import typer
 
-from catseye.app.cli_options import AsJson, Runs, Unverified
+from catseye.app.cli.options import AsJson, Runs, Unverified
 
 Output = Annotated[Path, typer.Option("-o", "--output", help="file to write")]
 ResultFile = Annotated[Path, typer.Argument(metavar="RESULT", help="result JSON of catseye identify")]
@@ -95,7 +95,7 @@ def identify(
 
     Example: catseye identify --points points.csv --cell cell.toml -o result.json
     """
-    from catseye.app.commands.identify import IdentifyOptions, identify_command
+    from catseye.app.cli.identify import IdentifyOptions, identify_command
     from catseye.app.files.atomic import require_output
 
     require_output(output, points, cell)
@@ -127,7 +127,7 @@ def diagnose(
 
     Example: catseye diagnose 1a2b3c
     """
-    from catseye.app.commands.diagnose import diagnose_command
+    from catseye.app.cli.diagnose import diagnose_command
 
     diagnose_command(run or [], points, cell, runs, as_json)
 
@@ -141,7 +141,7 @@ def compare(
 
     Example: catseye compare january.json june.json
     """
-    from catseye.app.commands.compare import compare_command
+    from catseye.app.cli.compare import compare_command
 
     compare_command(first, second, as_json)
 
@@ -158,7 +158,7 @@ def predict(
 
     Example: catseye predict result.json --path path.csv -o predicted.csv
     """
-    from catseye.app.commands.predict import predict_command
+    from catseye.app.cli.predict import predict_command
     from catseye.app.files.atomic import require_output
 
     require_output(output)
@@ -188,7 +188,7 @@ def validate(
 
     Example: catseye validate error-map.json --measured tracker.csv --reference conventional.json -o validation.html
     """
-    from catseye.app.commands.validate import validate_command
+    from catseye.app.cli.validate import validate_command
     from catseye.app.files.atomic import require_output
 
     require_output(output, result, measured, reference)
@@ -217,7 +217,7 @@ def compensate(
 
     Example: catseye compensate result.json --path path.csv --format melfa --cell cell.toml -o path.prg
     """
-    from catseye.app.commands.compensate import compensate_command
+    from catseye.app.cli.compensate import compensate_command
     from catseye.app.files.atomic import require_output
 
     require_output(output)
@@ -258,7 +258,7 @@ def design(
 
     Example: catseye design --cell cell.toml --reflectors 3 -o design.html
     """
-    from catseye.app.commands.design import DesignOptions, design_command
+    from catseye.app.cli.design import DesignOptions, design_command
     from catseye.app.files.atomic import require_output
 
     for file in (output, write_cell, write_commands):
@@ -295,7 +295,7 @@ def report(
 
     Example: catseye report result.json -o report.html
     """
-    from catseye.app.commands.report import report_command
+    from catseye.app.cli.report import report_command
     from catseye.app.files.atomic import require_output
 
     require_output(output, Path(source))
@@ -320,7 +320,7 @@ def export(
 
     Example: catseye export 1a2b3c -o points.csv
     """
-    from catseye.app.commands.export import export_command
+    from catseye.app.cli.export import export_command
     from catseye.app.files.atomic import require_output
 
     require_output(output)

@@ -29,7 +29,7 @@ from catseye.app.analysis.path_comparison import compare_path
 from catseye.app.analysis.path_rows import holds_distances
 from catseye.app.analysis.truth import gauge_turn_rad, turned_places
 from catseye.app.cell.model import Cell
-from catseye.app.demo import DemoResult
+from catseye.app.cli.demo_job import DemoResult
 from catseye.app.errors import UsageError
 from catseye.app.files.atomic import write_atomically
 from catseye.app.files.documents import LARGEST_RESULT_BYTES, read_document, read_truth

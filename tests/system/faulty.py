@@ -3,7 +3,7 @@
 from pathlib import Path
 
 from catseye.app import cli
-from catseye.app.commands import procedures
+from catseye.app.cli import procedures
 
 
 def _fault(cell: Path | None, runs: Path | None, as_json: bool) -> None:

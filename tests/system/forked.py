@@ -20,14 +20,14 @@ from pathlib import Path
 from typing import IO, Any
 
 from catseye import procedures, simulators
-from catseye.app import commands
+from catseye.app import cli
 from tests.patience import HANG_S
 
 _CONTEXT = multiprocessing.get_context("forkserver")
 _CONTEXT.set_forkserver_preload(
     [
         module.name
-        for package in (commands, procedures, simulators)
+        for package in (cli, procedures, simulators)
         for module in pkgutil.walk_packages(package.__path__, f"{package.__name__}.")
     ]
 )

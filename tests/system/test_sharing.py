@@ -39,7 +39,7 @@ CONNECTING = """
 import sys
 from catseye.app.cluster import machines
 from catseye.app.cluster.sharing import sharing
-from catseye.app.failure import tell
+from catseye.app.cli.failure import tell
 
 machines._CONNECT_S /= 5  # a fifth of the time that it gives a scheduler shows as well that it is bounded
 try:

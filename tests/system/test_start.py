@@ -4,7 +4,7 @@ import pkgutil
 import subprocess
 import sys
 
-from catseye.app import commands
+from catseye.app import cli
 from tests.system.command import environment
 
 HEAVY = ("numpy", "scipy", "matplotlib", "textual", "pydantic", "pymodbus")
@@ -41,7 +41,7 @@ for name in sys.argv[1:]:
 
 def test_each_command_is_imported_where_no_other_one_was() -> None:
     """Commands of most system tests are forked off a process that has imported all of them."""
-    names = [module.name for module in pkgutil.walk_packages(commands.__path__, f"{commands.__name__}.")]
+    names = [module.name for module in pkgutil.walk_packages(cli.__path__, f"{cli.__name__}.")]
     assert len(names) > 20
     command = [sys.executable, "-c", EACH_ALONE, *names]
     done = subprocess.run(command, env=environment(), capture_output=True, text=True, check=True)

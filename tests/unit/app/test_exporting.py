@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 from catseye.app.analysis.exporting import Export, result_export, result_rows, run_export
-from catseye.app.commands.export import export_command, form_of
+from catseye.app.cli.export import export_command, form_of
 from catseye.app.errors import ConfigError, UsageError
 from catseye.app.files.measured_csv import read_measured_csv
 from catseye.app.files.points_csv import read_points_csv

@@ -8,9 +8,9 @@ import pytest
 
 from catseye.app.cell.model import Cell
 from catseye.app.cell.template import TEMPLATE
-from catseye.app.commands.doctor import doctor_command
 from catseye.app.errors import ConfigError
 from catseye.app.instruments import device_builder, stop_request
+from catseye.app.service.examination import doctor_command
 from catseye.drivers.roles.clock import SystemClock
 
 

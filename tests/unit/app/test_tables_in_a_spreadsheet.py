@@ -8,12 +8,12 @@ import pytest
 
 from catseye import app
 from catseye.app.cell.template import TEMPLATE
-from catseye.app.commands.compensate import compensate_command
-from catseye.app.commands.design import DesignOptions, design_command
-from catseye.app.commands.export import export_command
-from catseye.app.commands.predict import predict_command
+from catseye.app.cli.compensate import compensate_command
+from catseye.app.cli.design import DesignOptions, design_command
+from catseye.app.cli.export import export_command
+from catseye.app.cli.predict import predict_command
 from catseye.procedures.kit.context import Row
-from tests.unit.app.commands.arms import bare, estimate, stored, text_file
+from tests.unit.app.cli.arms import bare, estimate, stored, text_file
 from tests.unit.app.engine.fakes import point
 from tests.unit.app.files.spreadsheet import formulas
 from tests.unit.app.store.fakes import PATH_ROW, SEARCH_ROW

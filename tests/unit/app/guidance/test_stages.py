@@ -10,8 +10,8 @@ import pytest
 
 from catseye.app.cell.bench import bench_of
 from catseye.app.cell.load import load_cell
-from catseye.app.commands.config import init_command
-from catseye.app.commands.procedures import procedures_command
+from catseye.app.cli.config import init_command
+from catseye.app.cli.procedures import procedures_command
 from catseye.app.guidance.cell_runs import runs_of_cell
 from catseye.app.guidance.need import Need, links_need
 from catseye.app.guidance.needs import aim_of

@@ -8,8 +8,8 @@ from pathlib import Path
 import pytest
 
 from catseye.app.analysis.distance_source import load_distances
-from catseye.app.commands.export import export_command
-from catseye.app.commands.runs import show_command, verify_command
+from catseye.app.cli.export import export_command
+from catseye.app.cli.runs import show_command, verify_command
 from catseye.app.errors import StorageError
 from catseye.app.exitcode import ExitCode
 from catseye.app.store.seal import MANIFEST, read_manifest, unseal

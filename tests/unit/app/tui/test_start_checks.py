@@ -6,8 +6,8 @@ from pathlib import Path
 import pytest
 
 from catseye.app.cell.template import TEMPLATE
-from catseye.app.commands import tui
 from catseye.app.errors import UsageError
+from catseye.app.tui import start as tui
 from catseye.app.tui.app import CatseyeApp
 from catseye.app.tui.dialogs.confirm_dialog import ConfirmDialog
 from catseye.app.tui.dialogs.error_dialog import ErrorDialog
