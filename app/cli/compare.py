@@ -1,127 +1,32 @@
 """compare: two results of one arm."""
 
 from pathlib import Path
-from typing import Any
+from typing import Annotated
 
-from catseye.app.analysis.result_comparison import (
-    Difference,
-    MapDifference,
-    ResultComparison,
-    compare_results,
-)
-from catseye.app.cli.output import emit, emit_json, say, table
-from catseye.app.files.result_json import read_result
+import typer
 
-_SIGNS = ("+", "−")
+from catseye.app.cli.options import AsJson, ResultFile
+from catseye.app.cli.output import emit, emit_json, say
 
 
-def compare_command(first: Path, second: Path, as_json: bool) -> None:
-    """Compare and tell.
+def compare(
+    first: ResultFile,
+    second: Annotated[Path, typer.Argument(metavar="RESULT", help="another one of the same arm")],
+    as_json: AsJson = False,
+) -> None:
+    """Compare two results of one arm: links, error maps and reflectors, in combined standard uncertainties.
 
-    Raises:
-        UsageError: a file is no result, or both have nothing in common.
+    Example: catseye compare january.json june.json
     """
+    from catseye.app.analysis.result_comparison import compare_results
+    from catseye.app.cli.compare_text import comparison_facts, comparison_table, verdict
+    from catseye.app.files.result_json import read_result
+
     found = compare_results(read_result(first), read_result(second))
     if as_json:
         emit_json({"first": str(first), "second": str(second), **comparison_facts(found)})
     else:
-        emit(_table(found))
+        emit(comparison_table(found))
     for text in found.remarks:
         say(f"note: {text}")
     say(verdict(found))
-
-
-def verdict(found: ResultComparison) -> str:
-    """Return in a sentence how many differences their uncertainties let expect."""
-    within, count = found.within
-    if not count:
-        return "no uncertainty is stated that the differences could be compared with"
-    name, size = largest(found)
-    return (
-        f"{within} of {count} differences lie within 2 combined standard uncertainties "
-        f"({100.0 * within / count:.0f} %, 95 % expected); the largest is {size:+.1f} u, {name}"
-    )
-
-
-def largest(found: ResultComparison) -> tuple[str, float]:
-    """Return the difference that is largest in combined standard uncertainties: name and size."""
-    sizes = {one.name: one.normalised for one in (*found.values, *found.reflectors)}
-    for one in found.maps:
-        for name, row, column in _places(one):
-            sizes[name] = float(one.normalised[row, column])
-    stated = {name: size for name, size in sizes.items() if size is not None and size == size}
-    return max(stated.items(), key=lambda item: abs(item[1]))
-
-
-def comparison_facts(found: ResultComparison) -> dict[str, Any]:
-    """Return a comparison as plain values; what is not stated is null."""
-    within, count = found.within
-    return {
-        "values": [_facts(one) for one in found.values],
-        "maps": [_map_facts(one) for one in found.maps],
-        "reflectors": [_facts(one) for one in found.reflectors],
-        "turn_mdeg": found.turn_mdeg,
-        "within_2u": within,
-        "compared": count,
-        "remarks": list(found.remarks),
-        "verdict": verdict(found),
-    }
-
-
-def _facts(one: Difference) -> dict[str, Any]:
-    return {
-        "name": one.name,
-        "unit": one.unit,
-        "first": one.first,
-        "second": one.second,
-        "difference": one.difference,
-        "u": one.u,
-        "normalised": one.normalised,
-    }
-
-
-def _map_facts(one: MapDifference) -> dict[str, Any]:
-    facts: dict[str, Any] = {"joint": one.joint, "node_deg": one.node_deg.tolist()}
-    for row, direction in enumerate(("positive", "negative")):
-        facts[direction] = {
-            "first_mdeg": one.first_mdeg[row].tolist(),
-            "second_mdeg": one.second_mdeg[row].tolist(),
-            "difference_mdeg": one.difference_mdeg[row].tolist(),
-            "u_mdeg": one.u_mdeg[row].tolist(),
-            "normalised": [None if x != x else x for x in one.normalised[row].tolist()],
-        }
-    return facts
-
-
-def _places(one: MapDifference) -> list[tuple[str, int, int]]:
-    return [
-        (f"Δθ{one.joint}({node:g}°, {sign})", row, column)
-        for row, sign in enumerate(_SIGNS)
-        for column, node in enumerate(one.node_deg.tolist())
-    ]
-
-
-def _table(found: ResultComparison) -> str:
-    rows = [_row(one) for one in found.values]
-    for one in found.maps:
-        rows += [
-            _row(
-                Difference(
-                    name,
-                    "mdeg",
-                    float(one.first_mdeg[row, column]),
-                    float(one.second_mdeg[row, column]),
-                    float(one.u_mdeg[row, column]),
-                )
-            )
-            for name, row, column in _places(one)
-        ]
-    rows += [_row(one) for one in found.reflectors]
-    return table(["quantity", "unit", "first", "second", "difference", "u of difference (k=1)", "in u"], rows)
-
-
-def _row(one: Difference) -> list[str]:
-    decimals = 4 if one.unit == "mm" else 2
-    figures = [f"{value:.{decimals}f}" for value in (one.first, one.second)]
-    in_u = "–" if one.normalised is None else f"{one.normalised:+.2f}"
-    return [one.name, one.unit, *figures, f"{one.difference:+.{decimals}f}", f"{one.u:.{decimals}f}", in_u]

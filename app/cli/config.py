@@ -1,35 +1,31 @@
-"""init and config: writing, checking and showing cell files."""
+"""config: checking and showing cell files."""
 
 import json
 from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Final
 
-from catseye.app.cell.load import load_cell
-from catseye.app.cell.model import Cell
-from catseye.app.cell.plausible import implausible
-from catseye.app.cell.template import TEMPLATE
+import typer
+
+from catseye.app.cli.options import AsJson, CellFile
 from catseye.app.cli.output import emit, emit_json, say
-from catseye.app.engine.interlock import NO_DOOR
 from catseye.app.errors import ConfigError, UsageError
-from catseye.app.files.atomic import write_atomically
-from catseye.app.instruments import device_builder
-from catseye.drivers.links.endpoint import TcpEndpoint, parse_endpoint
-from catseye.drivers.roles.clock import SystemClock
 
-_LOOPBACK = {"127.0.0.1", "localhost", "::1"}
+if TYPE_CHECKING:
+    from catseye.app.cell.model import Cell
 
+_LOOPBACK: Final = {"127.0.0.1", "localhost", "::1"}
 
-def init_command(file: Path) -> None:
-    """Write the template; an existing file is never overwritten."""
-    if file.exists():
-        raise UsageError(f"{file} exists already; choose another name or remove it")
-    if not file.parent.is_dir():
-        raise UsageError(f"{file.parent} is no folder; make it first")
-    write_atomically(file, TEMPLATE)
-    say(f"{file} written. Next: catseye emulate {file}, and in another terminal: catseye doctor {file}")
+config = typer.Typer(
+    help="Check and show cell files.", no_args_is_help=True, add_completion=False, rich_markup_mode=None
+)
 
 
-def validate_command(file: Path, as_json: bool) -> None:
-    """Check a cell file."""
+@config.command()
+def validate(file: CellFile, as_json: AsJson = False) -> None:
+    """Check a cell file; every fault is listed with file, line, key and the nearest valid key."""
+    from catseye.app.cell.load import load_cell
+    from catseye.app.cell.plausible import implausible
+
     loaded = load_cell(file)
     doubts = [*_trouble_with_devices(loaded.cell), *_no_door(loaded.cell), *implausible(loaded.cell)]
     if as_json:
@@ -41,8 +37,41 @@ def validate_command(file: Path, as_json: bool) -> None:
         say(f"warning: {text}")
 
 
-def _trouble_with_devices(cell: Cell) -> list[str]:
+@config.command()
+def show(file: CellFile, as_json: AsJson = False) -> None:
+    """Show a cell file resolved: each value and whether it comes from the file or is a default."""
+    from catseye.app.cell.load import load_cell
+
+    loaded = load_cell(file)
+    configuration = loaded.cell.model_dump(mode="json")
+    if as_json:
+        facts = {"file": str(file), "sha256": loaded.sha256, "configuration": configuration}
+        emit_json({**facts, "origins": loaded.origins})
+        return
+    values = _flat(configuration)
+    for key, origin in loaded.origins.items():
+        emit(f"{key} = {json.dumps(values.get(key), ensure_ascii=False)}  # {origin}")
+
+
+@config.command()
+def schema(
+    file: Annotated[
+        Path | None, typer.Argument(metavar="[FILE]", help="a cell file; one schema fits all")
+    ] = None,
+) -> None:
+    """Print the JSON schema of the cell file on stdout, for editors."""
+    from catseye.app.cell.model import Cell
+
+    if file is not None and not file.is_file():
+        raise UsageError(f"{file}: there is no such file; the schema needs none: catseye config schema")
+    emit(json.dumps(Cell.model_json_schema(), indent=2, ensure_ascii=False))
+
+
+def _trouble_with_devices(cell: "Cell") -> list[str]:
     """Return what this installation cannot drive: an unknown driver or profile, a link that it does not have."""
+    from catseye.app.instruments import device_builder
+    from catseye.drivers.roles.clock import SystemClock
+
     try:
         device_builder(cell, SystemClock())
     except ConfigError as error:
@@ -50,36 +79,14 @@ def _trouble_with_devices(cell: Cell) -> list[str]:
     return []
 
 
-def _no_door(cell: Cell) -> list[str]:
+def _no_door(cell: "Cell") -> list[str]:
     """Return that no door is watched, unless the robot's endpoint is of this machine as an emulator's is."""
+    from catseye.app.engine.interlock import NO_DOOR
+    from catseye.drivers.links.endpoint import TcpEndpoint, parse_endpoint
+
     endpoint = parse_endpoint(cell.robot.endpoint)
     emulated = isinstance(endpoint, TcpEndpoint) and endpoint.host in _LOOPBACK
     return [] if emulated or cell.io is not None else [NO_DOOR]
-
-
-def show_command(file: Path, as_json: bool) -> None:
-    """Show each value with its origin."""
-    loaded = load_cell(file)
-    values = _flat(loaded.cell.model_dump(mode="json"))
-    if as_json:
-        emit_json(
-            {
-                "file": str(file),
-                "sha256": loaded.sha256,
-                "configuration": loaded.cell.model_dump(mode="json"),
-                "origins": loaded.origins,
-            }
-        )
-        return
-    for key, origin in loaded.origins.items():
-        emit(f"{key} = {json.dumps(values.get(key), ensure_ascii=False)}  # {origin}")
-
-
-def schema_command(file: Path | None) -> None:
-    """Print the JSON schema; a file that is named has to be there, and is left as it is."""
-    if file is not None and not file.is_file():
-        raise UsageError(f"{file}: there is no such file; the schema needs none: catseye config schema")
-    emit(json.dumps(Cell.model_json_schema(), indent=2, ensure_ascii=False))
 
 
 def _flat(value: object, prefix: str = "") -> dict[str, object]:

@@ -3,119 +3,55 @@
 import asyncio
 import sys
 from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
 
-from catseye.app.analysis.validation import ModelOnPath
-from catseye.app.cli.demo_job import DemoInterruptedError, DemoResult, evaluate, measure, prepare_folder
-from catseye.app.cli.narrator import Narrator
-from catseye.app.cli.output import emit, emit_json, say, table
-from catseye.app.engine.announcer import Publish
+import typer
+
+from catseye.app.cli.options import AsJson, Seed, Speed, Truth
+from catseye.app.cli.output import emit, emit_json, say
+
+if TYPE_CHECKING:
+    from catseye.app.engine.announcer import Publish
 
 
-def demo_command(out: Path, speed: float, seed: int, truth: Path | None, as_json: bool) -> None:
-    """Measure, evaluate, report, sum up."""
+def demo(
+    out: Annotated[Path, typer.Option(help="folder for everything that the demo writes")] = Path(
+        "catseye-demo"
+    ),
+    speed: Speed = 400.0,
+    seed: Seed = 2,
+    truth: Truth = None,
+    as_json: AsJson = False,
+) -> None:
+    """Do the whole job on emulated hardware over real sockets: search, measure, identify, validate, report.
+
+    Example: catseye demo --out /tmp/demo --seed 7
+    """
+    from catseye.app.analysis.reporting import demo_report
+    from catseye.app.cli.demo_job import DemoInterruptedError, evaluate, measure, prepare_folder
+    from catseye.app.cli.demo_text import demo_facts, demo_text
+
     prepare_folder(out, seed, truth)
     say(f"emulators at {speed:g} times real speed, seed {seed}; everything is written to {out}")
-
-    def narrator(name: str) -> Publish:
-        return Narrator(name, as_json=False).publish
-
     try:
-        runs = asyncio.run(measure(out, speed, seed, truth, narrator))
+        runs = asyncio.run(measure(out, speed, seed, truth, _narrator))
     except DemoInterruptedError as ended:
         say(f"catseye: {ended}")
         sys.exit(int(ended.outcome.exit_code))
     say("identifying both models and comparing them with truth and validation path")
     result = evaluate(out, runs)
     say("drawing the report")
-    report = _write_report(result)
+    report = result.folder / "report.html"
+    demo_report(result, report)
     if as_json:
-        emit_json(_summary(result, report))
+        emit_json(demo_facts(result, report))
     else:
-        emit(_text(result))
+        emit(demo_text(result))
         emit(f"report           {report}")
         emit(f"run              {result.runs['open-loop']}")
 
 
-def _write_report(result: DemoResult) -> Path:
-    from catseye.app.analysis.reporting import demo_report
+def _narrator(name: str) -> "Publish":
+    from catseye.app.cli.narrator import Narrator
 
-    path = result.folder / "report.html"
-    demo_report(result, path)
-    return path
-
-
-def _text(result: DemoResult) -> str:
-    truth = result.truth
-    header = ["parameter", "unit", "truth", "identified", "u (k=1)", "error/u"]
-    rows = [
-        [name, unit, *(_number(value, unit) for value in (true, found, u)), f"{error:+.2f}"]
-        for name, unit, true, found, u, error in zip(
-            truth.names, truth.units, truth.truth, truth.identified, truth.u, truth.normalised, strict=True
-        )
-    ]
-    fit = result.results["error-map"].fit
-    paths = ["", "validation path", *(f"  {line}" for line in _path_lines(result)), ""]
-    quality = (
-        f"{fit.n_points} distances, residuals {fit.rms_um:.1f} µm rms; errors over their u: "
-        f"{truth.rms_normalised:.2f} rms (1 is honest)"
-    )
-    return "\n".join([table(header, rows), "", quality, *paths])
-
-
-def _path_lines(result: DemoResult) -> list[str]:
-    validation = result.validation
-    left_out = int((~validation.compared).sum())
-    header = ["model", "E_YY rms µm", "E_XY rms µm", "2-D rms µm", "max µm"]
-    rows = [_model_row(model) for model in validation.models]
-    lines = table(header, rows).splitlines()
-    compared = int(validation.compared.sum())
-    lines.append(
-        f"{compared} points compared, {left_out} left out (θ2 beyond the nodes, or a joint just reversed)"
-    )
-    if validation.ratio is not None:
-        lines.append(f"the error map leaves {validation.ratio:.2f} of the conventional model's error")
-    return lines
-
-
-def _model_row(model: ModelOnPath) -> list[str]:
-    comparison = model.comparison
-    x_um, y_um = comparison.rms_um
-    return [model.model, *(f"{value:.1f}" for value in (y_um, x_um, comparison.rms_2d_um, comparison.max_um))]
-
-
-def _number(value: float, unit: str) -> str:
-    return f"{value:.4f}" if unit == "mm" else f"{value:.2f}"
-
-
-def _summary(result: DemoResult, report: Path) -> dict[str, object]:
-    truth = result.truth
-    models = {
-        model.model: {
-            "e_yy_rms_um": model.comparison.rms_um[1],
-            "e_xy_rms_um": model.comparison.rms_um[0],
-            "rms_2d_um": model.comparison.rms_2d_um,
-            "max_um": model.comparison.max_um,
-        }
-        for model in result.validation.models
-    }
-    return {
-        "runs": {name: str(path) for name, path in result.runs.items()},
-        "run": str(result.runs["open-loop"]),
-        "report": str(report),
-        "truth": str(result.folder / "truth.json"),
-        "results": {model: str(result.folder / f"result-{model}.json") for model in result.results},
-        "identified": [
-            {"name": n, "unit": unit, "truth": float(t), "identified": float(i), "u": float(u)}
-            for n, unit, t, i, u in zip(
-                truth.names, truth.units, truth.truth, truth.identified, truth.u, strict=True
-            )
-        ],
-        "rms_normalised_error": truth.rms_normalised,
-        "fit": result.results["error-map"].fit.model_dump(exclude_none=True),
-        "validation": {
-            "models": models,
-            "ratio": result.validation.ratio,
-            "compared": int(result.validation.compared.sum()),
-            "left_out": int((~result.validation.compared).sum()),
-        },
-    }
+    return Narrator(name, as_json=False).publish

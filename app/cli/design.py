@@ -1,123 +1,115 @@
 """design: where to put the reflectors, which commands to use."""
 
 import math
-from dataclasses import dataclass
 from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Literal
 
-import numpy as np
+import typer
 
-from catseye.app.analysis.design_problem import Wish, problem_of
-from catseye.app.analysis.designing import Design, Wanted, design
-from catseye.app.cell.bench import bench_of
-from catseye.app.cell.load import LoadedCell, load_cell
-from catseye.app.cell.reflectors import with_reflector_tables
-from catseye.app.cli.design_words import tell_design
+from catseye.app.cli.options import AsJson, Dask, InsecureCluster, Workers
 from catseye.app.cli.output import say
-from catseye.app.cli.progress import ProgressBar
-from catseye.app.cluster.sharing import sharing
 from catseye.app.errors import UsageError
-from catseye.app.files.atomic import write_atomically
-from catseye.app.files.csv_text import csv_text
-from catseye.app.files.path_csv import DIRECTIONS, JOINTS, read_path_csv
-from catseye.app.report.design_page import render_design
-from catseye.calibration.design.criteria import CriterionName
-from catseye.calibration.points import Commands
+
+if TYPE_CHECKING:
+    from catseye.app.analysis.designing import Design
+    from catseye.app.cell.load import LoadedCell
+    from catseye.calibration.points import Commands
 
 
-@dataclass(frozen=True)
-class DesignOptions:
-    """What to design.
-
-    Attributes:
-        reflectors: how many to place.
-        criterion: A, D, E or path.
-        path: path CSV on which the uncertainty counts.
-        floor: X0,X1,Y0,Y1 in mm.
-        places: candidate places.
-        pareto: work out bench time against uncertainty.
-        seed: of the exchange's starts.
-        workers: processes that share the work; 0 takes one a core.
-        dask: address of a scheduler whose machines share it.
-        keep_out_mm: radius about the J1 axis that is kept free; None for the reach and what turns with J4.
-        apart_mm: smallest distance between two reflectors.
-        breaks: how often the beam to a reflector may be given up.
-        random_only: the criterion leaves out what does not average out.
-        commands: how many commands to choose; None for all.
-        minutes: bench time for which commands are chosen; None for any.
-        insecure_cluster: the scheduler may be outside of this machine, and the connection without TLS.
-    """
-
-    reflectors: int = 3
-    criterion: CriterionName = "A"
-    path: Path | None = None
-    floor: str | None = None
-    places: int = 400
-    pareto: bool = False
-    seed: int = 1
-    workers: int = 1
-    dask: str | None = None
-    keep_out_mm: float | None = None
-    apart_mm: float = 100.0
-    breaks: int = 4
-    random_only: bool = False
-    commands: int | None = None
-    minutes: float | None = None
-    insecure_cluster: bool = False
-
-
-def design_command(
-    cell: Path,
-    options: DesignOptions,
-    output: Path | None,
-    write_cell: Path | None,
-    as_json: bool,
-    write_commands: Path | None = None,
+def design(
+    cell: Annotated[Path, typer.Option(help="cell file: arm, limits, optics, nodes, uncertainty")],
+    reflectors: Annotated[int, typer.Option(min=1, max=8, help="how many reflectors to place")] = 3,
+    criterion: Annotated[
+        Literal["A", "D", "E", "path"],
+        typer.Option(help="A mean variance, D volume, E worst direction, path worst uncertainty on --path"),
+    ] = "A",
+    path: Annotated[Path | None, typer.Option(help="path CSV for the criterion path")] = None,
+    floor: Annotated[
+        str | None, typer.Option(metavar="X0,X1,Y0,Y1", help="floor on which reflectors may stand, mm")
+    ] = None,
+    places: Annotated[int, typer.Option(min=10, max=5000, help="candidate places")] = 400,
+    keep_out: Annotated[
+        float | None,
+        typer.Option(
+            metavar="MM",
+            min=0.0,
+            help="radius about J1 kept free of reflectors [the arm's reach and what turns with J4]",
+        ),
+    ] = None,
+    apart: Annotated[
+        float, typer.Option(metavar="MM", min=0.0, help="smallest distance between two reflectors")
+    ] = 100.0,
+    breaks: Annotated[int, typer.Option(min=0, help="how often the beam to a reflector may be given up")] = 4,
+    random_only: Annotated[
+        bool, typer.Option("--random-only", help="the criterion leaves out what does not average out")
+    ] = False,
+    commands: Annotated[
+        int | None, typer.Option(metavar="N", min=1, help="choose so many of the cell file's commands")
+    ] = None,
+    minutes: Annotated[
+        float | None, typer.Option(metavar="T", min=0.0, help="choose as many commands as this time allows")
+    ] = None,
+    pareto: Annotated[
+        bool, typer.Option("--pareto", help="bench time against uncertainty, 1 to 4 reflectors")
+    ] = False,
+    output: Annotated[Path | None, typer.Option("-o", "--output", help="HTML page with the pictures")] = None,
+    write_cell: Annotated[
+        Path | None, typer.Option(help="cell file to write with the reflectors found")
+    ] = None,
+    write_commands: Annotated[
+        Path | None, typer.Option(help="path CSV to write with the commands chosen, in measuring order")
+    ] = None,
+    seed: Annotated[int, typer.Option(min=0, help="of the exchange's starts")] = 1,
+    workers: Workers = 1,
+    dask: Dask = None,
+    insecure_cluster: InsecureCluster = False,
+    as_json: AsJson = False,
 ) -> None:
-    """Design a measurement, tell about it, and write what was asked for.
+    """Tell where to put the reflectors and which commands to use.
 
-    Raises:
-        UsageError: an option is wrong or cannot be met.
-        UnidentifiableError: the commands leave parameters undetermined.
+    Example: catseye design --cell cell.toml --reflectors 3 -o design.html
     """
-    _require_consistent(options, write_commands)
+    from catseye.app.analysis import designing
+    from catseye.app.analysis.design_problem import Wish, problem_of
+    from catseye.app.cell.bench import bench_of
+    from catseye.app.cell.load import load_cell
+    from catseye.app.cli.design_words import tell_design
+    from catseye.app.cli.progress import ProgressBar
+    from catseye.app.cluster.sharing import sharing
+    from catseye.app.files.atomic import require_output
+
+    for file in (output, write_cell, write_commands):
+        require_output(file, cell, path)
+    if path is not None and criterion != "path":
+        raise UsageError("--path belongs to --criterion path; give both or neither")
+    if commands is not None and minutes is not None:
+        raise UsageError("give either --commands or --minutes: each of them chooses the commands")
+    if write_commands is not None and commands is None and minutes is None:
+        raise UsageError("--write-commands writes a choice of commands: add --commands N or --minutes T")
     loaded = load_cell(cell)
-    bench = bench_of(loaded.cell)
-    wish = Wish(
-        options.criterion,
-        None if options.path is None else _path(options.path, loaded),
-        _floor(options.floor),
-        options.keep_out_mm,
-        options.apart_mm,
-        options.breaks,
-        not options.random_only,
-    )
-    wanted = Wanted(
-        options.reflectors, options.places, options.seed, options.commands, options.minutes, options.pareto
-    )
-    problem = problem_of(bench, loaded.cell.uncertainty.budget, wish)
+    on_path = None if path is None else _commands_of(path, loaded)
+    wish = Wish(criterion, on_path, _rectangle(floor), keep_out, apart, breaks, not random_only)
+    wanted = designing.Wanted(reflectors, places, seed, commands, minutes, pareto)
+    problem = problem_of(bench_of(loaded.cell), loaded.cell.uncertainty.budget, wish)
     bars: dict[str, ProgressBar] = {}
 
     def done(part: float, of: float, text: str) -> None:
         bars.setdefault(text, ProgressBar(text)).update(part, of, f"{part:g} of {of:g}")
 
-    with sharing(options.workers, options.dask, insecure=options.insecure_cluster) as share:
-        found = design(problem, wanted, share, done)
+    with sharing(workers, dask, insecure=insecure_cluster) as share:
+        found = designing.design(problem, wanted, share, done)
     for bar in bars.values():
         bar.close()
     tell_design(found, as_json=as_json)
-    _write(found, loaded, output, write_cell, write_commands)
+    if output is not None:
+        _write_page(found, loaded, output)
+    if write_cell is not None:
+        _write_cell(found, loaded, write_cell)
+    if write_commands is not None:
+        _write_commands(found, write_commands)
 
 
-def _require_consistent(options: DesignOptions, write_commands: Path | None) -> None:
-    if options.path is not None and options.criterion != "path":
-        raise UsageError("--path belongs to --criterion path; give both or neither")
-    if options.commands is not None and options.minutes is not None:
-        raise UsageError("give either --commands or --minutes: each of them chooses the commands")
-    if write_commands is not None and options.commands is None and options.minutes is None:
-        raise UsageError("--write-commands writes a choice of commands: add --commands N or --minutes T")
-
-
-def _floor(text: str | None) -> tuple[float, float, float, float] | None:
+def _rectangle(text: str | None) -> tuple[float, float, float, float] | None:
     if text is None:
         return None
     try:
@@ -129,27 +121,45 @@ def _floor(text: str | None) -> tuple[float, float, float, float] | None:
     return x0, x1, y0, y1
 
 
-def _path(path: Path, loaded: LoadedCell) -> Commands:
+def _commands_of(path: Path, loaded: "LoadedCell") -> "Commands":
+    from catseye.app.files.path_csv import read_path_csv
+
     robot = loaded.cell.robot
     return read_path_csv(path, (robot.link1_mm, robot.link2_mm)).commands
 
 
-def _write(
-    found: Design, loaded: LoadedCell, output: Path | None, cell: Path | None, commands: Path | None
-) -> None:
-    if output is not None:
-        write_atomically(output, render_design(found, loaded.cell.name))
-        say(f"{output} written")
-    if cell is not None:
-        reflectors = [
-            (f"P{k}", float(s.xy_mm[0]), float(s.xy_mm[1]), round(float(np.rad2deg(s.facing_rad)), 1))
-            for k, s in enumerate(found.layout.sights, 1)
-        ]
-        write_atomically(cell, with_reflector_tables(loaded.path, reflectors))
-        load_cell(cell)
-        say(f"{cell} written. Next: catseye run open-loop --cell {cell} --dry-run")
-    if commands is not None and found.choice is not None:
-        rows = (found.problem.sequence[k] for k in np.flatnonzero(found.choice.kept))
-        cells = ([f"{o.theta1_deg:g}", f"{o.theta2_deg:g}", o.direction1, o.direction2] for o in rows)
-        write_atomically(commands, csv_text([*JOINTS, *DIRECTIONS], cells))
-        say(f"{commands} written")
+def _write_page(found: "Design", loaded: "LoadedCell", file: Path) -> None:
+    from catseye.app.files.atomic import write_atomically
+    from catseye.app.report.design_page import render_design
+
+    write_atomically(file, render_design(found, loaded.cell.name))
+    say(f"{file} written")
+
+
+def _write_cell(found: "Design", loaded: "LoadedCell", file: Path) -> None:
+    import numpy as np
+
+    from catseye.app.cell.load import load_cell
+    from catseye.app.cell.reflectors import with_reflector_tables
+    from catseye.app.files.atomic import write_atomically
+
+    reflectors = [
+        (f"P{k}", float(s.xy_mm[0]), float(s.xy_mm[1]), round(float(np.rad2deg(s.facing_rad)), 1))
+        for k, s in enumerate(found.layout.sights, 1)
+    ]
+    write_atomically(file, with_reflector_tables(loaded.path, reflectors))
+    load_cell(file)
+    say(f"{file} written. Next: catseye run open-loop --cell {file} --dry-run")
+
+
+def _write_commands(found: "Design", file: Path) -> None:
+    from catseye.app.files.atomic import write_atomically
+    from catseye.app.files.csv_text import csv_text
+    from catseye.app.files.path_csv import DIRECTIONS, JOINTS
+
+    if found.choice is None:
+        return
+    rows = (found.problem.sequence[k] for k in found.choice.kept.nonzero()[0])
+    cells = ([f"{o.theta1_deg:g}", f"{o.theta2_deg:g}", o.direction1, o.direction2] for o in rows)
+    write_atomically(file, csv_text([*JOINTS, *DIRECTIONS], cells))
+    say(f"{file} written")

@@ -1,6 +1,5 @@
 """engine: a process that runs procedures for its clients and outlives them; and how `run --detach` uses one."""
 
-import asyncio
 import json
 import os
 import subprocess
@@ -15,7 +14,6 @@ from catseye.app.cli.failure import SEE_WHERE, trace_of
 from catseye.app.cli.output import emit, emit_json, say
 from catseye.app.errors import OutputError, exit_code_of, text_of
 from catseye.app.exitcode import ExitCode
-from catseye.app.runs_folder import runs_folder
 from catseye.app.service.address import socket_folder, socket_name
 from catseye.app.service.engine_process import EngineProcess
 from catseye.app.service.errors import RefusedError
@@ -23,18 +21,9 @@ from catseye.app.service.messages import AnyRequest, Resume, Start, decode_reque
 from catseye.procedures.kit.context import Json
 
 
-def engine_command(cell: Path, runs: Path | None, wait_for_client_s: float | None, once: bool) -> None:
-    """Serve clients until the engine is ended, or run what stdin asks for."""
-    # Out of the terminal's session, where that is possible: the engine outlives the terminal.
-    with suppress(PermissionError):
-        os.setsid()
-    root = runs_folder(runs)
-    if once:
-        sys.exit(int(asyncio.run(_once(cell, root))))
-    sys.exit(int(asyncio.run(_serve(cell, root, wait_for_client_s))))
+async def serve(cell: Path, root: Path, wait_for_client_s: float | None) -> ExitCode:
+    """Serve clients until the engine is ended."""
 
-
-async def _serve(cell: Path, root: Path, wait_for_client_s: float | None) -> ExitCode:
     def ready() -> None:
         path = socket_folder() / socket_name(root)
         _tell({"event": "engine-ready", "socket": str(path), "runs": str(root.resolve()), "pid": os.getpid()})
@@ -42,7 +31,7 @@ async def _serve(cell: Path, root: Path, wait_for_client_s: float | None) -> Exi
     return await EngineProcess(cell, root).serve(ready, wait_for_client_s)
 
 
-async def _once(cell: Path, root: Path) -> ExitCode:
+async def run_once(cell: Path, root: Path) -> ExitCode:
     """Run what one line of stdin asks for; say on stdout how that began."""
     engine = EngineProcess(cell, root)
     try:

@@ -1,25 +1,24 @@
-"""What commands that drive a plan are given on the command line, whether it is new or goes on."""
+"""How a plan is driven from the command line, whether it is new or goes on."""
 
-from dataclasses import dataclass
+import asyncio
+import sys
 from pathlib import Path
 
+from catseye.app.cli.hosting import DriveOptions, serve_and_run
+from catseye.app.cli.output import emit, say
+from catseye.app.cli.rehearsal import tell_rehearsal
+from catseye.app.engine.heap import settled_heap
+from catseye.app.running import PlannedRun, rehearse
 
-@dataclass(frozen=True)
-class DriveOptions:
-    """How a plan is driven.
 
-    Attributes:
-        answers: TOML file of prompt id to answer.
-        arm: the cell's name as typed to let real hardware move.
-        speed: bench seconds in one real second; None for that of the run that goes on.
-        keep_drives: leave the drives on at the end.
-        waive_walk: why a real arm may be driven where it was not walked.
-        as_json: events as JSON instead of talk.
-    """
-
-    answers: Path | None
-    arm: str | None
-    speed: float | None
-    keep_drives: bool
-    waive_walk: str | None
-    as_json: bool
+def conduct(planned: PlannedRun, root: Path, options: DriveOptions, *, dry_run: bool) -> None:
+    """Rehearse a plan, or run it and end the process with the run's exit code."""
+    if dry_run:
+        tell_rehearsal(planned, asyncio.run(rehearse(planned)), as_json=options.as_json)
+        say("a real arm drives this where it was walked through (--walk), or with a reason (--waive-walk)")
+        return
+    with settled_heap():
+        outcome = asyncio.run(serve_and_run(planned, root, options))
+    if not options.as_json:
+        emit(str(outcome.path))
+    sys.exit(int(outcome.exit_code))

@@ -2,44 +2,71 @@
 
 import json
 from pathlib import Path
-from typing import Literal
+from typing import TYPE_CHECKING, Annotated, Literal
 
-from catseye.app.analysis.exporting import Export, result_export, run_export
+import typer
+
+from catseye.app.cli.options import RunOrResult, Runs, Unverified
 from catseye.app.cli.output import say
 from catseye.app.errors import UsageError
-from catseye.app.files.atomic import write_atomically
-from catseye.app.files.csv_text import comment_lines
-from catseye.app.files.tabular import table_parquet
-from catseye.app.runs_folder import runs_folder
-from catseye.app.store.catalog import resolve_run
-from catseye.app.store.reader import RunReader, accept
-from catseye.app.store.unverified import taken_as_it_is
+
+if TYPE_CHECKING:
+    from catseye.app.analysis.exporting import Export
 
 Format = Literal["csv", "json", "parquet"]
 
 _ENDINGS: dict[str, Format] = {".csv": "csv", ".json": "json", ".parquet": "parquet"}
 
 
-def export_command(
-    source: str, output: Path, form: Format | None, runs: Path | None, unverified: bool = False
+def export(
+    source: RunOrResult,
+    output: Annotated[Path, typer.Option("-o", "--output", help="file to write; replaced if it exists")],
+    format_: Annotated[
+        Format | None,
+        typer.Option("--format", help="what to write; FILE's ending says it too"),
+    ] = None,
+    runs: Runs = None,
+    unverified: Unverified = False,
 ) -> None:
-    """Write the table."""
-    chosen = form_of(output, form)
+    """Write what a run has measured or what a result holds for other programs.
+
+    The CSV of distances is a points file, that of located positions a measured file; JSON and Parquet hold all
+    columns.
+
+    Example: catseye export 1a2b3c -o points.csv
+    """
+    from catseye.app.files.atomic import require_output, write_atomically
+
+    require_output(output)
+    chosen = form_of(output, format_)
     direct = Path(source)
-    if direct.is_file():
-        if output.exists() and output.samefile(direct):
-            raise UsageError(f"{output} is the result itself; choose another -o FILE")
-        table = result_export(direct)
-    elif direct.suffix.lower() == ".json":
-        raise UsageError(f"{direct}: there is no such file")
-    else:
-        reader = RunReader(resolve_run(runs_folder(runs), source), accept(unverified=unverified))
-        with taken_as_it_is(reader):
-            table = run_export(reader)
+    if direct.is_file() and output.exists() and output.samefile(direct):
+        raise UsageError(f"{output} is the result itself; choose another -o FILE")
+    table = _of_result(direct) if direct.is_file() else _of_run(source, runs, unverified=unverified)
     for text in table.unverified:
         say(f"UNVERIFIED: {text}")
     write_atomically(output, _written(table, chosen))
     say(f"{output}: {len(table.rows)} rows ({table.content}) of {table.source}")
+
+
+def _of_result(file: Path) -> "Export":
+    from catseye.app.analysis.exporting import result_export
+
+    return result_export(file)
+
+
+def _of_run(name: str, runs: Path | None, *, unverified: bool) -> "Export":
+    from catseye.app.analysis.exporting import run_export
+    from catseye.app.runs_folder import runs_folder
+    from catseye.app.store.catalog import resolve_run
+    from catseye.app.store.reader import RunReader, accept
+    from catseye.app.store.unverified import taken_as_it_is
+
+    if Path(name).suffix.lower() == ".json":
+        raise UsageError(f"{name}: there is no such file")
+    reader = RunReader(resolve_run(runs_folder(runs), name), accept(unverified=unverified))
+    with taken_as_it_is(reader):
+        return run_export(reader)
 
 
 def form_of(output: Path, form: Format | None) -> Format:
@@ -66,7 +93,10 @@ def form_of(output: Path, form: Format | None) -> Format:
     return chosen
 
 
-def _written(table: Export, form: Format) -> str | bytes:
+def _written(table: "Export", form: Format) -> str | bytes:
+    from catseye.app.files.csv_text import comment_lines
+    from catseye.app.files.tabular import table_parquet
+
     match form:
         case "csv":
             return comment_lines(f"UNVERIFIED: {text}" for text in table.unverified) + table.csv
@@ -76,5 +106,5 @@ def _written(table: Export, form: Format) -> str | bytes:
             return table_parquet(table.rows, {"unverified": table.unverified} if table.unverified else {})
 
 
-def _about(table: Export) -> dict[str, object]:
+def _about(table: "Export") -> dict[str, object]:
     return {**table.about, "unverified": table.unverified} if table.unverified else dict(table.about)

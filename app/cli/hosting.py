@@ -3,11 +3,11 @@
 import getpass
 import sys
 from contextlib import ExitStack
+from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 
 from catseye.app.bench.facts import facts_of
-from catseye.app.cli.drive import DriveOptions
 from catseye.app.cli.narrator import Narrator
 from catseye.app.cli.walk_keys import HINT, WalkKeys
 from catseye.app.engine.announcer import Publish
@@ -17,6 +17,27 @@ from catseye.app.service.console import KEYS, Console
 from catseye.app.service.lines import Lines, in_foreground
 from catseye.app.service.run_service import RunService
 from catseye.drivers.roles.clock import SystemClock
+
+
+@dataclass(frozen=True)
+class DriveOptions:
+    """How a plan is driven.
+
+    Attributes:
+        answers: TOML file of prompt id to answer.
+        arm: the cell's name as typed to let real hardware move.
+        speed: bench seconds in one real second; None for that of the run that goes on.
+        keep_drives: leave the drives on at the end.
+        waive_walk: why a real arm may be driven where it was not walked.
+        as_json: events as JSON instead of talk.
+    """
+
+    answers: Path | None
+    arm: str | None
+    speed: float | None
+    keep_drives: bool
+    waive_walk: str | None
+    as_json: bool
 
 
 async def serve_and_run(planned: PlannedRun, root: Path, options: DriveOptions) -> RunOutcome:

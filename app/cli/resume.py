@@ -2,25 +2,58 @@
 
 import os
 from pathlib import Path
+from typing import Annotated
 
-from catseye.app.cell.load import load_cell
-from catseye.app.cli.drive import DriveOptions
+import typer
+
+from catseye.app.cli.options import (
+    Answers,
+    Arm,
+    AsJson,
+    DryRun,
+    KeepDrives,
+    Runs,
+    StoredRun,
+    WaiveWalk,
+)
 from catseye.app.cli.output import say
-from catseye.app.cli.run import conduct
-from catseye.app.engine.crash_points import arm as arm_crash_point
-from catseye.app.resuming import plan_resume
-from catseye.app.runs_folder import runs_folder
-from catseye.app.store.catalog import resolve_run
-from catseye.app.store.mend import seal_late
-from catseye.app.store.reader import RunReader
-from catseye.drivers.roles.clock import SystemClock
 
 
-def resume_command(
-    run: str, cell: Path | None, options: DriveOptions, runs: Path | None, *, dry_run: bool
+def resume(
+    run: StoredRun,
+    cell: Annotated[
+        Path | None, typer.Option(metavar="FILE", help="cell file with other endpoints or time-outs")
+    ] = None,
+    answers: Answers = None,
+    arm: Arm = None,
+    speed: Annotated[
+        float | None,
+        typer.Option(min=0.001, max=1e6, help="bench seconds in one real second; emulators only [as before]"),
+    ] = None,
+    keep_drives: KeepDrives = False,
+    dry_run: DryRun = False,
+    waive_walk: WaiveWalk = None,
+    runs: Runs = None,
+    as_json: AsJson = False,
 ) -> None:
-    """Plan the rest of a run from what it has stored, then rehearse or do it."""
-    arm_crash_point(os.environ)
+    """Go on with a run that stopped, failed, was aborted or died; steps that are done are not repeated.
+
+    Everything is taken from the run itself; the operator is asked what may have changed meanwhile.
+
+    Example: catseye resume 1a2b3c
+    """
+    from catseye.app.cell.load import load_cell
+    from catseye.app.cli.drive import conduct
+    from catseye.app.cli.hosting import DriveOptions
+    from catseye.app.engine import crash_points
+    from catseye.app.resuming import plan_resume
+    from catseye.app.runs_folder import runs_folder
+    from catseye.app.store.catalog import resolve_run
+    from catseye.app.store.mend import seal_late
+    from catseye.app.store.reader import RunReader
+    from catseye.drivers.roles.clock import SystemClock
+
+    crash_points.arm(os.environ)
     root = runs_folder(runs)
     path = resolve_run(root, run)
     if not dry_run and seal_late(path, SystemClock().now_utc().isoformat()):
@@ -31,4 +64,5 @@ def resume_command(
     say(
         f"{path.name} {reader.status}; {reader.count('steps')} steps are done and stay; aim from {planned.aim}"
     )
+    options = DriveOptions(answers, arm, speed, keep_drives, waive_walk, as_json)
     conduct(planned, root, options, dry_run=dry_run)

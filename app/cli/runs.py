@@ -1,96 +1,52 @@
-"""runs, show, verify: the store."""
+"""runs: the list of stored runs."""
 
-import textwrap
-from datetime import datetime
-from pathlib import Path
+from typing import TYPE_CHECKING
 
+from catseye.app.cli.options import AsJson, Runs
 from catseye.app.cli.output import emit, emit_json, say, table
-from catseye.app.errors import StorageError
-from catseye.app.runs_folder import runs_folder
-from catseye.app.store.catalog import RunSummary, list_runs, resolve_run
-from catseye.app.store.reader import Accept, RunReader, accept
-from catseye.app.store.resumable import why_not_resumable
-from catseye.app.store.unverified import taken_as_it_is
-from catseye.app.store.verify import Verification, verify
-from catseye.app.story.summary import summary
-from catseye.app.story.timeline import timeline
 
-_WIDTH = 116
-_MARGIN = " " * 14
+if TYPE_CHECKING:
+    from catseye.app.store.catalog import RunSummary
 
 
-def runs_command(runs: Path | None, as_json: bool) -> None:
-    """List the runs."""
+def runs(runs: Runs = None, as_json: AsJson = False) -> None:
+    """List the stored runs, oldest first."""
+    from catseye.app.runs_folder import runs_folder
+    from catseye.app.store.catalog import list_runs
+
     root = runs_folder(runs)
     summaries = list_runs(root)
     if as_json:
         for run in summaries:
-            emit_json(
-                {
-                    "run": run.name,
-                    "id": run.id,
-                    "procedure": run.procedure,
-                    "started": run.started,
-                    "status": run.status,
-                    "path": str(run.path),
-                    "resumable": _resumable(run),
-                }
-            )
-        return
-    if not summaries:
-        say(f"no runs in {root}; start one with: catseye run PROCEDURE --cell FILE")
-        return
-    emit(
-        table(
-            ["id", "started", "procedure", "status", "to go on"],
-            [
-                [r.id, r.started, r.procedure, r.status, f"catseye resume {r.id}" if _resumable(r) else ""]
-                for r in summaries
-            ],
-        )
-    )
-
-
-def show_command(run: str, runs: Path | None, as_json: bool, unverified: bool = False) -> None:
-    """Tell a run's story."""
-    reader = RunReader(resolve_run(runs_folder(runs), run), accept(unverified=unverified))
-    with taken_as_it_is(reader):
-        if as_json:
-            emit_json(_facts(reader))
-            return
-        for line in _told(reader):
-            emit(line)
-
-
-def verify_command(run: str, runs: Path | None, as_json: bool) -> None:
-    """Check a run; exit code 6 when something is wrong."""
-    path = resolve_run(runs_folder(runs), run)
-    found = verify(path)
-    if as_json:
-        emit_json(
-            {
-                "run": path.name,
-                "sound": found.ok,
-                "sealed": found.sealed,
-                "problems": found.problems,
-                "notes": found.notes,
-            }
-        )
+            emit_json(_facts(run))
+    elif summaries:
+        rows = [[run.id, run.started, run.procedure, run.status, _to_go_on(run)] for run in summaries]
+        emit(table(["id", "started", "procedure", "status", "to go on"], rows))
     else:
-        _tell_verified(path.name, found)
-    if found.problems:
-        raise StorageError(f"{path.name}: " + "; ".join(found.problems))
+        say(f"no runs in {root}; start one with: catseye run PROCEDURE --cell FILE")
 
 
-def _tell_verified(name: str, found: Verification) -> None:
-    if found.ok:
-        compared = "manifest, database" if found.sealed else "database"
-        say(f"{name}: {compared} and sequence numbers agree")
-    for note in found.notes:
-        say(f"{name}: {note}")
+def _facts(run: "RunSummary") -> dict[str, object]:
+    return {
+        "run": run.name,
+        "id": run.id,
+        "procedure": run.procedure,
+        "started": run.started,
+        "status": run.status,
+        "path": str(run.path),
+        "resumable": _resumable(run),
+    }
 
 
-def _resumable(run: RunSummary) -> bool:
+def _to_go_on(run: "RunSummary") -> str:
+    return f"catseye resume {run.id}" if _resumable(run) else ""
+
+
+def _resumable(run: "RunSummary") -> bool:
+    from catseye.app.errors import StorageError
+    from catseye.app.store.reader import Accept, RunReader
+    from catseye.app.store.resumable import why_not_resumable
+
     if run.status in {"complete", "running", "damaged"}:
         return False
     try:
@@ -98,52 +54,3 @@ def _resumable(run: RunSummary) -> bool:
     except StorageError:
         # The others are listed all the same; whoever opens it learns why.
         return False
-
-
-def _facts(reader: RunReader) -> dict[str, object]:
-    return {
-        "run": reader.path.name,
-        "status": reader.status,
-        "exit_code": reader.exit_code,
-        "meta": reader.meta,
-        "counts": {
-            name: reader.count(name) for name in ("steps", "points", "search", "path", "records", "events")
-        },
-        "results": {s.step_id: s.result for s in reader.steps() if s.row_count == 0 and s.result},
-        "events": [{"t": e.time_utc, "kind": e.kind, "data": e.data} for e in reader.events()],
-        "prompts": reader.prompts(),
-        "resumable": not why_not_resumable(reader),
-        **({"unverified": reader.unverified} if reader.unverified else {}),
-        "story": [{"t": moment.time_utc, "text": moment.text} for moment in timeline(reader)],
-    }
-
-
-def _time_of_day(time_utc: str) -> str:
-    time = datetime.fromisoformat(time_utc)
-    return f"{time:%H:%M:%S}.{time.microsecond // 100_000}"
-
-
-def _told(reader: RunReader) -> list[str]:
-    lines = [f"{reader.path.name}: {reader.status}", *(f"  UNVERIFIED: {text}" for text in reader.unverified)]
-    lines += [*(f"  {line}" for line in summary(reader)), ""]
-    day = ""
-    for moment in timeline(reader):
-        if moment.time_utc[:10] != day:
-            day = moment.time_utc[:10]
-            lines.append(f"  {day} (UTC)")
-        first, *others = moment.text.splitlines()
-        lines += _wrapped(first, f"  {_time_of_day(moment.time_utc)}  ")
-        for other in others:
-            lines += _wrapped(other, _MARGIN)
-    return lines
-
-
-def _wrapped(text: str, margin: str) -> list[str]:
-    return textwrap.wrap(
-        text,
-        _WIDTH,
-        initial_indent=margin,
-        subsequent_indent=_MARGIN,
-        break_long_words=False,
-        break_on_hyphens=False,
-    )

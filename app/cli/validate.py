@@ -1,47 +1,53 @@
 """validate: a model against an independent measurement."""
 
 from pathlib import Path
+from typing import Annotated
 
-from catseye.app.analysis.file_validation import FileValidation, validate_files
-from catseye.app.analysis.joint_maps import ARCSEC_PER_MDEG
-from catseye.app.analysis.reporting import require_html
-from catseye.app.analysis.validation import ModelOnPath
-from catseye.app.cli.output import emit, emit_json, say, table
-from catseye.app.errors import MeasurementRejectedError
-from catseye.app.report.agreement_text import agreement_text
-from catseye.app.report.numbers import probability
-from catseye.app.report.path_view import model_title
-from catseye.app.report.validation_facts import model_facts, validation_facts
-from catseye.app.report.validation_page import write_validation_page
-from catseye.calibration.kinematics import Hand
+import typer
+
+from catseye.app.cli.options import AsJson, Hand, ResultFile, StartDirection
+from catseye.app.cli.output import emit, emit_json, say
 
 
-def validate_command(
-    result: Path,
-    measured: Path,
-    reference: Path | None,
-    output: Path | None,
-    limit_um: float | None,
-    hand: Hand,
-    start_direction: str,
-    as_json: bool,
+def validate(
+    result: ResultFile,
+    measured: Annotated[
+        Path, typer.Option(help="measured CSV: commands and independently measured positions")
+    ],
+    reference: Annotated[
+        Path | None,
+        typer.Option(metavar="RESULT", help="model to compare with, as a rule the conventional one"),
+    ] = None,
+    output: Annotated[Path | None, typer.Option("-o", "--output", help="HTML page with the figures")] = None,
+    limit: Annotated[
+        float | None,
+        typer.Option("--limit-um", min=0.0, help="2-D rms that may be left; more is exit code 1"),
+    ] = None,
+    hand: Hand = "right",
+    start_direction: StartDirection = "1,1",
+    as_json: AsJson = False,
 ) -> None:
-    """Compare, tell, and draw.
+    """Compare a model with an independent measurement.
 
-    Raises:
-        UsageError: a file or an option is wrong.
-        MeasurementRejectedError: the model leaves more than the limit.
+    Example: catseye validate error-map.json --measured tracker.csv --reference conventional.json -o validation.html
     """
+    from catseye.app.analysis.file_validation import validate_files
+    from catseye.app.analysis.reporting import require_html
+    from catseye.app.cli.validate_text import tables
+    from catseye.app.errors import MeasurementRejectedError
+    from catseye.app.files.atomic import require_output
+    from catseye.app.report.agreement_text import agreement_text
+    from catseye.app.report.validation_facts import validation_facts
+    from catseye.app.report.validation_page import write_validation_page
+
+    require_output(output, result, measured, reference)
     if output is not None:
         require_html(output)
     found = validate_files(result, measured, reference, hand, start_direction)
     if as_json:
-        emit_json(validation_facts(found, limit_um))
+        emit_json(validation_facts(found, limit))
     else:
-        emit(_models_table(found))
-        if found.maps:
-            emit("")
-            emit(_standards_table(found))
+        emit(tables(found))
     for text in found.left_out:
         say(f"left out: {text}")
     for text in found.remarks:
@@ -52,77 +58,7 @@ def validate_command(
         write_validation_page(found, measured, output)
         say(f"{output} written")
     left_um = found.validation.models[-1].comparison.rms_2d_um
-    if limit_um is not None and left_um > limit_um:
+    if limit is not None and left_um > limit:
         raise MeasurementRejectedError(
-            f"{measured}: the model leaves {left_um:.1f} µm (2-D rms), more than the limit of {limit_um:g} µm"
+            f"{measured}: the model leaves {left_um:.1f} µm (2-D rms), more than the limit of {limit:g} µm"
         )
-
-
-def _models_table(found: FileValidation) -> str:
-    models = found.validation.models
-    head = ["measured minus predicted", "unit", *(model_title(model) for model in models)]
-    columns = [_cells(model, found) for model in models]
-    return table(head, [[name, unit, *(column[name] for column in columns)] for name, unit in _LINES])
-
-
-_LINES = (
-    ("rotation of the frame", "mdeg"),
-    ("  standard uncertainty", "mdeg"),
-    ("shift in x", "mm"),
-    ("  standard uncertainty in x", "mm"),
-    ("shift in y", "mm"),
-    ("  standard uncertainty in y", "mm"),
-    ("rms in x", "µm"),
-    ("rms in y", "µm"),
-    ("rms 2-D", "µm"),
-    ("largest 2-D", "µm"),
-    ("  in line", ""),
-    ("ratio to the first model", ""),
-    ("u of prediction, 2-D median", "µm"),
-    ("rms 2-D that is expected", "µm"),
-    ("share of variance explained", "%"),
-    ("normalised errors within ±2", "%"),
-    ("probability", ""),
-)
-
-
-def _cells(model: ModelOnPath, found: FileValidation) -> dict[str, str]:
-    facts = model_facts(model, found)
-    alignment = facts["alignment"]
-    within = facts["within_2u"]
-    return {
-        "rotation of the frame": f"{alignment['rotation_mdeg']['value']:.2f}",
-        "  standard uncertainty": f"{alignment['rotation_mdeg']['u']:.2f}",
-        "shift in x": f"{alignment['shift_x_mm']['value']:.4f}",
-        "  standard uncertainty in x": f"{alignment['shift_x_mm']['u']:.4f}",
-        "shift in y": f"{alignment['shift_y_mm']['value']:.4f}",
-        "  standard uncertainty in y": f"{alignment['shift_y_mm']['u']:.4f}",
-        "rms in x": f"{facts['rms_x_um']:.1f}",
-        "rms in y": f"{facts['rms_y_um']:.1f}",
-        "rms 2-D": f"{facts['rms_um']:.1f}",
-        "largest 2-D": f"{facts['max_um']:.1f}",
-        "  in line": f"{facts['max_line']}",
-        "ratio to the first model": f"{facts['ratio']:.3f}",
-        "u of prediction, 2-D median": f"{facts['median_u_um']:.1f}",
-        "rms 2-D that is expected": f"{facts['expected_um']:.1f}",
-        "share of variance explained": f"{100.0 * model.agreement.share:.0f}",
-        "normalised errors within ±2": "–" if within is None else f"{100.0 * within:.0f}",
-        "probability": probability(facts["probability"]).removeprefix("p ").removeprefix("= "),
-    }
-
-
-def _standards_table(found: FileValidation) -> str:
-    rows = [
-        [
-            f"J{one.joint}",
-            quantity.symbol,
-            quantity.name,
-            f"{quantity.value:.2f}",
-            f"{quantity.u:.2f}",
-            f"{ARCSEC_PER_MDEG * quantity.value:.2f}",
-            f"{ARCSEC_PER_MDEG * quantity.u:.2f}",
-        ]
-        for one in found.maps
-        for quantity in one.quantities()
-    ]
-    return table(["joint", "", "ISO 230-2, from the map", "mdeg", "u (k=1)", "arcsec", "u (k=1)"], rows)

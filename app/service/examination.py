@@ -1,21 +1,17 @@
-"""doctor: who answers behind each endpoint, what is wrong and what to do."""
+"""Who answers behind each endpoint of a cell, what is wrong and what to do."""
 
 import asyncio
 from collections.abc import Awaitable, Callable
-from dataclasses import asdict, dataclass, field
-from pathlib import Path
+from dataclasses import dataclass, field
 from typing import Any
 
 from catseye.app.cell.bench import air_rule, bench_of
-from catseye.app.cell.load import load_cell
 from catseye.app.cell.model import Cell
-from catseye.app.cell.plausible import implausible
-from catseye.app.cli.output import emit, emit_json, say
 from catseye.app.engine.compensation import AirRule, Compensation
 from catseye.app.engine.gate import JointLimits
 from catseye.app.engine.interlock import NO_DOOR, RemoteIo
 from catseye.app.engine.stopping_distance import stopping_text
-from catseye.app.errors import LinkFailedError, UsageError
+from catseye.app.errors import UsageError
 from catseye.app.instruments import device_builder, further_device
 from catseye.app.running import joint_limits
 from catseye.app.service.controller_look import look_at_controller
@@ -51,25 +47,12 @@ class Finding:
     advice: list[str] = field(default_factory=list)
 
 
-def doctor_command(file: Path, device: str | None, as_json: bool) -> None:
-    """Examine every device, or one of them; exit code 3 when one cannot be used."""
-    loaded = load_cell(file)
-    findings = asyncio.run(_examine_all(loaded.cell, device))
-    doubts = implausible(loaded.cell)
-    for text in doubts:
-        say(f"warning: {text}")
-    if as_json:
-        devices = [asdict(finding) for finding in findings]
-        emit_json({"cell": loaded.cell.name, "devices": devices, "warnings": doubts})
-    else:
-        for finding in findings:
-            emit(_text(finding))
-    bad = [finding.device for finding in findings if not finding.ok]
-    if bad:
-        raise LinkFailedError(f"cannot be used: {', '.join(bad)}; see the advice above")
+async def examine(cell: Cell, only: str | None) -> list[Finding]:
+    """Connect to every device of a cell, or to one of them, and look at it.
 
-
-async def _examine_all(cell: Cell, only: str | None) -> list[Finding]:
+    Raises:
+        UsageError: the cell has no such device.
+    """
     clock, rule, limits = SystemClock(), air_rule(cell), joint_limits(bench_of(cell))
     devices = device_builder(cell, clock)(_ignore)
     further = [(device, further_device(device, clock, _ignore)) for device in cell.device]
@@ -203,15 +186,6 @@ async def _door(io: RemoteIo) -> tuple[list[str], list[str]]:
 async def _tracker(tracker: Tracker) -> tuple[list[str], list[str]]:
     seen = await tracker.locate()
     return [f"x {seen.x_mm:.4f} mm, y {seen.y_mm:.4f} mm, u {1e3 * seen.u_mm:.1f} µm"], []
-
-
-def _text(finding: Finding) -> str:
-    mark = "ok  " if finding.ok else "BAD "
-    emulated = "  [EMULATED]" if finding.simulated else ""
-    lines = [f"{mark} {finding.device:<15} {finding.endpoint}  {finding.identity}{emulated}"]
-    lines += [f"       {fact}" for fact in finding.status]
-    lines += [f"       do: {text}" for text in finding.advice]
-    return "\n".join(lines)
 
 
 def _ignore(_device: str, _direction: str, _data: bytes) -> None:

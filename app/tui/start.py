@@ -1,19 +1,27 @@
-"""tui: the terminal user interface."""
+"""The start of the terminal user interface: what has to be there, and who shows what."""
 
 import os
 import sys
 from contextlib import suppress
 from pathlib import Path
+from typing import NoReturn
 
-from catseye.app.cli.output import say
 from catseye.app.errors import ConfigError, UsageError
 from catseye.app.exitcode import ExitCode
 from catseye.app.files.documents import read_toml
-from catseye.app.runs_folder import runs_folder
 
 
-def tui_command(cell: Path | None, runs: Path | None, speed: float) -> None:
-    """Show the interface until the user quits."""
+def show(cell: Path | None, root: Path, speed: float) -> NoReturn:
+    """Show the interface until the user quits.
+
+    Args:
+        cell: cell file; None for the only one in this folder, else set-up.
+        root: folder of all runs.
+        speed: bench seconds in one real second; emulators only.
+
+    Raises:
+        UsageError: there is no terminal to draw on, or no such cell file.
+    """
     _require_terminal()
     _give_way()
     from catseye.app.tui.app import CatseyeApp
@@ -30,7 +38,7 @@ def tui_command(cell: Path | None, runs: Path | None, speed: float) -> None:
         keymap = read_keymap(keys_file())
     except ConfigError as error:
         trouble = ("Your keys are not used, those of the program are", str(error))
-    clock, root = SystemClock(), runs_folder(runs)
+    clock = SystemClock()
     found = cell if cell is not None else _only_cell(Path())
     if cell is not None and not cell.is_file():
         raise UsageError(
@@ -46,12 +54,12 @@ def tui_command(cell: Path | None, runs: Path | None, speed: float) -> None:
     with ends_on_signals(app.leave_on_signal):
         code = app.run()
     if code is None and app.return_code:
-        say(
+        sys.stderr.write(
             "catseye tui ended by a fault of its own, told above. The engine goes on without it: a run is held "
             "unless [engine] on_client_lost of the cell file says otherwise, a jog is stopped. Start catseye tui "
-            "again."
+            "again.\n"
         )
-        sys.exit(ExitCode.FAULT)
+        code = ExitCode.FAULT
     sys.exit(code or 0)
 
 

@@ -10,7 +10,7 @@ from typing import Any
 import pytest
 
 from catseye.app.cell.template import TEMPLATE
-from catseye.app.cli.compensate import compensate_command
+from catseye.app.cli.compensate import compensate
 from catseye.app.errors import LimitError, MeasurementRejectedError, UsageError
 from tests.unit.app.cli.arms import DOWN1, UP1, bare, stored, text_file
 
@@ -24,15 +24,14 @@ def run(folder: Path, path: str | None, form: str = "csv", **options: Any) -> Pa
         "hand": "right",
         "start_direction": "1,1",
         "cell": None,
-        "j4_deg": 0.0,
+        "j4": 0.0,
         "as_json": False,
     }
-    compensate_command(
+    compensate(
         stored(folder, options.pop("content", bare())),
         output,
         None if path is None else text_file(folder, path),
-        form,
-        **chosen | options,
+        **chosen | {"format_": form} | options,
     )
     return output
 
@@ -134,13 +133,13 @@ def test_a_program_leaves_no_row_out(tmp_path: Path) -> None:
 
 
 def test_a_program_takes_what_it_needs_from_the_cell(tmp_path: Path) -> None:
-    text = run(tmp_path, JOINTS + "45,60,1,1\n", "melfa", cell=cell(tmp_path), j4_deg=12.5).read_text()
+    text = run(tmp_path, JOINTS + "45,60,1,1\n", "melfa", cell=cell(tmp_path), j4=12.5).read_text()
     assert "Ovrd 20" in text
     assert ",50.000,12.500)" in text
     with pytest.raises(UsageError, match="needs --cell FILE"):
         run(tmp_path, JOINTS + "45,60,1,1\n", "melfa")
     with pytest.raises(LimitError, match="--j4 400"):
-        run(tmp_path, JOINTS + "45,60,1,1\n", "melfa", cell=cell(tmp_path), j4_deg=400.0)
+        run(tmp_path, JOINTS + "45,60,1,1\n", "melfa", cell=cell(tmp_path), j4=400.0)
 
 
 def test_limits_of_the_joints_are_kept(tmp_path: Path) -> None:
@@ -210,9 +209,9 @@ def test_bodies_are_looked_at_with_the_angle_of_j4(tmp_path: Path) -> None:
     x_mm, y_mm = place(45.0, 60.0, 1, 1)
     beside = text_file(tmp_path, TEMPLATE + box(x_mm, y_mm + 50.0), "cell.toml")
     path = JOINTS + "45,60,1,1\n"
-    run(tmp_path, path, cell=beside, j4_deg=-15.0)
+    run(tmp_path, path, cell=beside, j4=-15.0)
     with pytest.raises(LimitError, match="interferometer head"):
-        run(tmp_path, path, cell=beside, j4_deg=165.0)
+        run(tmp_path, path, cell=beside, j4=165.0)
 
 
 def test_without_a_cell_nothing_is_said_to_be_clear(
@@ -237,7 +236,7 @@ def test_the_result_is_not_written_over(tmp_path: Path) -> None:
     before = result.read_bytes()
     path = text_file(tmp_path, "x_mm,y_mm\n300,300\n")
     with pytest.raises(UsageError, match="would be lost"):
-        compensate_command(result, result, path, "json", "right", "1,1", None, 0.0, as_json=False)
+        compensate(result, result, path, "json", "right", "1,1", None, 0.0, as_json=False)
     assert result.read_bytes() == before
 
 

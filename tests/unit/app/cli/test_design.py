@@ -12,7 +12,7 @@ from catseye.app.analysis.design_time import BenchCost, bench_cost
 from catseye.app.cell.load import load_cell
 from catseye.app.cell.reflectors import with_reflector_tables
 from catseye.app.cell.template import TEMPLATE
-from catseye.app.cli.design import DesignOptions, design_command
+from catseye.app.cli.design import design
 from catseye.app.errors import ConfigError, UsageError, exit_code_of
 from catseye.app.exitcode import ExitCode
 from catseye.calibration.errors import UnidentifiableError
@@ -34,7 +34,7 @@ def cell(tmp_path: Path) -> Path:
 
 
 def designed(cell: Path, capsys: pytest.CaptureFixture[str], **options: Any) -> dict[str, Any]:
-    design_command(cell, DesignOptions(**({"places": 60} | options)), None, None, True)
+    design(cell, **({"places": 60, "as_json": True} | options))
     document: dict[str, Any] = json.loads(capsys.readouterr().out)
     return document
 
@@ -59,7 +59,7 @@ def test_never_worse_than_the_layout_of_the_cell(
 
 
 def test_places_meet_every_constraint(cell: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    found = designed(cell, capsys, floor="560,900,-500,500", keep_out_mm=620.0, apart_mm=250.0, breaks=1)
+    found = designed(cell, capsys, floor="560,900,-500,500", keep_out=620.0, apart=250.0, breaks=1)
     places = np.array([[one["x_mm"], one["y_mm"]] for one in found["reflectors"]])
     assert (places >= [560.0, -500.0]).all()
     assert (places <= [900.0, 500.0]).all()
@@ -124,7 +124,7 @@ def test_nodes_of_a_scan_are_too_many_for_a_design(cell: Path) -> None:
     finer = [float(angle) for angle in range(20, 141)]
     edited(cell, "theta2_deg = [20.0, 60.0, 100.0, 140.0]", f"theta2_deg = {finer}")
     with pytest.raises(UsageError, match=r"161 and 121 nodes make 77924 commands.*fewer nodes"):
-        design_command(cell, DesignOptions(), None, None, True)
+        design(cell)
 
 
 def test_a_reflector_under_the_arm_is_compared_all_the_same(
@@ -143,7 +143,7 @@ def test_chosen_commands_keep_every_node_in_both_directions(
     cell: Path, capsys: pytest.CaptureFixture[str], tmp_path: Path
 ) -> None:
     target = tmp_path / "commands.csv"
-    design_command(cell, DesignOptions(places=60, commands=24), None, None, True, target)
+    design(cell, places=60, commands=24, write_commands=target, as_json=True)
     found = json.loads(capsys.readouterr().out)
     commands = found["commands"]
     assert len(commands) == 24
@@ -167,13 +167,13 @@ def test_a_bench_time_is_kept(cell: Path, capsys: pytest.CaptureFixture[str]) ->
 def test_fewer_commands_than_determine_the_arm_are_told(
     cell: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    design_command(cell, DesignOptions(places=60, commands=3), None, None, False)
+    design(cell, places=60, commands=3)
     assert "3 commands leave parameters undetermined" in capsys.readouterr().err
 
 
 def test_tables_and_page(cell: Path, capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
     page = tmp_path / "design.html"
-    design_command(cell, DesignOptions(places=60, commands=24, pareto=True), page, None, False)
+    design(cell, places=60, commands=24, pareto=True, output=page)
     told = capsys.readouterr()
     assert "cell file (= SCARA paper)" in told.out
     assert "planned breaks of the beam" in told.err
@@ -186,7 +186,7 @@ def test_tables_and_page(cell: Path, capsys: pytest.CaptureFixture[str], tmp_pat
 
 def test_written_cell_differs_in_its_reflectors_only(cell: Path, tmp_path: Path) -> None:
     target = tmp_path / "new.toml"
-    design_command(cell, DesignOptions(places=60), None, target, True)
+    design(cell, places=60, write_cell=target)
     old, new = load_cell(cell).cell, load_cell(target).cell
     assert [one.name for one in new.reflector] == ["P1", "P2", "P3"]
     assert all(one.facing_deg is not None for one in new.reflector)
@@ -217,14 +217,14 @@ def test_reflectors_that_are_no_tables_cannot_be_replaced(tmp_path: Path) -> Non
 )
 def test_what_cannot_be_done_is_told_with_its_remedy(cell: Path, options: dict[str, Any], said: str) -> None:
     with pytest.raises(UsageError, match=said):
-        design_command(cell, DesignOptions(**({"places": 60} | options)), None, None, True)
+        design(cell, **({"places": 60, "as_json": True} | options))
 
 
 def test_a_path_outside_of_the_nodes_is_refused(cell: Path, tmp_path: Path) -> None:
     path = tmp_path / "path.csv"
     path.write_text("x_mm,y_mm\n-300,100\n-310,100\n")
     with pytest.raises(UsageError, match="inside the nodes"):
-        design_command(cell, DesignOptions(criterion="path", path=path, places=60), None, None, True)
+        design(cell, criterion="path", path=path, places=60)
 
 
 def test_a_path_partly_outside_of_the_nodes_is_told(
@@ -239,7 +239,7 @@ def test_a_path_partly_outside_of_the_nodes_is_told(
 def test_commands_that_determine_nothing_are_named(cell: Path) -> None:
     edited(cell, "theta2_deg = [20.0, 60.0, 100.0, 140.0]", "theta2_deg = [40.0, 40.01]")
     with pytest.raises(UnidentifiableError, match="L1") as caught:
-        design_command(cell, DesignOptions(reflectors=1, places=60), None, None, True)
+        design(cell, reflectors=1, places=60)
     assert exit_code_of(caught.value) == ExitCode.REJECTED
 
 
@@ -247,4 +247,4 @@ def test_a_budget_without_white_contributors_is_refused(cell: Path) -> None:
     for old in ("value_um = 10.0", "value_um = 0.09", "value_mrad = 0.717"):
         edited(cell, old, old.split(" = ", maxsplit=1)[0] + " = 0.0")
     with pytest.raises(UsageError, match="differs from reading to reading"):
-        design_command(cell, DesignOptions(places=60), None, None, True)
+        design(cell, places=60)

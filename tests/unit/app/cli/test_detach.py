@@ -8,7 +8,8 @@ from pathlib import Path
 
 import pytest
 
-from catseye.app.cli.detached_engine import detach, engine_command
+from catseye.app.cli.detached_engine import detach
+from catseye.app.cli.engine import engine as engine_command
 from catseye.app.service.messages import encode
 
 
@@ -42,6 +43,6 @@ def test_a_fault_in_the_start_shows_where_when_asked(
         asked = encode({"v": 1, "id": 1, "op": "resume", "run": "last"})
         monkeypatch.setattr(sys, "stdin", io.TextIOWrapper(io.BytesIO(asked)))
         with pytest.raises(SystemExit) as ended:
-            engine_command(tmp_path / "cell.toml", tmp_path, None, once=True)
+            engine_command(tmp_path / "cell.toml", once=True, runs=tmp_path)
         assert ended.value.code == 70
         assert expected in json.loads(capsys.readouterr().out)["error"]

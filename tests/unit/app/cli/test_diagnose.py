@@ -8,7 +8,7 @@ from typing import Any
 
 import pytest
 
-from catseye.app.cli.diagnose import diagnose_command
+from catseye.app.cli.diagnose import diagnose
 from catseye.app.errors import UsageError
 from catseye.calibration.points import Points
 from tests.unit.app.cli.distances import write_points
@@ -40,7 +40,7 @@ def told(
     folder: Path, given: Points, capsys: pytest.CaptureFixture[str], *, as_json: bool = False
 ) -> tuple[str, str]:
     file = write_points(given, folder)
-    diagnose_command([], file, folder / "cell.toml", None, as_json)
+    diagnose([], file, folder / "cell.toml", None, as_json)
     said = capsys.readouterr()
     return said.out, said.err
 
@@ -136,9 +136,9 @@ def test_without_stated_uncertainties_nothing_is_compared_with_them(
 def test_runs_or_points_but_not_both_or_none(tmp_path: Path, both: bool) -> None:
     file = write_points(points(), tmp_path) if both else None
     with pytest.raises(UsageError, match="either runs, or --points FILE with --cell FILE"):
-        diagnose_command(["1a2b"] if both else [], file, None, None, as_json=False)
+        diagnose(["1a2b"] if both else [], file, None, None, as_json=False)
 
 
 def test_points_need_a_cell_file(tmp_path: Path) -> None:
     with pytest.raises(UsageError, match="--points needs --cell FILE"):
-        diagnose_command([], write_points(points(), tmp_path), None, None, as_json=False)
+        diagnose([], write_points(points(), tmp_path), None, None, as_json=False)

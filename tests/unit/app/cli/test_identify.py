@@ -5,11 +5,13 @@ import math
 from dataclasses import replace
 from functools import cache
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
 
-from catseye.app.cli.identify import IdentifyOptions, identify_command, verdicts
+from catseye.app.cli.identify import identify
+from catseye.app.cli.identify_text import verdicts
 from catseye.app.errors import UsageError
 from catseye.app.files.result_json import Fit, Result, read_result
 from catseye.calibration.points import Points
@@ -19,7 +21,6 @@ from tests.unit.calibration.diagnostics.bench import Extra, commands_on_nodes, m
 from tests.unit.calibration.paper import random_truth
 
 TRUTH = random_truth(12)
-OPTIONS = IdentifyOptions("error-map", "jacobian", 2000, 1)
 WRONG = {17: 0.3, 800: -0.2}
 """Rows, from 0, with gross errors, mm."""
 
@@ -36,9 +37,9 @@ def wrong_points() -> Points:
     return replace(points(), displacement_mm=displacement)
 
 
-def run(folder: Path, given: Points, options: IdentifyOptions, *, as_json: bool = False) -> Result:
+def run(folder: Path, given: Points, **options: Any) -> Result:
     file = write_points(given, folder)
-    identify_command(folder / "r.json", [], file, folder / "cell.toml", options, None, as_json=as_json)
+    identify(folder / "r.json", [], file, folder / "cell.toml", **options)
     return read_result(folder / "r.json")
 
 
@@ -52,7 +53,7 @@ def errors_in_u(result: Result) -> list[float]:
 def test_reject_leaves_out_the_wrong_distances_and_names_them(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    result = run(tmp_path, wrong_points(), replace(OPTIONS, reject=6.0))
+    result = run(tmp_path, wrong_points(), reject=6.0)
     assert result.fit.n_points == len(points()) - 2
     first, second = result.fit.rejected
     assert first.startswith("row 18, reflector P1, segment 0, θ1 -120°, θ2 20°, approach ++")
@@ -69,7 +70,7 @@ def test_reject_leaves_out_the_wrong_distances_and_names_them(
 def test_a_robust_loss_keeps_them_and_says_what_they_count(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    result = run(tmp_path, wrong_points(), replace(OPTIONS, loss="huber"))
+    result = run(tmp_path, wrong_points(), loss="huber")
     assert result.fit.n_points == len(points())
     assert result.fit.rejected == []
     assert result.fit.robust is not None
@@ -84,7 +85,7 @@ def test_a_robust_loss_keeps_them_and_says_what_they_count(
 
 @pytest.mark.parametrize("loss", ["squares", "huber", "soft-l1"])
 def test_parts_of_every_uncertainty_add_up_to_it(tmp_path: Path, loss: str) -> None:
-    result = run(tmp_path, wrong_points(), replace(OPTIONS, loss=loss))
+    result = run(tmp_path, wrong_points(), loss=loss)
     assert result.uncertainty is not None
     table = result.uncertainty.contributions
     assert table.contributors == [
@@ -105,7 +106,7 @@ def test_extensions_are_identified_beside_the_maps(
     warm = measured(
         TRUTH, commands_on_nodes(), Extra(link1=lambda pose: 0.05 * pose.share), 0.01, 0.01, seed=3
     )
-    result = run(tmp_path, warm, replace(OPTIONS, extend=("thermal", "thermal")))
+    result = run(tmp_path, warm, extend=["thermal", "thermal"])
     assert result.extension is not None
     one, two = result.extension
     assert (one.target, one.unit, two.target, two.unit) == ("link1", "um", "link2", "um")
@@ -116,7 +117,7 @@ def test_extensions_are_identified_beside_the_maps(
 
 
 def test_uncertainty_keys_of_the_result_file(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    run(tmp_path, points(), replace(OPTIONS, uncertainty="monte-carlo"), as_json=True)
+    run(tmp_path, points(), uncertainty="monte-carlo", draws=2000, as_json=True)
     told = json.loads(capsys.readouterr().out)
     assert set(told) == {"result", "model", "gauge", "link1_mm", "link2_mm", "extension", "fit"}
     document = json.loads((tmp_path / "r.json").read_text(encoding="utf-8"))
@@ -143,7 +144,7 @@ def test_uncertainty_keys_of_the_result_file(tmp_path: Path, capsys: pytest.Capt
 
 
 def test_without_draws_there_is_no_part_about_them(tmp_path: Path) -> None:
-    result = run(tmp_path, points(), OPTIONS)
+    result = run(tmp_path, points())
     assert result.uncertainty is not None
     assert (result.uncertainty.method, result.uncertainty.monte_carlo) == ("jacobian", None)
 
@@ -151,16 +152,16 @@ def test_without_draws_there_is_no_part_about_them(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("options", "told"),
     [
-        (replace(OPTIONS, loss="huber", uncertainty="monte-carlo"), "use --reject K with"),
-        (replace(OPTIONS, extend=("j5",)), "--extend j5: unknown"),
-        (replace(OPTIONS, uncertainty="monte-carlo", draws=1999), "1999 draws are too few"),
+        ({"loss": "huber", "uncertainty": "monte-carlo", "draws": 2000}, "use --reject K with"),
+        ({"extend": ["j5"]}, "--extend j5: unknown"),
+        ({"uncertainty": "monte-carlo", "draws": 1999}, "1999 draws are too few"),
     ],
 )
 def test_what_cannot_be_done_soundly_is_refused_and_nothing_is_written(
-    tmp_path: Path, options: IdentifyOptions, told: str
+    tmp_path: Path, options: dict[str, Any], told: str
 ) -> None:
     with pytest.raises(UsageError, match=told):
-        run(tmp_path, points(), options)
+        run(tmp_path, points(), **options)
     assert not (tmp_path / "r.json").exists()
 
 
@@ -196,7 +197,7 @@ def test_a_factor_in_square_millimetres_is_not_told_as_a_widening(
         return_inverse=True,
     )[1]
     moved = replace(points(), sigma_mm=None, displacement_mm=points().displacement_mm + poses[np.ravel(key)])
-    run(tmp_path, moved, OPTIONS)
+    run(tmp_path, moved)
     said = capsys.readouterr().err
     assert "LACK OF FIT" in said
     assert "widened" not in said

@@ -3,13 +3,14 @@
 import importlib
 import re
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
 
 from catseye.app.analysis import scan_identifying
 from catseye.app.cell.template import TEMPLATE
-from catseye.app.cli.identify import IdentifyOptions, identify_command
+from catseye.app.cli.identify import identify
 from catseye.app.errors import UsageError
 from catseye.app.files.identified_arm import arm_of
 from catseye.app.files.result_json import Result, read_result
@@ -18,7 +19,6 @@ from tests.unit.calibration.scans.scan import NAMES, arm, scan
 
 ROWS = 9_000
 TRUTH = arm(2, 20.0)
-OPTIONS = IdentifyOptions("error-map", "jacobian", 1000, 1)
 
 
 def columns(points: Points) -> dict[str, list[object]]:
@@ -47,9 +47,9 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return path
 
 
-def identified(folder: Path, name: str, options: IdentifyOptions = OPTIONS) -> Result:
+def identified(folder: Path, name: str, **options: Any) -> Result:
     output = folder / "result.json"
-    identify_command(output, [], folder / name, folder / "cell.toml", options, None, as_json=False)
+    identify(output, [], folder / name, folder / "cell.toml", **options)
     return read_result(output)
 
 
@@ -89,16 +89,16 @@ def test_parquet_is_streamed(folder: Path) -> None:
 @pytest.mark.parametrize(
     ("options", "named"),
     [
-        (IdentifyOptions("error-map", "monte-carlo", 10_000, 1), "--uncertainty monte-carlo"),
-        (IdentifyOptions("error-map", "jacobian", 1000, 1, loss="huber"), "--loss huber"),
-        (IdentifyOptions("error-map", "jacobian", 1000, 1, reject=4.0), "--reject"),
+        ({"uncertainty": "monte-carlo"}, "--uncertainty monte-carlo"),
+        ({"loss": "huber"}, "--loss huber"),
+        ({"reject": 4.0}, "--reject"),
     ],
 )
 def test_what_needs_all_distances_at_once_is_refused(
-    folder: Path, options: IdentifyOptions, named: str
+    folder: Path, options: dict[str, Any], named: str
 ) -> None:
     with pytest.raises(UsageError, match=named):
-        identified(folder, "points.parquet", options)
+        identified(folder, "points.parquet", **options)
 
 
 def test_short_files_and_missing_ones_are_no_scans(tmp_path: Path) -> None:

@@ -8,18 +8,11 @@ import pytest
 
 from catseye.app.cell.model import Cell
 from catseye.app.cell.template import TEMPLATE
-from catseye.app.cli.config import validate_command
-from catseye.app.service.examination import Finding, doctor_command
+from catseye.app.cli.config import validate
+from catseye.app.cli.doctor import doctor
+from catseye.app.service.examination import Finding
 
 FLAG = "measurement.dwell_time_s = 408: seconds at each point; usual are 0.2 … 5"
-
-
-def validate(cell: Path, as_json: bool) -> None:
-    validate_command(cell, as_json)
-
-
-def doctor(cell: Path, as_json: bool) -> None:
-    doctor_command(cell, None, as_json)
 
 
 @pytest.fixture(autouse=True)
@@ -27,7 +20,7 @@ def no_devices(monkeypatch: pytest.MonkeyPatch) -> None:
     async def nothing_found(_cell: Cell, _only: str | None) -> list[Finding]:
         return []
 
-    monkeypatch.setattr("catseye.app.service.examination._examine_all", nothing_found)
+    monkeypatch.setattr("catseye.app.service.examination.examine", nothing_found)
 
 
 def cell_file(folder: Path, dwell_s: str) -> Path:
@@ -39,14 +32,14 @@ def cell_file(folder: Path, dwell_s: str) -> Path:
 @pytest.mark.parametrize("command", [validate, doctor])
 @pytest.mark.parametrize(("dwell_s", "flagged"), [("408", True), ("0.5", False)])
 def test_a_dwell_of_minutes_is_flagged(
-    command: Callable[[Path, bool], None],
+    command: Callable[..., None],
     dwell_s: str,
     flagged: bool,
     tmp_path: Path,
     capsys: pytest.CaptureFixture[str],
 ) -> None:
     cell = cell_file(tmp_path, dwell_s)
-    command(cell, False)
+    command(cell, as_json=False)
     assert (f"warning: {FLAG}" in capsys.readouterr().err) is flagged
-    command(cell, True)
+    command(cell, as_json=True)
     assert (FLAG in json.loads(capsys.readouterr().out)["warnings"]) is flagged

@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 
 from catseye.app.cell.template import TEMPLATE
-from catseye.app.cli.config import validate_command
+from catseye.app.cli.config import validate
 
 _REAL = TEMPLATE.replace("tcp://127.0.0.1:10001", "tcp://192.168.0.20:10001")
 
@@ -23,5 +23,5 @@ def test_a_real_cell_without_a_door_is_warned(
 ) -> None:
     cell = tmp_path / "cell.toml"
     cell.write_text(text, encoding="utf-8")
-    validate_command(cell, as_json=False)
+    validate(cell, as_json=False)
     assert ("no door is watched" in capsys.readouterr().err) == warned

@@ -11,7 +11,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from catseye.app.cli.predict import predict_command
+from catseye.app.cli.predict import predict
 from catseye.app.errors import MeasurementRejectedError, UsageError
 from catseye.app.files.path_csv import directions_of, read_path_csv, start_states
 from tests.unit.app.cli.arms import bare, stored, text_file
@@ -30,7 +30,7 @@ def place(theta1_deg: float, theta2_deg: float, link1_mm: float, link2_mm: float
 def predicted(folder: Path, text: str, *options: str, model: str = "error-map") -> list[dict[str, str]]:
     hand, start = (*options, "right", "1,1")[:2] if options else ("right", "1,1")
     output = folder / "predicted.csv"
-    predict_command(
+    predict(
         stored(folder, bare(model)),
         text_file(folder, text),
         output,
@@ -191,7 +191,7 @@ def test_start_states_that_are_none_are_refused(text: str) -> None:
 def test_machines_read_the_same(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     text = "theta1_deg,theta2_deg,direction1,direction2\n45,60,1,1\n91,60,1,1\n45.5,60,-1,1\n"
     output = tmp_path / "predicted.csv"
-    predict_command(stored(tmp_path, bare()), text_file(tmp_path, text), output, "right", "1,1", as_json=True)
+    predict(stored(tmp_path, bare()), text_file(tmp_path, text), output, "right", "1,1", as_json=True)
     found = json.loads(capsys.readouterr().out)
     assert (found["rows"], found["predicted"], found["output"]) == (3, 2, str(output))
     assert len(found["warnings"]) == 3
@@ -216,7 +216,7 @@ def test_a_file_that_is_read_is_not_written_over(tmp_path: Path) -> None:
     for kept in (result, path):
         before = kept.read_bytes()
         with pytest.raises(UsageError, match="would be lost: choose another file to write"):
-            predict_command(result, path, kept, "right", "1,1", as_json=False)
+            predict(result, path, kept, "right", "1,1", as_json=False)
         assert kept.read_bytes() == before
 
 
@@ -232,7 +232,7 @@ def test_a_file_that_is_read_is_not_written_over(tmp_path: Path) -> None:
 def test_results_that_are_none_are_refused(tmp_path: Path, change: dict[str, object], text: str) -> None:
     path = text_file(tmp_path, "x_mm,y_mm\n400,0\n")
     with pytest.raises(UsageError, match=text):
-        predict_command(
+        predict(
             stored(tmp_path, {**bare(), **change}), path, tmp_path / "o.csv", "right", "1,1", as_json=False
         )
 
@@ -243,7 +243,7 @@ def test_nodes_have_to_increase(tmp_path: Path) -> None:
     with pytest.raises(
         UsageError, match=r"theta1_map\.node_deg of the result has to hold nodes that increase"
     ):
-        predict_command(
+        predict(
             stored(tmp_path, content),
             text_file(tmp_path, "x_mm,y_mm\n400,0\n"),
             tmp_path / "o.csv",

@@ -8,7 +8,9 @@ from pathlib import Path
 
 import pytest
 
-from catseye.app.cli.runs import runs_command, show_command, verify_command
+from catseye.app.cli.runs import runs
+from catseye.app.cli.show import show
+from catseye.app.cli.verify import verify as verify_command
 from catseye.app.files.atomic import write_atomically
 from catseye.app.store.mend import seal_late
 from catseye.app.store.run_store import RunStore
@@ -47,14 +49,14 @@ async def test_runs_that_can_go_on_are_told_with_the_command(
     dead = await store(tmp_path, None, ENOUGH)
     aborted = await store(tmp_path, "aborted", ENOUGH)
     old = await store(tmp_path, "stopped", {})
-    runs_command(tmp_path, as_json=False)
+    runs(tmp_path, as_json=False)
     lines = {line.split()[0]: line for line in capsys.readouterr().out.splitlines()}
     for path in (dead, aborted):
         run_id = path.name.rpartition("_")[2]
         assert lines[run_id].endswith(f"catseye resume {run_id}")
     for path in (complete, old):
         assert "resume" not in lines[path.name.rpartition("_")[2]]
-    runs_command(tmp_path, as_json=True)
+    runs(tmp_path, as_json=True)
     rows = [json.loads(line) for line in capsys.readouterr().out.splitlines()]
     assert {row["run"] for row in rows if row["resumable"]} == {dead.name, aborted.name}
 
@@ -66,7 +68,7 @@ async def test_a_run_of_damaged_events_leaves_the_others_in_the_list(
     with closing(sqlite3.connect(damaged / DATABASE, isolation_level=None)) as connection:
         connection.execute("PRAGMA ignore_check_constraints=1")
         connection.execute("INSERT INTO events (time_utc, kind, data) VALUES ('', 'note', 'no JSON')")
-    runs_command(tmp_path, as_json=True)
+    runs(tmp_path, as_json=True)
     rows = [json.loads(line) for line in capsys.readouterr().out.splitlines()]
     assert {row["run"]: row["resumable"] for row in rows} == {damaged.name: False, sound.name: True}
 
@@ -78,7 +80,7 @@ async def test_the_story_is_wrapped_and_dated(tmp_path: Path, capsys: pytest.Cap
     again = await RunStore.reopen(path, clock, reserve_bytes=0)
     await again.event("warning", {"text": "word " * 60})
     await again.finish("stopped", 130, "the operator stopped the run")
-    show_command(str(path), None, as_json=False)
+    show(str(path), as_json=False)
     lines = capsys.readouterr().out.splitlines()
     assert lines[0] == f"{path.name}: stopped"
     assert "  2026-01-02 (UTC)" in lines
@@ -100,7 +102,7 @@ async def test_what_an_older_program_stored_does_not_command_the_terminal(
     )
     await made.event("warning", {"text": "it says \x1b[2J\x9b1m"})
     await made.finish("failed", 1, "it says \x1b[5m")
-    show_command(str(made.path), None, as_json=False)
+    show(str(made.path), as_json=False)
     told = capsys.readouterr().out
     assert all(line.isprintable() for line in told.splitlines())
     assert r"CR800\x1b]0;owned\x07" in told
@@ -115,7 +117,7 @@ async def test_a_path_that_is_no_utf_8_is_told(
         tmp_path, "open-loop", {**ENOUGH, "configuration_file": file}, ManualClock(), reserve_bytes=0
     )
     await made.finish("complete", 0)
-    show_command(str(made.path), None, as_json=True)
+    show(str(made.path), as_json=True)
     assert json.loads(capsysbinary.readouterr().out)["meta"]["configuration_file"] == file
     write_atomically(tmp_path / "about.json", json.dumps(file, ensure_ascii=False))
     assert json.loads((tmp_path / "about.json").read_text()) == file
@@ -123,7 +125,7 @@ async def test_a_path_that_is_no_utf_8_is_told(
 
 async def test_the_facts_keep_their_names(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     path = await store(tmp_path, "complete", ENOUGH)
-    show_command(str(path), None, as_json=True)
+    show(str(path), as_json=True)
     facts = json.loads(capsys.readouterr().out)
     old = {"run", "status", "exit_code", "meta", "counts", "results", "events", "prompts"}
     assert set(facts) == old | {"resumable", "story"}
@@ -147,9 +149,9 @@ async def test_verify_says_manifest_only_where_there_is_one(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     sealed, dead = await store(tmp_path, "complete", ENOUGH), await store(tmp_path, None, ENOUGH)
-    verify_command(str(sealed), None, as_json=False)
+    verify_command(str(sealed), as_json=False)
     assert capsys.readouterr().err == f"{sealed.name}: manifest, database and sequence numbers agree\n"
-    verify_command(str(dead), None, as_json=False)
+    verify_command(str(dead), as_json=False)
     first, second = capsys.readouterr().err.splitlines()
     assert first == f"{dead.name}: database and sequence numbers agree"
     assert second == f"{dead.name}: not sealed: its process died before it was closed"
@@ -158,7 +160,7 @@ async def test_verify_says_manifest_only_where_there_is_one(
 async def test_verify_tells_its_notes_as_json(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     for status, sealed in ((None, False), ("complete", True)):
         path = await store(tmp_path, status, ENOUGH)
-        verify_command(str(path), None, as_json=True)
+        verify_command(str(path), as_json=True)
         facts = json.loads(capsys.readouterr().out)
         assert (facts["sound"], facts["problems"], facts["sealed"]) == (True, [], sealed)
         assert bool(facts["notes"]) is not sealed
@@ -168,5 +170,5 @@ async def test_verify_tells_what_was_dropped(tmp_path: Path, capsys: pytest.Capt
     made = await RunStore.create(tmp_path, "open-loop", ENOUGH, ManualClock(), reserve_bytes=0)
     await made.drop_step("a/0001", 1, {"error": "the beam was lost"})
     await made.finish("complete", 0)
-    verify_command(str(made.path), None, as_json=False)
+    verify_command(str(made.path), as_json=False)
     assert "step a/0001 was dropped: the beam was lost" in capsys.readouterr().err

@@ -7,8 +7,9 @@ import pytest
 from catseye.app.cell.load import load_cell
 from catseye.app.cell.model import Cell
 from catseye.app.cell.template import TEMPLATE
-from catseye.app.cli.terminal import LineEnd, encoded, endpoint_of
+from catseye.app.cli.terminal import endpoint_of
 from catseye.app.errors import UsageError
+from catseye.app.protocol.raw_text import LineEnd, encoded
 
 
 @pytest.mark.parametrize(

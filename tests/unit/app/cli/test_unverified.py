@@ -2,17 +2,16 @@
 
 import json
 import os
-from dataclasses import replace
 from pathlib import Path
 
 import pytest
 
 from catseye.app.analysis.path_comparison import compare_path
-from catseye.app.cli.compare import compare_command
-from catseye.app.cli.export import export_command
-from catseye.app.cli.identify import IdentifyOptions, identify_command
-from catseye.app.cli.report import report_command
-from catseye.app.cli.runs import show_command
+from catseye.app.cli import identify as identify_command
+from catseye.app.cli.compare import compare
+from catseye.app.cli.export import export
+from catseye.app.cli.report import report
+from catseye.app.cli.show import show
 from catseye.app.errors import StorageError
 from catseye.app.files.identified_arm import arm_remarks
 from catseye.app.files.points_csv import read_points_csv
@@ -20,7 +19,6 @@ from catseye.app.files.result_json import read_result
 from catseye.app.store.reader import Accept, RunReader
 from tests.unit.app.test_path_comparison import distances, measured, stored
 
-OPTIONS = IdentifyOptions("conventional", "jacobian", 2000, 1)
 CHANGED = "wire.log was changed after the end"
 
 
@@ -36,8 +34,9 @@ def tampered(run: Path) -> Path:
 
 def identify(run: Path, *, unverified: bool) -> Path:
     output = run.parent.parent / "result.json"
-    options = replace(OPTIONS, unverified=unverified)
-    identify_command(output, [str(run)], None, None, options, run.parent, as_json=False)
+    identify_command.identify(
+        output, [str(run)], model="conventional", runs=run.parent, unverified=unverified
+    )
     return output
 
 
@@ -45,9 +44,9 @@ async def test_no_command_uses_a_changed_run_unasked(tmp_path: Path) -> None:
     run = await changed(tmp_path / "runs")
     for command in (
         lambda: identify(run, unverified=False),
-        lambda: report_command(str(run), tmp_path / "page.html", None),
-        lambda: export_command(str(run), tmp_path / "points.csv", None, None),
-        lambda: show_command(str(run), None, as_json=False),
+        lambda: report(str(run), tmp_path / "page.html", None),
+        lambda: export(str(run), tmp_path / "points.csv", None, None),
+        lambda: show(str(run), as_json=False),
     ):
         with pytest.raises(StorageError, match=CHANGED):
             command()
@@ -61,9 +60,9 @@ async def test_a_result_keeps_what_speaks_against_its_run(
     result = identify(run, unverified=True)
     assert read_result(result).provenance.unverified == [f"{run.name}: {CHANGED}"]
     assert f"UNVERIFIED: {run.name}: {CHANGED}" in capsys.readouterr().err
-    report_command(str(result), tmp_path / "page.html", None)
+    report(str(result), tmp_path / "page.html", None)
     assert "UNVERIFIED" in (tmp_path / "page.html").read_text(encoding="utf-8")
-    export_command(str(result), tmp_path / "result-table.json", None, None)
+    export(str(result), tmp_path / "result-table.json", None, None)
     assert json.loads((tmp_path / "result-table.json").read_text())["unverified"]
 
 
@@ -71,13 +70,13 @@ async def test_a_sound_run_leaves_no_mark(tmp_path: Path) -> None:
     reader = await stored(tmp_path / "runs", "open-loop", measured())
     result = identify(reader.path, unverified=True)
     assert "unverified" not in result.read_text()
-    export_command(str(reader.path), tmp_path / "points.json", None, None, unverified=True)
+    export(str(reader.path), tmp_path / "points.json", None, None, unverified=True)
     assert "unverified" not in json.loads((tmp_path / "points.json").read_text())
 
 
 async def test_a_report_says_on_top_that_its_run_was_changed(tmp_path: Path) -> None:
     run = await changed(tmp_path)
-    report_command(str(run), tmp_path / "page.html", None, unverified=True)
+    report(str(run), tmp_path / "page.html", None, unverified=True)
     page = (tmp_path / "page.html").read_text(encoding="utf-8")
     assert page.index("UNVERIFIED: made from") < page.index("<main>")
     assert CHANGED in page
@@ -86,7 +85,7 @@ async def test_a_report_says_on_top_that_its_run_was_changed(tmp_path: Path) -> 
 async def test_exports_say_that_their_run_was_changed(tmp_path: Path) -> None:
     run = await changed(tmp_path)
     for name in ("points.csv", "points.json"):
-        export_command(str(run), tmp_path / name, None, None, unverified=True)
+        export(str(run), tmp_path / name, None, None, unverified=True)
     first, *_ = (tmp_path / "points.csv").read_text().splitlines()
     assert first == f"# UNVERIFIED: {run.name}: {CHANGED}"
     assert len(read_points_csv(tmp_path / "points.csv", ["P2"])) == len(measured())
@@ -95,9 +94,9 @@ async def test_exports_say_that_their_run_was_changed(tmp_path: Path) -> None:
 
 async def test_show_says_that_a_run_was_changed(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     run = await changed(tmp_path)
-    show_command(str(run), None, as_json=False, unverified=True)
+    show(str(run), as_json=False, unverified=True)
     assert capsys.readouterr().out.splitlines()[1] == f"  UNVERIFIED: {run.name}: {CHANGED}"
-    show_command(str(run), None, as_json=True, unverified=True)
+    show(str(run), as_json=True, unverified=True)
     assert json.loads(capsys.readouterr().out)["unverified"] == [f"{run.name}: {CHANGED}"]
 
 
@@ -118,5 +117,5 @@ async def test_what_a_changed_result_is_used_for_says_so(
     result = identify(run, unverified=True)
     assert arm_remarks(read_result(result))[0] == f"UNVERIFIED: {run.name}: {CHANGED}"
     capsys.readouterr()
-    compare_command(result, result, as_json=False)
+    compare(result, result, as_json=False)
     assert f"UNVERIFIED: {run.name}: {CHANGED}" in capsys.readouterr().err

@@ -11,7 +11,7 @@ from catseye.app.analysis.file_validation import validate_files
 from catseye.app.analysis.measured_file import travel_of
 from catseye.app.analysis.validation import TAKE_UP_DEG
 from catseye.app.cell.model import Measurement
-from catseye.app.cli.validate import validate_command
+from catseye.app.cli.validate import validate
 from catseye.app.errors import MeasurementRejectedError, UsageError
 from catseye.app.files.result_json import write_result
 from catseye.calibration.errors import InsufficientPointsError
@@ -80,7 +80,7 @@ def facts(capsys: pytest.CaptureFixture[str], *arguments: object, limit: float |
     assert isinstance(result, Path)
     assert isinstance(measured, Path)
     assert reference is None or isinstance(reference, Path)
-    validate_command(result, measured, reference, None, limit, "right", "1,1", as_json=True)
+    validate(result, measured, reference, None, limit, "right", "1,1", as_json=True)
     found = json.loads(capsys.readouterr().out)
     assert isinstance(found, dict)
     return found
@@ -346,7 +346,7 @@ def test_the_page_holds_figures_tables_and_what_was_left_out(
         x, y = 170.0 + 50.0 * math.cos(a), 330.0 + 50.0 * math.sin(a)
         lines.append(f"{x:.6f},{y:.6f},{x + 0.004 * math.cos(2 * a):.6f},{y:.6f},0.01")
     page = tmp_path / "validation.html"
-    validate_command(
+    validate(
         stored(tmp_path, bare()),
         text_file(tmp_path, "\n".join(lines) + "\n"),
         stored(tmp_path, bare("conventional"), "conventional.json"),

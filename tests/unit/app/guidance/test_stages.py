@@ -10,8 +10,8 @@ import pytest
 
 from catseye.app.cell.bench import bench_of
 from catseye.app.cell.load import load_cell
-from catseye.app.cli.config import init_command
-from catseye.app.cli.procedures import procedures_command
+from catseye.app.cli.init import init
+from catseye.app.cli.procedures import procedures as list_procedures
 from catseye.app.guidance.cell_runs import runs_of_cell
 from catseye.app.guidance.need import Need, links_need
 from catseye.app.guidance.needs import aim_of
@@ -31,7 +31,7 @@ class History:
 
     def __init__(self, folder: Path) -> None:
         self.cell, self.root = folder / "cell.toml", folder / "runs"
-        init_command(self.cell)
+        init(self.cell)
         self.clock = ManualClock()
         self.bench = bench_of(load_cell(self.cell).cell)
 
@@ -144,14 +144,14 @@ async def test_what_the_cell_cannot_do_is_left_out(history: History) -> None:
 
 async def test_last_runs_and_needs_are_told(history: History, capsys: pytest.CaptureFixture[str]) -> None:
     run = await history.put("open-loop", status="stopped")
-    procedures_command(history.cell, history.root, as_json=True)
+    list_procedures(history.cell, history.root, as_json=True)
     *procedures, stages = [json.loads(line) for line in capsys.readouterr().out.splitlines()]
     (open_loop,) = [each for each in procedures if each["name"] == "open-loop"]
     assert open_loop["last"]["name"] == run
     assert open_loop["last"]["status"] == "stopped"
     assert {need["what"] for need in open_loop["needs"]} >= {"reflectors", "search", "warm arm", "plan"}
     assert stages["cell"] == "lab-1"
-    procedures_command(history.cell, history.root, as_json=False)
+    list_procedures(history.cell, history.root, as_json=False)
     out = capsys.readouterr()
     assert "→ beam-level" in out.out
     assert out.err.startswith("next: catseye run beam-level")
