@@ -9,7 +9,7 @@ import numpy as np
 
 from catseye.app.analysis.design_problem import PAPER_MM, Problem, with_reflectors
 from catseye.app.analysis.design_time import BenchCost, bench_cost
-from catseye.app.cluster.sharing import Share
+from catseye.app.cluster.share import Share
 from catseye.app.errors import UsageError
 from catseye.calibration.design.candidates import apart, grid
 from catseye.calibration.design.criteria import CriterionName, covariances

@@ -15,7 +15,7 @@ from catseye.app.analysis.design_layouts import (
     layout_of,
 )
 from catseye.app.analysis.design_problem import Problem
-from catseye.app.cluster.sharing import Share
+from catseye.app.cluster.share import Share
 from catseye.calibration.arm import arm_design
 from catseye.calibration.design.criteria import covariances
 from catseye.calibration.design.exchange import Pool

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from catseye.app.cluster.sharing import Share
+from catseye.app.cluster.share import Share
 from catseye.app.errors import UsageError
 from catseye.app.files.result_json import term_unit
 from catseye.app.files.uncertainty_part import (

@@ -20,7 +20,7 @@ from catseye.app.analysis.scan_identifying import SCAN_ROWS, identify_scan_file
 from catseye.app.cell.bench import bench_of
 from catseye.app.cell.load import load_cell
 from catseye.app.cli.progress import ProgressBar
-from catseye.app.cluster.sharing import Share
+from catseye.app.cluster.share import Share
 from catseye.app.errors import UsageError
 from catseye.app.files.result_json import Result
 from catseye.calibration.identification import Identification

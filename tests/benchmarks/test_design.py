@@ -14,7 +14,7 @@ from catseye.app.analysis.design_problem import Problem, Wish, problem_of
 from catseye.app.cell.bench import bench_of
 from catseye.app.cell.load import load_cell
 from catseye.app.cell.template import TEMPLATE
-from catseye.app.cluster.sharing import InThisProcess
+from catseye.app.cluster.share import InThisProcess
 from catseye.calibration.design.candidates import apart
 from catseye.calibration.design.command_choice import CommandPool, choose_commands
 from catseye.calibration.design.criteria import Criterion
