@@ -1,4 +1,4 @@
-"""What a line of the terminal's input stands for, and which device a name means."""
+"""Which device of the cell a name means."""
 
 from pathlib import Path
 
@@ -9,39 +9,6 @@ from catseye.app.cell.model import Cell
 from catseye.app.cell.template import TEMPLATE
 from catseye.app.cli.terminal import endpoint_of
 from catseye.app.errors import UsageError
-from catseye.app.protocol.raw_text import LineEnd, encoded
-
-
-@pytest.mark.parametrize(
-    ("line", "end", "data"),
-    [
-        ("R", "crlf", b"R\r\n"),
-        ("R", "cr", b"R\r"),
-        ("R", "lf", b"R\n"),
-        (r"1;1;STATE\r", "none", b"1;1;STATE\r"),
-        (r"\e[A\x00\xFF\t\\n", "none", b"\x1b[A\x00\xff\t\\n"),
-        ("", "cr", b"\r"),
-        ("µ", "none", b"\xb5"),
-    ],
-)
-def test_text_with_escapes(line: str, end: LineEnd, data: bytes) -> None:
-    assert encoded(line, end, as_hex=False) == data
-
-
-@pytest.mark.parametrize(
-    ("line", "fault"),
-    [(r"\q", "no escape"), ("a\\", "no escape"), (r"\x1", "no escape"), ("Ω", "no single byte")],
-)
-def test_text_that_stands_for_no_bytes(line: str, fault: str) -> None:
-    with pytest.raises(ValueError, match=fault):
-        encoded(line, "cr", as_hex=False)
-
-
-def test_hex_bytes() -> None:
-    assert encoded("31 3b0D ff", "none", as_hex=True) == b"1;\r\xff"
-    assert encoded("", "cr", as_hex=True) == b"\r"
-    with pytest.raises(ValueError, match="no row of hex bytes such as"):
-        encoded("31 3", "none", as_hex=True)
 
 
 @pytest.fixture
