@@ -15,51 +15,65 @@ if TYPE_CHECKING:
     from catseye.app.cell.load import LoadedCell
     from catseye.calibration.points import Commands
 
+DesignCell = Annotated[
+    Path, typer.Option("--cell", help="cell file: arm, limits, optics, nodes, uncertainty")
+]
+Reflectors = Annotated[int, typer.Option(min=1, max=8, help="how many reflectors to place")]
+Criterion = Annotated[
+    Literal["A", "D", "E", "path"],
+    typer.Option(help="A mean variance, D volume, E worst direction, path worst uncertainty on --path"),
+]
+CriterionPath = Annotated[Path | None, typer.Option(help="path CSV for the criterion path")]
+Floor = Annotated[
+    str | None, typer.Option(metavar="X0,X1,Y0,Y1", help="floor on which reflectors may stand, mm")
+]
+Places = Annotated[int, typer.Option(min=10, max=5000, help="candidate places")]
+KeepOut = Annotated[
+    float | None,
+    typer.Option(
+        metavar="MM",
+        min=0.0,
+        help="radius about J1 kept free of reflectors [the arm's reach and what turns with J4]",
+    ),
+]
+Apart = Annotated[float, typer.Option(metavar="MM", min=0.0, help="smallest distance between two reflectors")]
+Breaks = Annotated[int, typer.Option(min=0, help="how often the beam to a reflector may be given up")]
+RandomOnly = Annotated[
+    bool, typer.Option("--random-only", help="the criterion leaves out what does not average out")
+]
+HowMany = Annotated[
+    int | None, typer.Option(metavar="N", min=1, help="choose so many of the cell file's commands")
+]
+Minutes = Annotated[
+    float | None, typer.Option(metavar="T", min=0.0, help="choose as many commands as this time allows")
+]
+Pareto = Annotated[bool, typer.Option("--pareto", help="bench time against uncertainty, 1 to 4 reflectors")]
+Page = Annotated[Path | None, typer.Option("-o", "--output", help="HTML page with the pictures")]
+NewCell = Annotated[Path | None, typer.Option(help="cell file to write with the reflectors found")]
+NewCommands = Annotated[
+    Path | None, typer.Option(help="path CSV to write with the commands chosen, in measuring order")
+]
+Starts = Annotated[int, typer.Option(min=0, help="of the exchange's starts")]
+
 
 def design(
-    cell: Annotated[Path, typer.Option(help="cell file: arm, limits, optics, nodes, uncertainty")],
-    reflectors: Annotated[int, typer.Option(min=1, max=8, help="how many reflectors to place")] = 3,
-    criterion: Annotated[
-        Literal["A", "D", "E", "path"],
-        typer.Option(help="A mean variance, D volume, E worst direction, path worst uncertainty on --path"),
-    ] = "A",
-    path: Annotated[Path | None, typer.Option(help="path CSV for the criterion path")] = None,
-    floor: Annotated[
-        str | None, typer.Option(metavar="X0,X1,Y0,Y1", help="floor on which reflectors may stand, mm")
-    ] = None,
-    places: Annotated[int, typer.Option(min=10, max=5000, help="candidate places")] = 400,
-    keep_out: Annotated[
-        float | None,
-        typer.Option(
-            metavar="MM",
-            min=0.0,
-            help="radius about J1 kept free of reflectors [the arm's reach and what turns with J4]",
-        ),
-    ] = None,
-    apart: Annotated[
-        float, typer.Option(metavar="MM", min=0.0, help="smallest distance between two reflectors")
-    ] = 100.0,
-    breaks: Annotated[int, typer.Option(min=0, help="how often the beam to a reflector may be given up")] = 4,
-    random_only: Annotated[
-        bool, typer.Option("--random-only", help="the criterion leaves out what does not average out")
-    ] = False,
-    commands: Annotated[
-        int | None, typer.Option(metavar="N", min=1, help="choose so many of the cell file's commands")
-    ] = None,
-    minutes: Annotated[
-        float | None, typer.Option(metavar="T", min=0.0, help="choose as many commands as this time allows")
-    ] = None,
-    pareto: Annotated[
-        bool, typer.Option("--pareto", help="bench time against uncertainty, 1 to 4 reflectors")
-    ] = False,
-    output: Annotated[Path | None, typer.Option("-o", "--output", help="HTML page with the pictures")] = None,
-    write_cell: Annotated[
-        Path | None, typer.Option(help="cell file to write with the reflectors found")
-    ] = None,
-    write_commands: Annotated[
-        Path | None, typer.Option(help="path CSV to write with the commands chosen, in measuring order")
-    ] = None,
-    seed: Annotated[int, typer.Option(min=0, help="of the exchange's starts")] = 1,
+    cell: DesignCell,
+    reflectors: Reflectors = 3,
+    criterion: Criterion = "A",
+    path: CriterionPath = None,
+    floor: Floor = None,
+    places: Places = 400,
+    keep_out: KeepOut = None,
+    apart: Apart = 100.0,
+    breaks: Breaks = 4,
+    random_only: RandomOnly = False,
+    commands: HowMany = None,
+    minutes: Minutes = None,
+    pareto: Pareto = False,
+    output: Page = None,
+    write_cell: NewCell = None,
+    write_commands: NewCommands = None,
+    seed: Starts = 1,
     workers: Workers = 1,
     dask: Dask = None,
     insecure_cluster: InsecureCluster = False,
@@ -80,12 +94,7 @@ def design(
 
     for file in (output, write_cell, write_commands):
         require_output(file, cell, path)
-    if path is not None and criterion != "path":
-        raise UsageError("--path belongs to --criterion path; give both or neither")
-    if commands is not None and minutes is not None:
-        raise UsageError("give either --commands or --minutes: each of them chooses the commands")
-    if write_commands is not None and commands is None and minutes is None:
-        raise UsageError("--write-commands writes a choice of commands: add --commands N or --minutes T")
+    _require_consistent(criterion, path, commands, minutes, write_commands)
     loaded = load_cell(cell)
     on_path = None if path is None else _commands_of(path, loaded)
     wish = Wish(criterion, on_path, _rectangle(floor), keep_out, apart, breaks, not random_only)
@@ -107,6 +116,17 @@ def design(
         _write_cell(found, loaded, write_cell)
     if write_commands is not None:
         _write_commands(found, write_commands)
+
+
+def _require_consistent(
+    criterion: str, path: Path | None, commands: int | None, minutes: float | None, chosen: Path | None
+) -> None:
+    if path is not None and criterion != "path":
+        raise UsageError("--path belongs to --criterion path; give both or neither")
+    if commands is not None and minutes is not None:
+        raise UsageError("give either --commands or --minutes: each of them chooses the commands")
+    if chosen is not None and commands is None and minutes is None:
+        raise UsageError("--write-commands writes a choice of commands: add --commands N or --minutes T")
 
 
 def _rectangle(text: str | None) -> tuple[float, float, float, float] | None:
