@@ -26,8 +26,8 @@ from tests.system.command_imports import imported_by, modules_below
 _CONTEXT = multiprocessing.get_context("forkserver")
 _CONTEXT.set_forkserver_preload(
     [
-        *(name for package in (cli, procedures, simulators) for name in modules_below(package)),
-        *(name for module in modules_below(cli) for name in imported_by(module)),
+        *dict.fromkeys(name for module in modules_below(cli) for name in (module, *imported_by(module))),
+        *(name for package in (procedures, simulators) for name in modules_below(package)),
     ]
 )
 
