@@ -10,7 +10,6 @@ from typing import Any
 
 import numpy as np
 
-from catseye.app.aim import search_result
 from catseye.app.analysis.identified_uncertainty import by_jacobian
 from catseye.app.analysis.identifying import (
     MODELS,
@@ -44,9 +43,10 @@ from catseye.app.report.content import (
     TruthTables,
 )
 from catseye.app.report.page import render_html
+from catseye.app.store.aim import search_result
 from catseye.app.store.reader import RunReader
 from catseye.app.store.seal import read_manifest
-from catseye.app.version import SOFTWARE
+from catseye.app.store.software import SOFTWARE
 from catseye.calibration.diagnostics.diagnosis import Diagnosis, diagnose
 from catseye.calibration.errors import CalibrationError
 from catseye.calibration.identification import Identification

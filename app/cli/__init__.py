@@ -56,7 +56,7 @@ add_commands(cli, COMMANDS)
 def _show_version(wanted: bool) -> None:
     if wanted:
         from catseye.app.cli.output import emit
-        from catseye.app.version import SOFTWARE
+        from catseye.app.store.software import SOFTWARE
 
         emit(SOFTWARE)
         raise typer.Exit

@@ -29,7 +29,7 @@ def attach(
 
     Example: catseye attach 1a2b3c --control
     """
-    from catseye.app.runs_folder import runs_folder
+    from catseye.app.store.runs_folder import runs_folder
 
     followed = _follow(run, runs_folder(runs), control=control or force, force=force, as_json=as_json)
     sys.exit(int(asyncio.run(followed)))

@@ -18,7 +18,7 @@ from catseye.app.files.identified_arm import nominal_of
 from catseye.app.files.melfa_program import MelfaSettings
 from catseye.app.files.result_json import Result
 from catseye.app.report.numbers import counted
-from catseye.app.version import SOFTWARE
+from catseye.app.store.software import SOFTWARE
 
 _LARGE_DEG = 0.2
 """No joint of a sound arm needs such a correction; a stretched arm pays for its reach with it."""

@@ -8,6 +8,7 @@ import typer
 
 from catseye.app.cli.options import AsJson, CellFile
 from catseye.app.cli.output import emit, emit_json, say
+from catseye.app.engine.instruments import device_builder
 from catseye.app.errors import ConfigError, UsageError
 
 if TYPE_CHECKING:
@@ -69,7 +70,6 @@ def schema(
 
 def _trouble_with_devices(cell: "Cell") -> list[str]:
     """Return what this installation cannot drive: an unknown driver or profile, a link that it does not have."""
-    from catseye.app.instruments import device_builder
     from catseye.drivers.roles.clock import SystemClock
 
     try:

@@ -26,7 +26,6 @@ from catseye.app.analysis.validation import PathValidation, validate_on_path
 from catseye.app.cell.load import LoadedCell, load_cell
 from catseye.app.cell.model import Cell
 from catseye.app.cell.template import TEMPLATE
-from catseye.app.emulation import EmulatorProcess, emulation_config, emulator_process, fetch_truth
 from catseye.app.engine.announcer import Publish
 from catseye.app.engine.request import RunOutcome
 from catseye.app.engine.signals import loop_signals
@@ -36,8 +35,9 @@ from catseye.app.files.atomic import write_atomically
 from catseye.app.files.documents import read_truth
 from catseye.app.files.points_csv import points_csv
 from catseye.app.files.result_json import Result, write_result
-from catseye.app.procedure_list import load_procedure, parse_params
-from catseye.app.running import PlannedRun, carry_out, plan_run
+from catseye.app.protocol.procedures import load_procedure, parse_params
+from catseye.app.service.emulation import EmulatorProcess, emulation_config, emulator_process, fetch_truth
+from catseye.app.service.running import PlannedRun, carry_out, plan_run
 from catseye.app.store.reader import RunReader
 from catseye.calibration.identification import Identification
 from catseye.calibration.layout import ModelName

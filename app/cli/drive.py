@@ -8,7 +8,7 @@ from catseye.app.cli.hosting import DriveOptions, serve_and_run
 from catseye.app.cli.output import emit, say
 from catseye.app.cli.rehearsal import tell_rehearsal
 from catseye.app.engine.heap import settled_heap
-from catseye.app.running import PlannedRun, rehearse
+from catseye.app.service.running import PlannedRun, rehearse
 
 
 def conduct(planned: PlannedRun, root: Path, options: DriveOptions, *, dry_run: bool) -> None:

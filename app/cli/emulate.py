@@ -51,7 +51,7 @@ def emulate(
     Example: catseye emulate cell.toml --speed 50
     """
     from catseye.app.cell.load import load_cell
-    from catseye.app.emulation import emulation_config
+    from catseye.app.service.emulation import emulation_config
 
     if suffix not in _SUFFIXES:
         raise ConfigError(f"--suffix {suffix}: answers end with {', '.join(_SUFFIXES)}")

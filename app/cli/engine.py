@@ -29,7 +29,7 @@ def engine(
     Example: catseye engine --cell cell.toml
     """
     from catseye.app.cli.detached_engine import run_once, serve
-    from catseye.app.runs_folder import runs_folder
+    from catseye.app.store.runs_folder import runs_folder
 
     # Out of the terminal's session, where that is possible: the engine outlives the terminal.
     with suppress(PermissionError):

@@ -57,9 +57,9 @@ def _of_result(file: Path) -> "Export":
 
 def _of_run(name: str, runs: Path | None, *, unverified: bool) -> "Export":
     from catseye.app.analysis.exporting import run_export
-    from catseye.app.runs_folder import runs_folder
     from catseye.app.store.catalog import resolve_run
     from catseye.app.store.reader import RunReader, accept
+    from catseye.app.store.runs_folder import runs_folder
     from catseye.app.store.unverified import taken_as_it_is
 
     if Path(name).suffix.lower() == ".json":

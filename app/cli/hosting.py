@@ -7,15 +7,15 @@ from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 
-from catseye.app.bench.facts import facts_of
 from catseye.app.cli.narrator import Narrator
 from catseye.app.cli.walk_keys import HINT, WalkKeys
 from catseye.app.engine.announcer import Publish
 from catseye.app.engine.request import RunOutcome
-from catseye.app.running import PlannedRun, carry_out
 from catseye.app.service.console import KEYS, Console
 from catseye.app.service.lines import Lines, in_foreground
 from catseye.app.service.run_service import RunService
+from catseye.app.service.running import PlannedRun, carry_out
+from catseye.app.service.watching.bench_facts import facts_of
 from catseye.drivers.roles.clock import SystemClock
 
 

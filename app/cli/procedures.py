@@ -29,7 +29,7 @@ def procedures(
 
 def _list_procedures(*, as_json: bool) -> None:
     from catseye.app.cli.procedures_text import procedure_facts, procedure_lines
-    from catseye.app.procedure_list import load_procedure, procedure_names
+    from catseye.app.protocol.procedures import load_procedure, procedure_names
 
     for procedure in map(load_procedure, procedure_names()):
         if as_json:
@@ -40,8 +40,8 @@ def _list_procedures(*, as_json: bool) -> None:
 
 def _survey(cell: Path, runs: Path | None, *, as_json: bool) -> None:
     from catseye.app.cli.procedures_text import survey_facts, survey_lines
-    from catseye.app.guidance.survey import survey_cell
-    from catseye.app.runs_folder import runs_folder
+    from catseye.app.results.readiness.survey import survey_cell
+    from catseye.app.store.runs_folder import runs_folder
 
     survey = survey_cell(cell, runs_folder(runs), datetime.now(UTC))
     if as_json:

@@ -4,10 +4,10 @@ from collections.abc import Iterator
 from dataclasses import asdict
 from typing import Any
 
-from catseye.app.guidance.survey import Survey
-from catseye.app.guidance.words import age_text
-from catseye.app.parameter_words import default_text, range_text
-from catseye.app.procedure_list import Runnable
+from catseye.app.protocol.parameters import default_text, range_text
+from catseye.app.protocol.procedures import Runnable
+from catseye.app.results.readiness.survey import Survey
+from catseye.app.results.readiness.words import age_text
 
 _SIGNS = {"met": "✓", "advised": "!", "missing": "✗"}
 

@@ -10,12 +10,12 @@ from contextlib import AbstractAsyncContextManager, asynccontextmanager
 from pathlib import Path
 from typing import BinaryIO
 
-from catseye.app.bench.raw_door import RawDoor, raw_door
 from catseye.app.cli.output import emit, say
 from catseye.app.engine.interlock import RemoteIo
 from catseye.app.errors import SafetyError, UsageError
 from catseye.app.guard.raw import raw_connection, raw_guard
-from catseye.app.runs_folder import runs_folder
+from catseye.app.service.manual.raw_door import RawDoor, raw_door
+from catseye.app.store.runs_folder import runs_folder
 from catseye.drivers.links.record import Direction
 from catseye.drivers.links.transport import Transport
 from catseye.drivers.roles.clock import SystemClock

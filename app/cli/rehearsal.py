@@ -4,7 +4,7 @@ from catseye.app.cli.output import emit, emit_json, say, table
 from catseye.app.cli.progress import duration_text
 from catseye.app.engine.arm_model import AT_REST, Speeds
 from catseye.app.engine.dry_run import DryRunContext, DryStep
-from catseye.app.running import PlannedRun
+from catseye.app.service.running import PlannedRun
 from catseye.procedures.kit.bench import Arm
 from catseye.procedures.kit.context import Json
 

@@ -22,9 +22,9 @@ def report(
     from catseye.app.analysis.reporting import require_html, result_report, run_report
     from catseye.app.errors import UsageError
     from catseye.app.files.atomic import require_output
-    from catseye.app.runs_folder import runs_folder
     from catseye.app.store.catalog import resolve_run
     from catseye.app.store.reader import RunReader, accept
+    from catseye.app.store.runs_folder import runs_folder
     from catseye.app.store.unverified import taken_as_it_is
 
     direct = Path(source)

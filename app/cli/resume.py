@@ -45,12 +45,12 @@ def resume(
     from catseye.app.cell.load import load_cell
     from catseye.app.cli.drive import conduct
     from catseye.app.cli.hosting import DriveOptions
-    from catseye.app.engine import crash_points
-    from catseye.app.resuming import plan_resume
-    from catseye.app.runs_folder import runs_folder
+    from catseye.app.service.resumption import plan_resume
+    from catseye.app.store import crash_points
     from catseye.app.store.catalog import resolve_run
     from catseye.app.store.mend import seal_late
     from catseye.app.store.reader import RunReader
+    from catseye.app.store.runs_folder import runs_folder
     from catseye.drivers.roles.clock import SystemClock
 
     crash_points.arm(os.environ)

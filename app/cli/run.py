@@ -58,10 +58,10 @@ def run(
     from catseye.app.cell.load import load_cell
     from catseye.app.cli.drive import conduct
     from catseye.app.cli.hosting import DriveOptions
-    from catseye.app.procedure_list import load_procedure, parse_params
-    from catseye.app.running import plan_run
-    from catseye.app.runs_folder import runs_folder
-    from catseye.app.walk.planning import as_walk
+    from catseye.app.protocol.procedures import load_procedure, parse_params
+    from catseye.app.service.planned_walk import as_walk
+    from catseye.app.service.running import plan_run
+    from catseye.app.store.runs_folder import runs_folder
 
     if detach and walk:
         raise UsageError("a walk needs somebody at its keys: leave --detach out")

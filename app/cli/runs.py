@@ -11,8 +11,8 @@ if TYPE_CHECKING:
 
 def runs(runs: Runs = None, as_json: AsJson = False) -> None:
     """List the stored runs, oldest first."""
-    from catseye.app.runs_folder import runs_folder
     from catseye.app.store.catalog import list_runs
+    from catseye.app.store.runs_folder import runs_folder
 
     root = runs_folder(runs)
     summaries = list_runs(root)

@@ -12,9 +12,9 @@ def show(
 ) -> None:
     """Tell a run's story: what, with which devices, what happened, how it ended."""
     from catseye.app.cli.show_text import run_facts, run_lines
-    from catseye.app.runs_folder import runs_folder
     from catseye.app.store.catalog import resolve_run
     from catseye.app.store.reader import RunReader, accept
+    from catseye.app.store.runs_folder import runs_folder
     from catseye.app.store.unverified import taken_as_it_is
 
     reader = RunReader(resolve_run(runs_folder(runs), run), accept(unverified=unverified))

@@ -44,8 +44,8 @@ def terminal(
     """
     from catseye.app.cell.load import load_cell
     from catseye.app.cli.raw_conversation import Traffic, converse, guarded
+    from catseye.app.engine.instruments import device_builder
     from catseye.app.guard.raw import plain_connection
-    from catseye.app.instruments import device_builder
     from catseye.drivers.roles.clock import SystemClock
 
     known = load_cell(cell).cell
@@ -111,7 +111,7 @@ def _driver(cell: "Cell", device: str) -> str:
 
 def _stop(cell: "Cell", device: str) -> bytes | None:
     """Return the bytes that stop the arm behind a device; None where nobody knows any."""
-    from catseye.app.instruments import stop_request
+    from catseye.app.engine.instruments import stop_request
 
     settings = {"robot": cell.robot.settings, **{further.name: further.settings for further in cell.device}}
     return stop_request(_driver(cell, device), device, settings[device])

@@ -19,7 +19,7 @@ def tui(
 
     Example: catseye tui --cell cell.toml
     """
-    from catseye.app.runs_folder import runs_folder
+    from catseye.app.store.runs_folder import runs_folder
     from catseye.app.tui.start import show
 
     show(cell, runs_folder(runs), speed)

@@ -11,8 +11,8 @@ def verify(
 ) -> None:
     """Check a stored run against its manifest and its own rules."""
     from catseye.app.errors import StorageError
-    from catseye.app.runs_folder import runs_folder
     from catseye.app.store.catalog import resolve_run
+    from catseye.app.store.runs_folder import runs_folder
     from catseye.app.store.verify import verify as verified
 
     path = resolve_run(runs_folder(runs), run)

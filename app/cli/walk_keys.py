@@ -10,7 +10,7 @@ from typing import Final
 
 from catseye.app.engine.announcer import Publish
 from catseye.app.service.dead_man import DeadMan
-from catseye.app.walk.feed import Feed
+from catseye.app.service.walk.feed import Feed
 from catseye.drivers.roles.clock import Clock
 from catseye.procedures.kit.context import Json
 

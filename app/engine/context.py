@@ -5,11 +5,11 @@ from collections.abc import Awaitable, Callable, Sequence
 from dataclasses import dataclass, field, replace
 from typing import TypeVar
 
+from catseye.app.cell.air import AirRule
 from catseye.app.engine.acknowledging import Acknowledging
 from catseye.app.engine.announcer import Announcer
-from catseye.app.engine.compensation import AirRule, Compensation, missing_quantities
+from catseye.app.engine.compensation import Compensation, missing_quantities
 from catseye.app.engine.control import RunControl
-from catseye.app.engine.crash_points import crash_point
 from catseye.app.engine.devices import Devices
 from catseye.app.engine.gate import MotionGate
 from catseye.app.engine.measuring import AirCache, measure, unless_dark
@@ -19,6 +19,7 @@ from catseye.app.engine.timekeeping import Progress, StepTime
 from catseye.app.engine.waiting import cancel, uncancelled
 from catseye.app.errors import ConfigError, UnwalkedError, UsageError
 from catseye.app.files.measured_csv import read_typed_csv
+from catseye.app.store.crash_points import crash_point
 from catseye.app.store.rows import encode
 from catseye.app.store.run_store import RunStore
 from catseye.drivers.roles.clock import Clock

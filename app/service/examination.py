@@ -5,16 +5,17 @@ from collections.abc import Awaitable, Callable
 from dataclasses import dataclass, field
 from typing import Any
 
-from catseye.app.cell.bench import air_rule, bench_of
+from catseye.app.cell.air import AirRule, air_rule
+from catseye.app.cell.bench import bench_of
 from catseye.app.cell.model import Cell
-from catseye.app.engine.compensation import AirRule, Compensation
+from catseye.app.engine.compensation import Compensation
 from catseye.app.engine.gate import JointLimits
+from catseye.app.engine.instruments import device_builder, further_device
 from catseye.app.engine.interlock import NO_DOOR, RemoteIo
 from catseye.app.engine.stopping_distance import stopping_text
 from catseye.app.errors import UsageError
-from catseye.app.instruments import device_builder, further_device
-from catseye.app.running import joint_limits
 from catseye.app.service.controller_look import look_at_controller
+from catseye.app.service.running import joint_limits
 from catseye.drivers.melfa.controller import MelfaController
 from catseye.drivers.roles.clock import SystemClock
 from catseye.drivers.roles.errors import DeviceError

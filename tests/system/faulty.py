@@ -1,6 +1,7 @@
 """The command with a fault in it: what lists the procedures fails as no command expects."""
 
-from catseye.app import cli, procedure_list
+from catseye.app import cli
+from catseye.app.protocol import procedures as procedure_list
 
 
 def _fault() -> tuple[str, ...]:

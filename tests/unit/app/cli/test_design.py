@@ -195,10 +195,10 @@ def test_written_cell_differs_in_its_reflectors_only(cell: Path, tmp_path: Path)
     assert comments == [line for line in target.read_text().splitlines() if line.startswith("#")]
 
 
-def test_reflectors_that_are_no_tables_cannot_be_replaced(tmp_path: Path) -> None:
+def test_reflectors_of_a_file_in_several_parts_cannot_be_replaced(tmp_path: Path) -> None:
     path = tmp_path / "cell.toml"
-    path.write_text('reflector = [{name = "P1", x_mm = 1.0, y_mm = 2.0}]\n')
-    with pytest.raises(ConfigError, match=r"\[\[reflector\]\]"):
+    path.write_text("[reflector.one]\nx_mm = 1.0\n[robot]\n[reflector.two]\nx_mm = 2.0\n", encoding="utf-8")
+    with pytest.raises(ConfigError, match="in one piece"):
         with_reflector_tables(path, [("P1", 1.0, 2.0, 3.0)])
 
 

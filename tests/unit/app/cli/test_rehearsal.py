@@ -11,8 +11,8 @@ from catseye.app.cell.template import TEMPLATE
 from catseye.app.cli.rehearsal import tell_rehearsal
 from catseye.app.engine.dry_run import DryRunContext
 from catseye.app.engine.gate import JointLimits
-from catseye.app.procedure_list import load_procedure
-from catseye.app.running import PlannedRun
+from catseye.app.protocol.procedures import load_procedure
+from catseye.app.service.running import PlannedRun
 from catseye.procedures.kit.bench import Bench
 from catseye.procedures.kit.context import Prompt, Row
 from catseye.procedures.scara.open_loop.open_loop import OpenLoopParams

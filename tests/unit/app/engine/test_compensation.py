@@ -2,7 +2,8 @@
 
 import pytest
 
-from catseye.app.engine.compensation import AirRule, Compensation
+from catseye.app.cell.air import AirRule
+from catseye.app.engine.compensation import Compensation
 from catseye.app.errors import MeasurementRejectedError
 from catseye.calibration.counted_length import compensated_mm
 from catseye.drivers.roles.readings import AirSample

@@ -6,8 +6,8 @@ from dataclasses import replace
 
 import pytest
 
-from catseye.app.engine.hands import Hands
 from catseye.app.engine.operator import Answer, Operator, says_done
+from catseye.app.engine.simulated_operator import Hands
 from catseye.app.errors import ConfigError, LinkFailedError
 from catseye.procedures.kit.context import Json, Prompt
 from catseye.simulators.config import Screws
