@@ -11,7 +11,7 @@ from catseye.app.errors import UsageError
 
 if TYPE_CHECKING:
     from catseye.app.files.compensated_path import Origin
-    from catseye.calibration.identification import IdentifiedArm
+    from catseye.calibration.scara.identification import IdentifiedArm
 
 
 def compensate(

@@ -39,8 +39,8 @@ from catseye.app.protocol.procedures import load_procedure, parse_params
 from catseye.app.service.emulation import EmulatorProcess, emulation_config, emulator_process, fetch_truth
 from catseye.app.service.running import PlannedRun, carry_out, plan_run
 from catseye.app.store.reader import RunReader
-from catseye.calibration.identification import Identification
-from catseye.calibration.layout import ModelName
+from catseye.calibration.scara.identification import Identification
+from catseye.calibration.scara.layout import ModelName
 from catseye.procedures.kit.bench import Bench
 from catseye.simulators.truth import true_arm
 

@@ -13,7 +13,7 @@ from catseye.app.errors import UsageError
 if TYPE_CHECKING:
     from catseye.app.analysis.designing import Design
     from catseye.app.cell.load import LoadedCell
-    from catseye.calibration.points import Commands
+    from catseye.calibration.scara.points import Commands
 
 DesignCell = Annotated[
     Path, typer.Option("--cell", help="cell file: arm, limits, optics, nodes, uncertainty")

@@ -6,8 +6,8 @@ import numpy as np
 
 from catseye.app.analysis.diagnosis_words import coefficient_text
 from catseye.app.cli.output import table
-from catseye.calibration.diagnostics.diagnosis import Diagnosis
-from catseye.calibration.diagnostics.nested_models import ComparedModel
+from catseye.calibration.scara.diagnostics.diagnosis import Diagnosis
+from catseye.calibration.scara.diagnostics.nested_models import ComparedModel
 
 
 def tables(diagnosis: Diagnosis) -> str:

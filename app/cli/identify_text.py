@@ -5,8 +5,8 @@ import math
 from catseye.app.analysis.robust_identifying import robust_text
 from catseye.app.cli.output import say, table
 from catseye.app.files.result_json import Fit, LackOfFitPart, Result
-from catseye.calibration.extension import Term
-from catseye.calibration.fit_statistics import SIGNIFICANCE
+from catseye.calibration.core.significance import SIGNIFICANCE
+from catseye.calibration.scara.extension import Term
 from catseye.procedures.kit.bench import Bench
 
 

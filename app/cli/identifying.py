@@ -23,9 +23,9 @@ from catseye.app.cli.progress import ProgressBar
 from catseye.app.cluster.share import Share
 from catseye.app.errors import UsageError
 from catseye.app.files.result_json import Result
-from catseye.calibration.identification import Identification
-from catseye.calibration.layout import ModelName
-from catseye.calibration.uncertainty.contributions import Contributions
+from catseye.calibration.core.contributions import Contributions
+from catseye.calibration.scara.identification import Identification
+from catseye.calibration.scara.layout import ModelName
 from catseye.procedures.kit.bench import Bench
 
 

@@ -29,7 +29,7 @@ def predict(
     from catseye.app.files.path_csv import read_path_csv, start_states
     from catseye.app.files.predicted_csv import write_predicted_csv
     from catseye.app.files.result_json import read_result
-    from catseye.calibration import prediction
+    from catseye.calibration.scara import prediction
 
     require_output(output, result, path)
     identified = read_result(result)

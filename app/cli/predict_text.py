@@ -10,8 +10,8 @@ from catseye.app.analysis.validation import TAKE_UP_DEG, established_rows
 from catseye.app.cli.output import table
 from catseye.app.files.path_csv import CommandPath
 from catseye.app.report.numbers import counted
-from catseye.calibration.identification import IdentifiedArm
-from catseye.calibration.prediction import Prediction
+from catseye.calibration.scara.identification import IdentifiedArm
+from catseye.calibration.scara.prediction import Prediction
 
 
 def path_warnings(arm: IdentifiedArm, path: CommandPath) -> list[str]:

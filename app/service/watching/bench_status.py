@@ -7,9 +7,9 @@ import numpy as np
 from catseye.app.cell.air import AirRule
 from catseye.app.service.watching.bench_facts import BenchFacts
 from catseye.app.service.watching.latest_values import Gauges, LinkGauge, Stamped
-from catseye.calibration.kinematics import forward
-from catseye.calibration.pointing import beam_miss
-from catseye.calibration.refractive_index import refractive_index
+from catseye.calibration.air import refractive_index
+from catseye.calibration.scara.planar import forward
+from catseye.calibration.scara.pointing import beam_miss
 from catseye.drivers.roles.protocols import Air, DeviceIdentity, Joints
 from catseye.procedures.kit.context import Json
 
