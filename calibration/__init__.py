@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from catseye.calibration.errors import CalibrationError
     from catseye.calibration.extension import Term, crosstalk, j4_map, periodic, thermal_drift
     from catseye.calibration.identification import Identification, IdentifiedArm, identify
-    from catseye.calibration.kinematics import forward, inverse
+    from catseye.calibration.kinematics.planar import forward, inverse
     from catseye.calibration.points import Commands, Points
     from catseye.calibration.prediction import Prediction, predict
     from catseye.calibration.scans.scan_identification import identify_scan

@@ -6,7 +6,7 @@ import numpy as np
 
 from catseye.calibration.error_map import interpolate
 from catseye.calibration.extension import Target, term_values
-from catseye.calibration.kinematics import forward, position_jacobian
+from catseye.calibration.kinematics.planar import forward, position_jacobian
 from catseye.calibration.layout import Layout
 from catseye.calibration.points import Commands
 from catseye.calibration.types import Floats, Ints

@@ -7,7 +7,7 @@ import numpy as np
 from catseye.calibration.arm import arm_design
 from catseye.calibration.errors import ConvergenceError
 from catseye.calibration.identification import IdentifiedArm
-from catseye.calibration.kinematics import Hand, inverse, wrap_rad
+from catseye.calibration.kinematics.planar import Hand, inverse, wrap_rad
 from catseye.calibration.points import Commands
 from catseye.calibration.prediction import inside_range, predict
 from catseye.calibration.types import Bools, Floats

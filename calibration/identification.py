@@ -8,7 +8,7 @@ from catseye.calibration.distance_model import DistanceModel, distance_model
 from catseye.calibration.errors import BudgetError, InsufficientPointsError
 from catseye.calibration.extension import Term
 from catseye.calibration.fit_statistics import FitStatistics, WeightedFit, fit_statistics, point_weights
-from catseye.calibration.kinematics import forward, wrap_rad
+from catseye.calibration.kinematics.planar import forward, wrap_rad
 from catseye.calibration.layout import Layout, ModelName
 from catseye.calibration.least_squares import Solution, minimise
 from catseye.calibration.observability import require_identifiable

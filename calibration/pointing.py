@@ -6,7 +6,7 @@ command is J4 = θ_world − θ1 − θ2 − θ40, on a branch inside the limits
 
 import numpy as np
 
-from catseye.calibration.kinematics import wrap_rad
+from catseye.calibration.kinematics.planar import wrap_rad
 from catseye.calibration.types import Bools, Floats
 
 

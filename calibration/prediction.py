@@ -6,7 +6,7 @@ import numpy as np
 
 from catseye.calibration.arm import arm_design
 from catseye.calibration.identification import IdentifiedArm
-from catseye.calibration.kinematics import forward
+from catseye.calibration.kinematics.planar import forward
 from catseye.calibration.points import Commands
 from catseye.calibration.types import Bools, Floats
 

@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from catseye.calibration.errors import InsufficientPointsError, UnidentifiableError
-from catseye.calibration.kinematics import forward, wrap_rad
+from catseye.calibration.kinematics.planar import forward, wrap_rad
 from catseye.calibration.least_squares import minimise
 from catseye.calibration.pointing import beam_direction
 from catseye.calibration.types import Bools, Floats, Ints

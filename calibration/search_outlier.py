@@ -6,7 +6,7 @@ import numpy as np
 from scipy import special
 
 from catseye.calibration.errors import CalibrationError
-from catseye.calibration.kinematics import forward, wrap_rad
+from catseye.calibration.kinematics.planar import forward, wrap_rad
 from catseye.calibration.reflector_search import SearchResult, Sightings, locate_reflectors
 from catseye.calibration.types import Floats
 

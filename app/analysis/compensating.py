@@ -9,7 +9,7 @@ from catseye.app.errors import LimitError
 from catseye.app.files.path_csv import CommandPath, directions_of
 from catseye.calibration.compensation import Compensation, compensate
 from catseye.calibration.identification import IdentifiedArm
-from catseye.calibration.kinematics import forward
+from catseye.calibration.kinematics.planar import forward
 from catseye.calibration.points import Commands
 from catseye.calibration.prediction import predict
 from catseye.calibration.types import Bools, Floats, Ints

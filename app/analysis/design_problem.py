@@ -12,7 +12,7 @@ from catseye.calibration.design.criteria import Criterion, CriterionName
 from catseye.calibration.design.information import Study
 from catseye.calibration.design.sight import Rules, Sight, Way, sight_of
 from catseye.calibration.errors import OutOfReachError
-from catseye.calibration.kinematics import forward
+from catseye.calibration.kinematics.planar import forward
 from catseye.calibration.layout import Layout
 from catseye.calibration.points import Commands
 from catseye.calibration.prediction import inside_range

@@ -5,7 +5,7 @@ from pathlib import Path
 import numpy as np
 
 from catseye.app.errors import UsageError
-from catseye.calibration.kinematics import forward
+from catseye.calibration.kinematics.planar import forward
 from catseye.calibration.points import Points
 from catseye.calibration.types import Floats
 from catseye.procedures.bench import Bench

@@ -10,7 +10,7 @@ from catseye.app.analysis.validation import FEWEST_ROWS, TAKE_UP_DEG, PathMeasur
 from catseye.app.errors import UsageError
 from catseye.app.files.measured_csv import read_measured_csv
 from catseye.app.files.path_csv import cartesian_commands, require_reach
-from catseye.calibration.kinematics import Hand, forward
+from catseye.calibration.kinematics.planar import Hand, forward
 from catseye.calibration.points import Commands
 from catseye.calibration.types import Floats, Ints
 from catseye.procedures.context import MeasuredPoint

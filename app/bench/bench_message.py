@@ -7,7 +7,7 @@ import numpy as np
 from catseye.app.bench.facts import BenchFacts
 from catseye.app.bench.gauges import Gauges, LinkGauge, Stamped
 from catseye.app.engine.compensation import AirRule
-from catseye.calibration.kinematics import forward
+from catseye.calibration.kinematics.planar import forward
 from catseye.calibration.pointing import beam_miss
 from catseye.calibration.refractive_index import refractive_index
 from catseye.procedures.context import Json

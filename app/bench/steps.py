@@ -6,7 +6,7 @@ from typing import Literal
 import numpy as np
 
 from catseye.app.errors import UsageError
-from catseye.calibration.kinematics import forward, wrap_rad
+from catseye.calibration.kinematics.planar import forward, wrap_rad
 from catseye.calibration.pointing import aim as aimed_j4_rad
 from catseye.calibration.pointing import beam_direction, nearest_branch
 from catseye.calibration.types import Floats

@@ -17,7 +17,7 @@ from catseye.app.files.predicted_csv import write_predicted_csv
 from catseye.app.files.result_json import read_result
 from catseye.app.report.numbers import counted
 from catseye.calibration.identification import IdentifiedArm
-from catseye.calibration.kinematics import Hand
+from catseye.calibration.kinematics.planar import Hand
 from catseye.calibration.prediction import Prediction, predict
 
 

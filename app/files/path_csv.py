@@ -11,7 +11,7 @@ import numpy as np
 from catseye.app.errors import UsageError
 from catseye.app.files.csv_table import CsvRow, csv_rows, misnamed
 from catseye.calibration.errors import OutOfReachError
-from catseye.calibration.kinematics import Hand, forward, inverse
+from catseye.calibration.kinematics.planar import Hand, forward, inverse
 from catseye.calibration.points import Commands
 from catseye.calibration.types import Floats, Ints
 

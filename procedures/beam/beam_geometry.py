@@ -3,7 +3,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from catseye.calibration.kinematics import forward, wrap_rad
+from catseye.calibration.kinematics.planar import forward, wrap_rad
 from catseye.calibration.pointing import beam_direction
 from catseye.procedures.beam.beam_scan import half_window_deg
 from catseye.procedures.bench import Bench, Reflector

@@ -5,7 +5,7 @@ from typing import Literal
 
 import numpy as np
 
-from catseye.calibration.kinematics import forward
+from catseye.calibration.kinematics.planar import forward
 from catseye.calibration.pointing import column_clearance, field_angle
 from catseye.procedures.bench import Bench, Reflector
 from catseye.procedures.context import Json, Measurement

@@ -7,7 +7,7 @@ from functools import partial
 import numpy as np
 from numpy.typing import NDArray
 
-from catseye.calibration.kinematics import forward
+from catseye.calibration.kinematics.planar import forward
 from catseye.calibration.pointing import beam_direction
 from catseye.calibration.repeatability import GOOD_CONDITIONING, conditioning
 from catseye.procedures.bench import Bench, Reflector

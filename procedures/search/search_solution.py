@@ -8,7 +8,7 @@ from functools import partial
 import numpy as np
 
 from catseye.calibration.errors import CalibrationError
-from catseye.calibration.kinematics import forward
+from catseye.calibration.kinematics.planar import forward
 from catseye.calibration.reflector_search import SearchResult, Sightings, locate_reflectors
 from catseye.calibration.search_outlier import Outlier, find_outlier
 from catseye.calibration.types import Floats

@@ -14,7 +14,7 @@ from scipy.stats import chi2
 
 from catseye.app.store.reader import RunReader
 from catseye.calibration.comparison import rigid_fit
-from catseye.calibration.kinematics import inverse
+from catseye.calibration.kinematics.planar import inverse
 from catseye.calibration.types import Floats
 from catseye.drivers.clock import SystemClock
 from catseye.drivers.melfa.robot import MelfaR3

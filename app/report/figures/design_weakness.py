@@ -10,7 +10,7 @@ from catseye.app.analysis.design_layouts import Layout
 from catseye.app.analysis.design_problem import workspace
 from catseye.app.analysis.designing import Design, node_uncertainties, position_covariances
 from catseye.app.report.figures.canvas import NEGATIVE, POSITIVE, STYLE, WIDTH_IN
-from catseye.calibration.kinematics import forward
+from catseye.calibration.kinematics.planar import forward
 from catseye.calibration.points import Commands
 from catseye.calibration.types import Floats
 

@@ -11,7 +11,7 @@ from matplotlib.patches import Circle, Wedge
 from catseye.app.report.figures.canvas import CONVENTIONAL, MUTED, STYLE, WIDTH_IN, series
 from catseye.app.report.numbers import counted
 from catseye.app.report.scene import Scene, Target
-from catseye.calibration.kinematics import forward
+from catseye.calibration.kinematics.planar import forward
 from catseye.calibration.types import Floats
 
 _FIELD_MM = 130.0

@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from catseye.calibration.kinematics import forward
+from catseye.calibration.kinematics.planar import forward
 from catseye.calibration.kinematics.chain import Chain, Joint
 
 SCARA = Chain(

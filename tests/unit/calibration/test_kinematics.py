@@ -6,7 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from catseye.calibration.errors import OutOfReachError
-from catseye.calibration.kinematics import forward, inverse, position_jacobian, wrap_rad
+from catseye.calibration.kinematics.planar import forward, inverse, position_jacobian, wrap_rad
 
 L1, L2 = 325.0, 225.0
 

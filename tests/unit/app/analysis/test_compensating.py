@@ -9,7 +9,7 @@ from catseye.app.analysis.compensating import CompensatedPath, compensate_path, 
 from catseye.app.errors import LimitError
 from catseye.app.files.path_csv import CommandPath, cartesian_commands
 from catseye.calibration.identification import IdentifiedArm
-from catseye.calibration.kinematics import forward
+from catseye.calibration.kinematics.planar import forward
 from catseye.calibration.layout import Layout
 from catseye.calibration.points import Commands
 from catseye.calibration.types import Floats

@@ -34,7 +34,7 @@ from catseye.app.report.content import (
 )
 from catseye.app.report.page import render_html
 from catseye.calibration.identification import Identification, identify
-from catseye.calibration.kinematics import forward, inverse
+from catseye.calibration.kinematics.planar import forward, inverse
 from catseye.calibration.layout import ModelName
 from catseye.calibration.points import Commands, Points
 from catseye.calibration.types import Floats

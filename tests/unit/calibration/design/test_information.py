@@ -9,7 +9,7 @@ from catseye.calibration.design.criteria import Criterion, CriterionName, covari
 from catseye.calibration.design.information import Information
 from catseye.calibration.design.sight import Sight
 from catseye.calibration.errors import UnidentifiableError
-from catseye.calibration.kinematics import forward
+from catseye.calibration.kinematics.planar import forward
 from catseye.calibration.types import Floats
 from catseye.calibration.uncertainty.budget import Budget, Contributor
 from tests.unit.calibration.design.cases import RING, SIGMA_MM, SMALL, WHITE, seen_by_all, study
