@@ -39,8 +39,8 @@ from catseye.app.files.result_json import Result, write_result
 from catseye.app.procedure_list import load_procedure, parse_params
 from catseye.app.running import PlannedRun, carry_out, plan_run
 from catseye.app.store.reader import RunReader
-from catseye.calibration.identification import Identification
-from catseye.calibration.layout import ModelName
+from catseye.calibration.scara.identification import Identification
+from catseye.calibration.scara.layout import ModelName
 from catseye.procedures.bench import Bench
 from catseye.simulators.truth import true_arm
 

@@ -3,7 +3,7 @@
 import numpy as np
 from numpy.typing import ArrayLike
 
-from catseye.calibration.types import Floats
+from catseye.calibration.core.types import Floats
 
 _K1, _K2, _K3, _K4, _K5 = 1167.05214528, -724213.167032, -17.0738469401, 12020.8247025, -3232555.03223
 _K6, _K7, _K8, _K9, _K10 = 14.9151086135, -4823.26573616, 405113.405421, -0.238555575678, 650.175348448

@@ -12,8 +12,8 @@ from typing import Literal
 import numpy as np
 from pydantic import BaseModel, ConfigDict, ValidationError
 
-from catseye.calibration.error_map import BidirectionalMap
-from catseye.calibration.types import Floats
+from catseye.calibration.core.types import Floats
+from catseye.calibration.scara.error_map import BidirectionalMap
 from catseye.simulators.config import EmulationConfig, Range, TruthText
 from catseye.simulators.errors import TruthFileError
 

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from catseye.calibration.types import Bools
+from catseye.calibration.core.types import Bools
 from catseye.procedures.bench import Bench
 from catseye.procedures.errors import PlanError, PlanLimitError
 from catseye.procedures.motion.approach import Command, require_joint_limits, with_take_up

@@ -47,9 +47,9 @@ from catseye.app.report.page import render_html
 from catseye.app.store.reader import RunReader
 from catseye.app.store.seal import read_manifest
 from catseye.app.version import SOFTWARE
-from catseye.calibration.diagnostics.diagnosis import Diagnosis, diagnose
-from catseye.calibration.errors import CalibrationError
-from catseye.calibration.identification import Identification
+from catseye.calibration.core.errors import CalibrationError
+from catseye.calibration.scara.diagnostics.diagnosis import Diagnosis, diagnose
+from catseye.calibration.scara.identification import Identification
 
 _MEASURED_WITH = ("python", "numpy", "sqlite", "platform")
 

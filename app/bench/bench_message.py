@@ -7,9 +7,9 @@ import numpy as np
 from catseye.app.bench.facts import BenchFacts
 from catseye.app.bench.gauges import Gauges, LinkGauge, Stamped
 from catseye.app.engine.compensation import AirRule
-from catseye.calibration.kinematics.planar import forward
-from catseye.calibration.pointing import beam_miss
-from catseye.calibration.refractive_index import refractive_index
+from catseye.calibration.air import refractive_index
+from catseye.calibration.scara.planar import forward
+from catseye.calibration.scara.pointing import beam_miss
 from catseye.procedures.context import Json
 from catseye.procedures.devices import Air, DeviceIdentity, Joints
 

@@ -23,8 +23,8 @@ from catseye.app.files.result_json import Result, read_result
 from catseye.app.files.ssfk_table import maps_of, ssfk_table
 from catseye.app.report.numbers import counted
 from catseye.app.version import SOFTWARE
-from catseye.calibration.identification import IdentifiedArm
-from catseye.calibration.kinematics.planar import Hand
+from catseye.calibration.scara.identification import IdentifiedArm
+from catseye.calibration.scara.planar import Hand
 
 _LARGE_DEG = 0.2
 """No joint of a sound arm needs such a correction; a stretched arm pays for its reach with it."""

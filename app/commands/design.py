@@ -20,8 +20,8 @@ from catseye.app.files.atomic import write_atomically
 from catseye.app.files.csv_text import csv_text
 from catseye.app.files.path_csv import DIRECTIONS, JOINTS, read_path_csv
 from catseye.app.report.design_page import render_design
-from catseye.calibration.design.criteria import CriterionName
-from catseye.calibration.points import Commands
+from catseye.calibration.core.design.criteria import CriterionName
+from catseye.calibration.scara.points import Commands
 
 
 @dataclass(frozen=True)

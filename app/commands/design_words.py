@@ -9,7 +9,7 @@ from catseye.app.analysis.design_layouts import Layout
 from catseye.app.analysis.designing import Design, NodeUncertainty, node_uncertainties, weakest
 from catseye.app.commands.output import emit, emit_json, say, table
 from catseye.app.commands.progress import duration_text
-from catseye.calibration.design.criteria import CriterionName
+from catseye.calibration.core.design.criteria import CriterionName
 from catseye.procedures.context import Json
 
 _CRITERIA: tuple[CriterionName, ...] = ("A", "D", "E", "path")

@@ -10,8 +10,8 @@ from catseye.app.analysis.diagnosis_words import coefficient_text, findings
 from catseye.app.analysis.distance_source import load_distances
 from catseye.app.commands.output import emit, emit_json, say, table
 from catseye.app.commands.progress import ProgressBar
-from catseye.calibration.diagnostics.diagnosis import Diagnosis
-from catseye.calibration.diagnostics.nested_models import ComparedModel
+from catseye.calibration.scara.diagnostics.diagnosis import Diagnosis
+from catseye.calibration.scara.diagnostics.nested_models import ComparedModel
 
 _SIGNS = {"good": "ok   ", "bad": "LOOK ", "note": "note "}
 

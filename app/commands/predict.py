@@ -16,9 +16,9 @@ from catseye.app.files.path_csv import CommandPath, read_path_csv, start_states
 from catseye.app.files.predicted_csv import write_predicted_csv
 from catseye.app.files.result_json import read_result
 from catseye.app.report.numbers import counted
-from catseye.calibration.identification import IdentifiedArm
-from catseye.calibration.kinematics.planar import Hand
-from catseye.calibration.prediction import Prediction, predict
+from catseye.calibration.scara.identification import IdentifiedArm
+from catseye.calibration.scara.planar import Hand
+from catseye.calibration.scara.prediction import Prediction, predict
 
 
 def predict_command(

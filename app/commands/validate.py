@@ -13,7 +13,7 @@ from catseye.app.report.numbers import probability
 from catseye.app.report.path_view import model_title
 from catseye.app.report.validation_facts import model_facts, validation_facts
 from catseye.app.report.validation_page import write_validation_page
-from catseye.calibration.kinematics.planar import Hand
+from catseye.calibration.scara.planar import Hand
 
 
 def validate_command(

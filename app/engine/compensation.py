@@ -4,13 +4,8 @@ from dataclasses import dataclass
 from typing import Literal
 
 from catseye.app.errors import MeasurementRejectedError
+from catseye.calibration.air import HE_NE_VACUUM_NM, Formula, outside_nist_range, refractive_index
 from catseye.calibration.counted_length import compensated_mm
-from catseye.calibration.refractive_index import (
-    HE_NE_VACUUM_NM,
-    Formula,
-    outside_nist_range,
-    refractive_index,
-)
 from catseye.procedures.context import Json
 from catseye.procedures.devices import Air
 

@@ -11,9 +11,9 @@ from itertools import combinations
 
 import numpy as np
 
+from catseye.calibration.core.types import Floats
 from catseye.calibration.kinematics.chain import Chain
 from catseye.calibration.kinematics.distances import depth_in_box_mm, segment_to_box_mm, segment_to_segment_mm
-from catseye.calibration.types import Floats
 
 Point = tuple[float, float, float]
 

@@ -5,8 +5,8 @@ from dataclasses import dataclass
 import numpy as np
 from scipy import linalg
 
-from catseye.calibration.types import Bools, Floats
-from catseye.calibration.uncertainty.gum import correlation
+from catseye.calibration.core.propagation import correlation
+from catseye.calibration.core.types import Bools, Floats
 
 
 @dataclass(frozen=True)

@@ -5,16 +5,16 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from catseye.calibration.errors import ConvergenceError
-from catseye.calibration.types import Floats
-from catseye.calibration.uncertainty.coverage import (
+from catseye.calibration.core.coverage import (
     Interval,
     fewest_draws,
     numerical_tolerance,
     shortest_interval,
     symmetric_interval,
 )
-from catseye.calibration.uncertainty.distributions import Distribution
+from catseye.calibration.core.distributions import Distribution
+from catseye.calibration.core.errors import ConvergenceError
+from catseye.calibration.core.types import Floats
 
 Model = Callable[[Floats], Floats]
 """Result of shape (draws,), or results of shape (m, draws), from inputs of shape (k, draws)."""

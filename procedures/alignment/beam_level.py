@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 from pydantic import BaseModel, ConfigDict, Field
 
-from catseye.calibration.alignment import PitchFit, fit_pitch
+from catseye.calibration.scara.alignment import PitchFit, fit_pitch
 from catseye.procedures.alignment.beam_to_j4 import named_reflectors
 from catseye.procedures.alignment.screws import GuidedScrew, Screw
 from catseye.procedures.beam.beam_scan import (

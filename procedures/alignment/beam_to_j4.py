@@ -9,7 +9,7 @@ from itertools import chain
 import numpy as np
 from pydantic import BaseModel, ConfigDict, Field
 
-from catseye.calibration.alignment import OffsetFit, fit_offset
+from catseye.calibration.scara.alignment import OffsetFit, fit_offset
 from catseye.procedures.alignment.screws import GuidedScrew, Screw
 from catseye.procedures.beam.beam_scan import ReturnWindow, find_return, half_window_deg, signal_live
 from catseye.procedures.beam.nests import Nests

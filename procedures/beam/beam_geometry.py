@@ -3,8 +3,8 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from catseye.calibration.kinematics.planar import forward, wrap_rad
-from catseye.calibration.pointing import beam_direction
+from catseye.calibration.scara.planar import forward, wrap_rad
+from catseye.calibration.scara.pointing import beam_direction
 from catseye.procedures.beam.beam_scan import half_window_deg
 from catseye.procedures.bench import Bench, Reflector
 from catseye.procedures.devices import Joints

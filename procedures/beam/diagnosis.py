@@ -5,8 +5,8 @@ from typing import Literal
 
 import numpy as np
 
-from catseye.calibration.kinematics.planar import forward
-from catseye.calibration.pointing import column_clearance, field_angle
+from catseye.calibration.scara.planar import forward
+from catseye.calibration.scara.pointing import column_clearance, field_angle
 from catseye.procedures.bench import Bench, Reflector
 from catseye.procedures.context import Json, Measurement
 from catseye.procedures.devices import BeamStatus, Joints

@@ -5,8 +5,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from catseye.calibration.kinematics.planar import forward
-from catseye.calibration.pointing import beam_direction, unwrap, visible
+from catseye.calibration.scara.planar import forward
+from catseye.calibration.scara.pointing import beam_direction, unwrap, visible
 from catseye.procedures.bench import Bench, Reflector
 from catseye.procedures.errors import PlanError, PlanLimitError
 from catseye.procedures.motion.approach import Waypoint

@@ -5,8 +5,8 @@ from collections import deque
 
 import numpy as np
 
-from catseye.calibration.live_map import LiveMap, MapKnowledge
-from catseye.calibration.uncertainty.radial import RadialBudget
+from catseye.calibration.scara.live_map import LiveMap, MapKnowledge
+from catseye.calibration.scara.radial import RadialBudget
 from catseye.procedures.bench import Bench, Reflector
 from catseye.procedures.context import Context, Live
 from catseye.procedures.motion.approach import Command

@@ -6,7 +6,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from catseye.calibration.kinematics.planar import Hand, inverse
+from catseye.calibration.scara.planar import Hand, inverse
 from catseye.procedures.bench import Bench
 from catseye.procedures.devices import Joints
 from catseye.procedures.errors import PlanError, PlanLimitError

@@ -5,7 +5,7 @@ from typing import Annotated
 
 from pydantic import BaseModel, ConfigDict, Field
 
-from catseye.calibration.kinematics.planar import Hand
+from catseye.calibration.scara.planar import Hand
 from catseye.procedures.bench import Bench
 from catseye.procedures.context import Context, Location, Prompt, Row
 from catseye.procedures.devices import Joints

@@ -5,8 +5,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from catseye.calibration.kinematics.planar import forward, wrap_rad
-from catseye.calibration.pointing import beam_direction, visible
+from catseye.calibration.scara.planar import forward, wrap_rad
+from catseye.calibration.scara.pointing import beam_direction, visible
 from catseye.procedures.bench import Bench, Reflector
 from catseye.procedures.devices import Joints
 from catseye.procedures.errors import PlanError

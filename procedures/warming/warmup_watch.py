@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from catseye.calibration.warming import DriftRate, drift_rate, settling
+from catseye.calibration.core.settling import DriftRate, drift_rate, settling
 from catseye.procedures.context import Row
 from catseye.procedures.stored import integer, number_of
 from catseye.procedures.warming.warmup_plan import WarmupPlan

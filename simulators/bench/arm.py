@@ -17,7 +17,7 @@ from itertools import accumulate
 
 import numpy as np
 
-from catseye.calibration.error_map import BidirectionalMap
+from catseye.calibration.scara.error_map import BidirectionalMap
 from catseye.simulators.bench.motion import (
     SHORTEST,
     STANDSTILL,

@@ -3,7 +3,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from catseye.calibration.types import Bools, Floats, Ints
+from catseye.calibration.core.types import Bools, Floats, Ints
 
 Plane = NDArray[np.complex128]
 """Positions or directions in the plane."""

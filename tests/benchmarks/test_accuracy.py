@@ -2,13 +2,13 @@
 
 import numpy as np
 
-from catseye.calibration.distance_model import distance_model
-from catseye.calibration.identification import identify
-from catseye.calibration.layout import Layout
-from catseye.calibration.types import Floats
-from catseye.calibration.uncertainty.budget import radial_motions
-from catseye.calibration.uncertainty.radial import RadialBudget, radial_effects
-from tests.unit.calibration.paper import (
+from catseye.calibration.core.types import Floats
+from catseye.calibration.scara.budget import radial_motions
+from catseye.calibration.scara.distance_model import distance_model
+from catseye.calibration.scara.identification import identify
+from catseye.calibration.scara.layout import Layout
+from catseye.calibration.scara.radial import RadialBudget, radial_effects
+from tests.unit.calibration.scara.paper import (
     MDEG,
     NODES1_DEG,
     NODES2_DEG,

@@ -15,12 +15,12 @@ from catseye.app.cell.bench import bench_of
 from catseye.app.cell.load import load_cell
 from catseye.app.cell.template import TEMPLATE
 from catseye.app.cluster.sharing import InThisProcess
-from catseye.calibration.design.candidates import apart
-from catseye.calibration.design.command_choice import CommandPool, choose_commands
-from catseye.calibration.design.criteria import Criterion
-from catseye.calibration.design.exchange import Pool, exchange, random_start
-from catseye.calibration.types import Bools, Floats, Ints
-from tests.unit.calibration.design.cases import SIGMA_MM, SMALL, scaled, seen_by_all, study
+from catseye.calibration.core.design.criteria import Criterion
+from catseye.calibration.core.design.exchange import Pool, exchange, random_start
+from catseye.calibration.core.design.row_choice import CommandPool, choose_commands
+from catseye.calibration.core.types import Bools, Floats, Ints
+from catseye.calibration.scara.design.candidates import apart
+from tests.unit.calibration.scara.design.cases import SIGMA_MM, SMALL, scaled, seen_by_all, study
 
 PLACES = 400
 

@@ -19,7 +19,7 @@ from scipy.stats import chi2
 
 from catseye.app.cell.load import load_cell
 from catseye.app.emulation import emulation_config
-from catseye.calibration.types import Floats
+from catseye.calibration.core.types import Floats
 from catseye.simulators.bench.arm import RadialError
 from catseye.simulators.config import EmulationConfig, ErrorBudget
 from tests.campaigns.test_whole_plan import run

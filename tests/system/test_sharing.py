@@ -16,7 +16,7 @@ import pytest
 from catseye.app.cluster.errors import WorkerLostError
 from catseye.app.cluster.sharing import sharing
 from catseye.app.errors import ConfigError
-from catseye.calibration.errors import UnidentifiableError
+from catseye.calibration.core.errors import UnidentifiableError
 from tests.free_ports import free_port
 from tests.patience import HANG_S
 from tests.unit.app.cluster.work import drawn, fails_at_three, killed_at_three

@@ -7,7 +7,7 @@ from typing import Any
 
 import pytest
 
-from catseye.calibration.live_map import MapKnowledge
+from catseye.calibration.scara.live_map import MapKnowledge
 from catseye.procedures.context import Row
 from catseye.procedures.errors import BeamLostError
 from catseye.procedures.open_loop.open_loop import OpenLoop

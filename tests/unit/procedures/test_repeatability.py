@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from catseye.calibration.errors import InsufficientPointsError
+from catseye.calibration.core.errors import InsufficientPointsError
 from catseye.procedures.bench import Bench
 from catseye.procedures.context import Measurement, Prompt
 from catseye.procedures.devices import Joints

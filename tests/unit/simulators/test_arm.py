@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from catseye.calibration.error_map import BidirectionalMap
+from catseye.calibration.scara.error_map import BidirectionalMap
 from catseye.simulators.bench.arm import Arm, RadialError
 from catseye.simulators.bench.bench import Bench
 from catseye.simulators.config import EmulationConfig, ErrorBudget

@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from catseye.calibration.refractive_index import refractive_index
+from catseye.calibration.air import refractive_index
 from catseye.simulators.bench.bench import Bench
 from catseye.simulators.bench.counter import Reading
 from catseye.simulators.config import AirState, EmulationConfig, ErrorBudget, Joints

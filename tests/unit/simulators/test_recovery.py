@@ -7,10 +7,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from catseye.calibration.error_map import BidirectionalMap
-from catseye.calibration.identification import identify
-from catseye.calibration.points import Commands, Points
-from catseye.calibration.types import Floats
+from catseye.calibration.core.types import Floats
+from catseye.calibration.scara.error_map import BidirectionalMap
+from catseye.calibration.scara.identification import identify
+from catseye.calibration.scara.points import Commands, Points
 from catseye.simulators.bench.bench import Bench
 from catseye.simulators.truth import TrueArm
 from tests.unit.simulators.benches import QUIET, go, without_j4_play

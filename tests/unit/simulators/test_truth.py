@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from catseye.calibration.error_map import BidirectionalMap
+from catseye.calibration.scara.error_map import BidirectionalMap
 from catseye.simulators.config import EmulationConfig, TruthText
 from catseye.simulators.errors import TruthFileError
 from catseye.simulators.truth import TrueArm, draw_truth, true_arm, truth_document, write_truth

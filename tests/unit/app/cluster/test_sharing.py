@@ -10,7 +10,7 @@ import pytest
 from catseye.app.cluster.errors import WorkerLostError
 from catseye.app.cluster.sharing import Share, cores, sharing
 from catseye.app.errors import ConfigError
-from catseye.calibration.errors import UnidentifiableError
+from catseye.calibration.core.errors import UnidentifiableError
 from tests.unit.app.cluster.work import (
     drawn,
     fails_at_three,

@@ -5,7 +5,7 @@ from pathlib import Path
 import numpy as np
 
 from catseye.app.cell.template import TEMPLATE
-from catseye.calibration.points import Points
+from catseye.calibration.scara.points import Points
 
 
 def write_points(points: Points, folder: Path, name: str = "points.csv") -> Path:

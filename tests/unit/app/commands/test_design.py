@@ -15,8 +15,8 @@ from catseye.app.cell.template import TEMPLATE
 from catseye.app.commands.design import DesignOptions, design_command
 from catseye.app.errors import ConfigError, UsageError, exit_code_of
 from catseye.app.exitcode import ExitCode
-from catseye.calibration.errors import UnidentifiableError
-from catseye.calibration.types import Bools
+from catseye.calibration.core.errors import UnidentifiableError
+from catseye.calibration.core.types import Bools
 from catseye.procedures.bench import Bench
 from catseye.procedures.motion.approach import Command
 

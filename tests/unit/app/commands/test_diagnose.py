@@ -10,10 +10,10 @@ import pytest
 
 from catseye.app.commands.diagnose import diagnose_command
 from catseye.app.errors import UsageError
-from catseye.calibration.points import Points
+from catseye.calibration.scara.points import Points
 from tests.unit.app.commands.distances import write_points
-from tests.unit.calibration.diagnostics.bench import Extra, commands_on_nodes, measured
-from tests.unit.calibration.paper import random_truth
+from tests.unit.calibration.scara.diagnostics.bench import Extra, commands_on_nodes, measured
+from tests.unit.calibration.scara.paper import random_truth
 
 TRUTH = random_truth(12)
 WRONG_ROW = 900

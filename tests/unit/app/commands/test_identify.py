@@ -12,11 +12,11 @@ import pytest
 from catseye.app.commands.identify import IdentifyOptions, identify_command, verdicts
 from catseye.app.errors import UsageError
 from catseye.app.files.result_json import Fit, Result, read_result
-from catseye.calibration.points import Points
+from catseye.calibration.scara.points import Points
 from tests.unit.app.commands.distances import write_points
 from tests.unit.app.report import sample
-from tests.unit.calibration.diagnostics.bench import Extra, commands_on_nodes, measured
-from tests.unit.calibration.paper import random_truth
+from tests.unit.calibration.scara.diagnostics.bench import Extra, commands_on_nodes, measured
+from tests.unit.calibration.scara.paper import random_truth
 
 TRUTH = random_truth(12)
 OPTIONS = IdentifyOptions("error-map", "jacobian", 2000, 1)

@@ -13,8 +13,8 @@ from catseye.app.commands.identify import IdentifyOptions, identify_command
 from catseye.app.errors import UsageError
 from catseye.app.files.identified_arm import arm_of
 from catseye.app.files.result_json import Result, read_result
-from catseye.calibration.points import Points
-from tests.unit.calibration.scans.scan import NAMES, arm, scan
+from catseye.calibration.scara.points import Points
+from tests.unit.calibration.scara.scans.scan import NAMES, arm, scan
 
 ROWS = 9_000
 TRUTH = arm(2, 20.0)

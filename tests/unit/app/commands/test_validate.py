@@ -14,8 +14,8 @@ from catseye.app.cell.model import Measurement
 from catseye.app.commands.validate import validate_command
 from catseye.app.errors import MeasurementRejectedError, UsageError
 from catseye.app.files.result_json import write_result
-from catseye.calibration.errors import InsufficientPointsError
-from catseye.calibration.types import Floats
+from catseye.calibration.core.errors import InsufficientPointsError
+from catseye.calibration.core.types import Floats
 from tests.unit.app.commands.arms import bare, stored, text_file
 from tests.unit.app.report import sample
 from tests.unit.app.report.page_reader import read_page

@@ -11,9 +11,9 @@ from catseye.app.errors import UsageError
 from catseye.app.files.compensated_path import Origin
 from catseye.app.files.melfa_program import MelfaSettings, melfa_program
 from catseye.app.files.path_csv import CommandPath, cartesian_commands
-from catseye.calibration.error_map import BidirectionalMap
-from catseye.calibration.identification import IdentifiedArm
-from catseye.calibration.layout import Layout
+from catseye.calibration.scara.error_map import BidirectionalMap
+from catseye.calibration.scara.identification import IdentifiedArm
+from catseye.calibration.scara.layout import Layout
 from catseye.simulators.bench.bench import Bench
 from catseye.simulators.truth import TrueArm
 from tests.unit.simulators.benches import QUIET

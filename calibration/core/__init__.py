@@ -1,0 +1,1 @@
+"""The algebra of rows and named parameters that every model of an arm stands on."""
