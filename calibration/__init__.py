@@ -8,22 +8,19 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from catseye.calibration.core.contributions import contributions
-    from catseye.calibration.core.coverage import shortest_interval, symmetric_interval
-    from catseye.calibration.core.design.criteria import Criterion
+    from catseye.calibration.core.coverage import coverage_factor, shortest_interval, symmetric_interval
     from catseye.calibration.core.design.exchange import Pool, exchange, greedy_start
     from catseye.calibration.core.errors import CalibrationError
-    from catseye.calibration.core.propagation import coverage_factor
     from catseye.calibration.scara.budget import Budget, Contributor
     from catseye.calibration.scara.comparison import Comparison, compare
     from catseye.calibration.scara.compensation import Compensation, compensate
+    from catseye.calibration.scara.design.criterion import Criterion
     from catseye.calibration.scara.design.sight import Rules, Way, sight_of
     from catseye.calibration.scara.design.study import Study
     from catseye.calibration.scara.diagnostics.diagnosis import Diagnosis, diagnose
     from catseye.calibration.scara.diagnostics.problem import Problem
     from catseye.calibration.scara.diagnostics.rejection import reject
     from catseye.calibration.scara.diagnostics.robust import robust_fit
-    from catseye.calibration.scara.draws import draw_estimates
     from catseye.calibration.scara.error_map import BidirectionalMap
     from catseye.calibration.scara.extension import Term, crosstalk, j4_map, periodic, thermal_drift
     from catseye.calibration.scara.identification import Identification, IdentifiedArm, identify
@@ -32,6 +29,7 @@ if TYPE_CHECKING:
     from catseye.calibration.scara.prediction import Prediction, predict
     from catseye.calibration.scara.scans.scan_identification import identify_scan
     from catseye.calibration.scara.scans.source import SlicedPoints
+    from catseye.calibration.scara.uncertainty import contributions, draw_estimates
     from catseye.calibration.standards.iso230_2 import positioning, systematic_of_map
 
 __all__ = [
@@ -89,7 +87,7 @@ _HOMES = {
     "Comparison": "scara.comparison",
     "Compensation": "scara.compensation",
     "Contributor": "scara.budget",
-    "Criterion": "core.design.criteria",
+    "Criterion": "scara.design.criterion",
     "Diagnosis": "scara.diagnostics.diagnosis",
     "Identification": "scara.identification",
     "IdentifiedArm": "scara.identification",
@@ -104,11 +102,11 @@ _HOMES = {
     "Way": "scara.design.sight",
     "compare": "scara.comparison",
     "compensate": "scara.compensation",
-    "contributions": "core.contributions",
-    "coverage_factor": "core.propagation",
+    "contributions": "scara.uncertainty",
+    "coverage_factor": "core.coverage",
     "crosstalk": "scara.extension",
     "diagnose": "scara.diagnostics.diagnosis",
-    "draw_estimates": "scara.draws",
+    "draw_estimates": "scara.uncertainty",
     "exchange": "core.design.exchange",
     "forward": "scara.planar",
     "greedy_start": "core.design.exchange",

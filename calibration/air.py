@@ -1,16 +1,14 @@
-"""Refractive index of moist air: Ciddor (1996) and modified Edlén, with the constants of the NIST toolbox.
+"""Light in moist air: refractive index after Ciddor (1996) and Edlén (modified), constants of the NIST toolbox.
 
-Input is the vacuum wavelength. All functions are pure and take numbers or arrays that broadcast.
+Arguments may be numbers or arrays that broadcast.
 """
 
-from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from catseye.calibration.core.types import Bools, Floats
-from catseye.calibration.vapour_pressure import vapour_pressure_pa
 
 Formula = Literal["ciddor", "edlen"]
 
@@ -32,24 +30,10 @@ _NIST = {
 _ZERO_C_K = 273.15
 _GAS_CONSTANT = 8.314472
 
-
-@dataclass(frozen=True)
-class AirUncertainty:
-    """Standard uncertainties (k = 1) of what the index follows from.
-
-    Attributes:
-        temperature_k: of the temperature, K.
-        pressure_hpa: of the pressure, hPa.
-        humidity_percent: of the relative humidity, %.
-        co2_ppm: of the carbon dioxide content, ppm.
-        formula: of the formula itself, as a part of 1.
-    """
-
-    temperature_k: float
-    pressure_hpa: float
-    humidity_percent: float
-    co2_ppm: float = 50.0
-    formula: float = 2e-8
+_K1, _K2, _K3, _K4, _K5 = 1167.05214528, -724213.167032, -17.0738469401, 12020.8247025, -3232555.03223
+_K6, _K7, _K8, _K9, _K10 = 14.9151086135, -4823.26573616, 405113.405421, -0.238555575678, 650.175348448
+_TRIPLE_POINT_K = 273.16
+_TRIPLE_POINT_PA = 611.657
 
 
 def refractive_index(
@@ -107,24 +91,45 @@ def outside_nist_range(wavelength_vacuum_nm: float, temperature_c: float, pressu
     return None
 
 
-def index_uncertainty(
-    u: AirUncertainty,
-    wavelength_vacuum_nm: float,
-    temperature_c: float,
-    pressure_hpa: float,
-    humidity_percent: float,
-    co2_ppm: float = 450.0,
-) -> float:
-    """Return the standard uncertainty of the index by Ciddor's sensitivities at one state of the air."""
-    state = np.array([temperature_c, pressure_hpa, humidity_percent, co2_ppm])
-    steps = np.array([0.01, 0.1, 0.1, 1.0])
-    # Humidity is bounded on both sides: the difference is taken inwards of the bounds.
-    state[2] = min(max(state[2], steps[2]), 100.0 - steps[2])
-    above, below = (state + sign * np.diag(steps) for sign in (1.0, -1.0))
-    high, low = (refractive_index(wavelength_vacuum_nm, *rows.T) for rows in (above, below))
-    sensitivities = (high - low) / (2.0 * steps)
-    parts = sensitivities * (u.temperature_k, u.pressure_hpa, u.humidity_percent, u.co2_ppm)
-    return float(np.hypot(np.linalg.norm(parts), u.formula))
+def vapour_pressure_pa(temperature_c: ArrayLike) -> Floats:
+    """Return the saturation pressure of water vapour (IAPWS), over ice below 0 °C and over water from there on, Pa.
+
+    Args:
+        temperature_c: temperature, °C.
+    """
+    temperature = np.asarray(temperature_c, dtype=np.float64)
+    kelvin = temperature + 273.15
+    return np.where(temperature < 0.0, _over_ice_pa(kelvin), _over_water_pa(kelvin))
+
+
+def _over_water_pa(kelvin: Floats) -> Floats:
+    omega = kelvin + _K9 / (kelvin - _K10)
+    a = omega**2 + _K1 * omega + _K2
+    b = _K3 * omega**2 + _K4 * omega + _K5
+    c = _K6 * omega**2 + _K7 * omega + _K8
+    root = 2.0 * c / (-b + np.sqrt(b**2 - 4.0 * a * c))
+    return np.asarray(1e6 * root**4, dtype=np.float64)
+
+
+def _over_ice_pa(kelvin: Floats) -> Floats:
+    theta = kelvin / _TRIPLE_POINT_K
+    exponent = -13.928169 * (1.0 - theta**-1.5) + 34.7078238 * (1.0 - theta**-1.25)
+    return np.asarray(_TRIPLE_POINT_PA * np.exp(exponent), dtype=np.float64)
+
+
+def compensated_mm(vacuum_mm: float, n_now: float, n_zero: float, dead_path_mm: float) -> float:
+    """Return the displacement since the zero.
+
+    The instrument counts n·(D + L) − n₀·D in vacuum wavelengths. Dividing by n alone would leave the change of
+    the air along the dead path D in the displacement L.
+
+    Args:
+        vacuum_mm: displacement as counted, in vacuum wavelengths, mm.
+        n_now: refractive index of the air now.
+        n_zero: the same at the zero.
+        dead_path_mm: length of the beam at the zero, mm.
+    """
+    return vacuum_mm / n_now - dead_path_mm * (n_now - n_zero) / n_now
 
 
 def _require(name: str, values: Floats, limits: tuple[float, float, str]) -> None:

@@ -9,9 +9,9 @@ from catseye.app.analysis.design_problem import with_reflectors
 from catseye.app.analysis.design_time import BenchCost, bench_cost
 from catseye.app.errors import UsageError
 from catseye.calibration.core.design.criteria import CriterionName, covariances
+from catseye.calibration.core.design.information import Information
 from catseye.calibration.core.design.row_choice import CommandPool, choose_commands
 from catseye.calibration.core.types import Bools
-from catseye.calibration.scara.design.study import Information
 
 _NEAR_ENOUGH = 4
 """Commands by which a choice for a bench time may stay below what would just fit."""

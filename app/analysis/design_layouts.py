@@ -13,11 +13,11 @@ from catseye.app.cluster.sharing import Share
 from catseye.app.errors import UsageError
 from catseye.calibration.core.design.criteria import CriterionName, covariances
 from catseye.calibration.core.design.exchange import Chosen, Pool, exchange, greedy_start, random_start
+from catseye.calibration.core.design.information import Information
 from catseye.calibration.core.types import Floats, Ints
 from catseye.calibration.scara.design.candidates import apart, grid
 from catseye.calibration.scara.design.refinement import refine
 from catseye.calibration.scara.design.sight import Reason, Sight
-from catseye.calibration.scara.design.study import Information
 
 _STARTS = 12
 """Random starts of the exchange, beside the greedy one and the layouts that are known."""

@@ -6,14 +6,15 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from catseye.app.errors import UsageError
-from catseye.calibration.core.design.criteria import Criterion, CriterionName
-from catseye.calibration.core.errors import OutOfReachError
+from catseye.calibration.core.design.criteria import CriterionName
 from catseye.calibration.core.types import Floats
 from catseye.calibration.scara.arm import arm_design
 from catseye.calibration.scara.budget import Budget
 from catseye.calibration.scara.design.candidates import Floor
+from catseye.calibration.scara.design.criterion import Criterion
 from catseye.calibration.scara.design.sight import Rules, Sight, Way, sight_of
 from catseye.calibration.scara.design.study import Study
+from catseye.calibration.scara.errors import OutOfReachError
 from catseye.calibration.scara.layout import Layout
 from catseye.calibration.scara.planar import forward
 from catseye.calibration.scara.points import Commands

@@ -16,12 +16,11 @@ from catseye.app.analysis.design_layouts import (
 )
 from catseye.app.analysis.design_problem import Problem
 from catseye.app.cluster.sharing import Share
-from catseye.calibration.core.design.criteria import covariances
+from catseye.calibration.core.design.criteria import covariances, pareto_front
 from catseye.calibration.core.design.exchange import Pool
+from catseye.calibration.core.design.information import Information
 from catseye.calibration.core.types import Floats
 from catseye.calibration.scara.arm import arm_design
-from catseye.calibration.scara.design.front import pareto_front
-from catseye.calibration.scara.design.study import Information
 from catseye.calibration.scara.points import Commands
 
 Done = Callable[[float, float, str], None]

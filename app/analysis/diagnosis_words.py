@@ -9,7 +9,7 @@ from scipy import special
 
 from catseye.app.files.result_json import term_unit
 from catseye.calibration.core.cross_validation import CrossValidation
-from catseye.calibration.core.fit_statistics import SIGNIFICANCE
+from catseye.calibration.core.significance import SIGNIFICANCE
 from catseye.calibration.core.types import Floats
 from catseye.calibration.scara.diagnostics.diagnosis import Diagnosis
 from catseye.calibration.scara.diagnostics.drift import Change

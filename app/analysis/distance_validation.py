@@ -9,7 +9,8 @@ from catseye.calibration.core.errors import InsufficientPointsError
 from catseye.calibration.core.types import Bools, Floats, Ints
 from catseye.calibration.scara.arm import arm_design
 from catseye.calibration.scara.distance_model import DistanceModel
-from catseye.calibration.scara.identification import Identification, beam_turn_rad
+from catseye.calibration.scara.identification import Identification
+from catseye.calibration.scara.pointing import beam_turn_rad
 from catseye.calibration.scara.points import Points
 from catseye.calibration.scara.prediction import inside_range
 

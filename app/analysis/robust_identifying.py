@@ -2,9 +2,10 @@
 
 from catseye.app.files.result_json import RobustPart
 from catseye.calibration.core.contributions import Contributions
+from catseye.calibration.core.robust import Loss
 from catseye.calibration.scara.diagnostics.problem import Problem
 from catseye.calibration.scara.diagnostics.rejection import reject
-from catseye.calibration.scara.diagnostics.robust import Loss, robust_fit
+from catseye.calibration.scara.diagnostics.robust import robust_fit
 from catseye.calibration.scara.identification import Identification
 
 LOSSES: dict[str, Loss] = {"huber": "huber", "soft-l1": "soft-l1"}

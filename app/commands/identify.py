@@ -30,7 +30,7 @@ from catseye.app.errors import UsageError
 from catseye.app.files.result_json import Fit, LackOfFitPart, Result, write_result
 from catseye.app.store.unverified import taken_as_it_is
 from catseye.calibration.core.contributions import Contributions
-from catseye.calibration.core.fit_statistics import SIGNIFICANCE
+from catseye.calibration.core.significance import SIGNIFICANCE
 from catseye.calibration.scara.extension import Term
 from catseye.calibration.scara.identification import Identification
 from catseye.calibration.scara.layout import ModelName

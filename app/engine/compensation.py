@@ -4,8 +4,13 @@ from dataclasses import dataclass
 from typing import Literal
 
 from catseye.app.errors import MeasurementRejectedError
-from catseye.calibration.air import HE_NE_VACUUM_NM, Formula, outside_nist_range, refractive_index
-from catseye.calibration.counted_length import compensated_mm
+from catseye.calibration.air import (
+    HE_NE_VACUUM_NM,
+    Formula,
+    compensated_mm,
+    outside_nist_range,
+    refractive_index,
+)
 from catseye.procedures.context import Json
 from catseye.procedures.devices import Air
 

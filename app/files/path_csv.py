@@ -10,8 +10,8 @@ import numpy as np
 
 from catseye.app.errors import UsageError
 from catseye.app.files.csv_table import CsvRow, csv_rows, misnamed
-from catseye.calibration.core.errors import OutOfReachError
 from catseye.calibration.core.types import Floats, Ints
+from catseye.calibration.scara.errors import OutOfReachError
 from catseye.calibration.scara.planar import Hand, forward, inverse
 from catseye.calibration.scara.points import Commands
 

@@ -1,46 +1,45 @@
-"""The errors of an identification's distances, contributor by contributor: what they do and how they are drawn."""
+"""The errors of rows, contributor by contributor: what they do, what rows share, how they are drawn (JCGM 101)."""
 
 import math
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from typing import Literal
 
 import numpy as np
 
-from catseye.calibration.core.distributions import Shape, standard_draws
-from catseye.calibration.core.types import Floats
-from catseye.calibration.scara.budget import (
-    Budget,
-    Contributor,
-    Geometry,
-    combined_white_mm,
-    effects,
-    geometry_of,
-    white_mm,
-)
-from catseye.calibration.scara.distance_model import distance_model
-from catseye.calibration.scara.identification import Identification
+from catseye.calibration.core.types import Floats, Ints
+
+Distribution = Literal["normal", "uniform", "triangular", "arcsine"]
+
+_DIVISORS: dict[Distribution, float] = {
+    "uniform": math.sqrt(3.0),
+    "triangular": math.sqrt(6.0),
+    "arcsine": math.sqrt(2.0),
+}
+"""Half width over standard uncertainty."""
 
 
 @dataclass(frozen=True)
 class White:
-    """Errors that differ from reading to reading.
+    """Errors that differ from row to row.
 
     Attributes:
         name: of the contributor.
-        sigma_mm: standard uncertainty of each distance, shape (n,).
-        shape: distribution of an error; of the beam's angle for a cosine error.
+        sigma_mm: standard uncertainty of each row, shape (n,).
+        distribution: of an error; of the angle for a cosine error.
         dof: degrees of freedom of the standard uncertainty.
-        tilt_rad: standard uncertainty of the beam's angle; None where the errors are no cosine errors.
+        tilt_rad: standard uncertainty of the angle of a cosine error; None for any other error.
     """
 
     name: str
     sigma_mm: Floats
-    shape: Shape = "normal"
+    distribution: Distribution = "normal"
     dof: float = math.inf
     tilt_rad: float | None = None
 
     def draw(self, rng: np.random.Generator, draws: int) -> Floats:
         """Return errors, mm, shape (draws, n)."""
-        errors = standard_draws(self.shape, rng, (draws, self.sigma_mm.size))
+        errors = standard_draws(self.distribution, rng, (draws, self.sigma_mm.size))
         if self.tilt_rad is None:
             errors *= self.sigma_mm
         else:
@@ -54,33 +53,33 @@ class White:
 
 @dataclass(frozen=True)
 class Shared:
-    """Errors that several distances have in common.
+    """Errors that several rows have in common.
 
     Attributes:
         name: of the contributor.
-        effects_mm: what independent sources of unit variance do to the distances, shape (n, m).
-        shape: distribution of a source.
+        effects_mm: what independent sources of unit variance do to the rows, shape (n, m).
+        distribution: of a source.
         dof: degrees of freedom of the standard uncertainty.
     """
 
     name: str
     effects_mm: Floats
-    shape: Shape = "normal"
+    distribution: Distribution = "normal"
     dof: float = math.inf
 
     def draw(self, rng: np.random.Generator, draws: int) -> Floats:
         """Return the sources, shape (draws, m)."""
-        sources = standard_draws(self.shape, rng, (draws, self.effects_mm.shape[1]))
+        sources = standard_draws(self.distribution, rng, (draws, self.effects_mm.shape[1]))
         return _spread_by_dof(sources, self.dof, rng)
 
 
 @dataclass(frozen=True)
-class DistanceErrors:
-    """All errors of the distances.
+class RowErrors:
+    """All errors of the rows.
 
     Attributes:
-        white: those that differ from reading to reading.
-        shared: those that several distances have in common.
+        white: those that differ from row to row.
+        shared: those that several rows have in common.
         factor: what the fit widens all variances by.
         factor_dof: degrees of freedom of that factor; infinite where nothing is widened.
     """
@@ -96,7 +95,7 @@ class DistanceErrors:
         return (*self.white, *self.shared)
 
     def draw(self, rng: np.random.Generator, draws: int) -> Floats:
-        """Return errors of the distances, mm, shape (draws, n)."""
+        """Return errors of the rows, mm, shape (draws, n)."""
         first, *others = _merged(self.white)
         errors = first.draw(rng, draws)
         for white in others:
@@ -108,36 +107,11 @@ class DistanceErrors:
         return _spread_by_dof(errors, self.factor_dof, rng)
 
 
-def distance_errors(identified: Identification) -> DistanceErrors:
-    """Return the errors that an identification's uncertainties come from."""
-    points, fit, budget = identified.points, identified.fit, identified.budget or Budget(())
-    geometry = geometry_of(distance_model(identified.layout, points), identified.parameters)
-    if points.sigma_mm is None:
-        white: tuple[White, ...] = (White("scatter of the fit", np.ones(len(points))),)
-    elif not budget.white:
-        white = (White("sigma_mm of the points", points.sigma_mm),)
-    else:
-        # The weights were made at the starting values; what they are is what the contributors share.
-        share = points.sigma_mm / combined_white_mm(budget, geometry)
-        white = tuple(_white(one, geometry, share) for one in budget.white)
-    return DistanceErrors(
-        white,
-        tuple(
-            Shared(one.name, effects(one, geometry), one.distribution, one.dof) for one in budget.systematic
-        ),
-        fit.variance_factor,
-        fit.dof if points.sigma_mm is None or fit.variance_factor != 1.0 else math.inf,
-    )
-
-
-def _white(one: Contributor, geometry: Geometry, share: Floats) -> White:
-    tilt = one.u if one.kind == "direction" and one.u > 0.0 else None
-    return White(one.name, share * white_mm(one, geometry), one.distribution, one.dof, tilt)
-
-
 def _merged(white: tuple[White, ...]) -> list[White]:
     """Return fewer contributors that draw the same: normal errors, known for certain, add up to normal ones."""
-    plain = [one for one in white if one.shape == "normal" and one.tilt_rad is None and math.isinf(one.dof)]
+    plain = [
+        one for one in white if one.distribution == "normal" and one.tilt_rad is None and math.isinf(one.dof)
+    ]
     if len(plain) < 2:
         return list(white)
     sigma = np.sqrt(np.sum([one.sigma_mm**2 for one in plain], axis=0))
@@ -154,3 +128,71 @@ def _spread_by_dof(errors: Floats, dof: float, rng: np.random.Generator) -> Floa
         return errors
     factor = np.sqrt(dof / rng.chisquare(dof, errors.shape[0]))
     return np.asarray(errors * factor[:, None], dtype=np.float64)
+
+
+def stacked(shared: Sequence[Shared], rows: int) -> Floats:
+    """Return the effects of all sources side by side, mm, shape (rows, m)."""
+    return np.hstack([np.zeros((rows, 0)), *(one.effects_mm for one in shared)])
+
+
+def harmonics(angle: Floats, orders: int) -> Floats:
+    """Return cosine and sine of 1…orders times the angle, in turn, shape (n, 2 · orders)."""
+    turns = angle[:, None] * np.arange(1, orders + 1)
+    return np.stack([np.cos(turns), np.sin(turns)], axis=2).reshape(angle.size, 2 * orders)
+
+
+def per_angle(columns: Floats, angle: Floats, orders: int) -> Floats:
+    """Give each harmonic of an angle a source of its own for each column; the harmonics share the size evenly.
+
+    Args:
+        columns: what a unit error does to each row, shape (n, k).
+        angle: that the error repeats with, rad, shape (n,).
+        orders: harmonics 1…orders.
+
+    Returns:
+        Effects, shape (n, k · 2 · orders).
+    """
+    spread = columns[:, :, None] * harmonics(angle, orders)[:, None, :] / math.sqrt(orders)
+    return np.asarray(spread.reshape(angle.size, -1), dtype=np.float64)
+
+
+def per_group(columns: Floats, group: Ints) -> Floats:
+    """Give each group a source of its own for each column.
+
+    Args:
+        columns: what a unit error does to each row, shape (n, k).
+        group: number of the group that shares an error, shape (n,).
+
+    Returns:
+        Effects, shape (n, k · groups).
+    """
+    own = np.zeros((columns.shape[0], columns.shape[1], int(group.max()) + 1))
+    own[np.arange(group.size), :, group] = columns
+    return own.reshape(columns.shape[0], -1)
+
+
+def standard_draws(
+    distribution: Distribution, rng: np.random.Generator, size: int | tuple[int, ...]
+) -> Floats:
+    """Return independent draws of mean 0 and standard deviation 1."""
+    return _STANDARD[distribution](rng, size)
+
+
+def _uniform(rng: np.random.Generator, size: int | tuple[int, ...]) -> Floats:
+    return rng.uniform(-_DIVISORS["uniform"], _DIVISORS["uniform"], size)
+
+
+def _triangular(rng: np.random.Generator, size: int | tuple[int, ...]) -> Floats:
+    return _DIVISORS["triangular"] * (rng.random(size) - rng.random(size))
+
+
+def _arcsine(rng: np.random.Generator, size: int | tuple[int, ...]) -> Floats:
+    return np.asarray(_DIVISORS["arcsine"] * np.sin(2.0 * np.pi * rng.random(size)), dtype=np.float64)
+
+
+_STANDARD: dict[Distribution, Callable[[np.random.Generator, int | tuple[int, ...]], Floats]] = {
+    "normal": lambda rng, size: rng.standard_normal(size),
+    "uniform": _uniform,
+    "triangular": _triangular,
+    "arcsine": _arcsine,
+}

@@ -1,6 +1,6 @@
-"""Sums of products of rows whose common level in each segment is unknown, kept up row by row.
+"""Sums of products of rows whose common level in each group is unknown, kept up row by row.
 
-The level (the dead path of a segment of distances) is eliminated by taking the rows from their mean.
+The level is eliminated by taking the rows from the mean of their group.
 """
 
 from dataclasses import dataclass
@@ -12,12 +12,12 @@ from catseye.calibration.core.types import Floats
 
 @dataclass
 class CentredSums:
-    """Sums of products of rows that are taken from the means of their segments.
+    """Sums of products of rows that are taken from the means of their groups.
 
     Attributes:
         matrix: sums of products, shape (columns + 1, columns + 1).
-        counts: rows of each segment.
-        means: mean row of each segment.
+        counts: rows of each group.
+        means: mean row of each group.
     """
 
     matrix: Floats
@@ -47,7 +47,7 @@ class CentredSums:
         )
 
     def add(self, stacked: Floats, key: tuple[int, int]) -> None:
-        """Add a row; the mean of its segment moves, and so does everything taken from it (Welford)."""
+        """Add a row; the mean of its group moves, and so does everything taken from it (Welford)."""
         count = self.counts.get(key, 0)
         if count == 0:
             self.counts[key], self.means[key] = 1, stacked.copy()

@@ -1,10 +1,11 @@
-"""Coverage intervals from draws, and the test of a calculated interval against them (JCGM 101)."""
+"""Coverage: factors and degrees of freedom (GUM), intervals from draws and the test of calculated ones (JCGM 101)."""
 
 import math
 from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
+from scipy import special
 
 from catseye.calibration.core.types import Floats
 
@@ -49,7 +50,7 @@ def fewest_draws(coverage: float) -> int:
 
 
 def numerical_tolerance(u: float, digits: int = 1) -> float:
-    """Return half a unit of the last digit of a standard uncertainty that is told with so many digits."""
+    """Return half a unit of the last digit of a standard uncertainty that is stated with so many digits."""
     if not (u > 0.0 and math.isfinite(u)):
         return 0.0
     exponent = int(f"{u:.{digits - 1}e}".partition("e")[2]) - (digits - 1)
@@ -96,7 +97,7 @@ def validate(calculated: Interval, draws: Floats, coverage: float, u: float, dig
         draws: of the quantity, shape (draws,).
         coverage: 0...1.
         u: standard uncertainty, which sets the tolerance.
-        digits: significant digits that it is told with.
+        digits: significant digits that it is stated with.
     """
     drawn = symmetric_interval(draws, coverage)
     sampling = 2.0 * max(_scatter(draws, share) for share in (0.5 * (1.0 - coverage), 0.5 * (1.0 + coverage)))
@@ -115,3 +116,37 @@ def _inside(draws: int, coverage: float) -> int:
     if not 0 < count < draws:
         raise ValueError(f"{draws} draws hold no interval of coverage {coverage:g}")
     return count
+
+
+def effective_dof(parts: Floats, dof: Floats, combined: float | None = None) -> float:
+    """Return the effective degrees of freedom of a combined standard uncertainty (Welch–Satterthwaite).
+
+    Args:
+        parts: standard uncertainty that each independent input makes of the result, shape (k,).
+        dof: degrees of freedom of each, infinite where it is known for certain, shape (k,).
+        combined: combined standard uncertainty; None for the root of the sum of the squares.
+    """
+    total = float(np.sqrt(np.sum(np.square(parts)))) if combined is None else combined
+    if total == 0.0:
+        return math.inf
+    inverse = float(np.sum((np.asarray(parts) / total) ** 4 / np.asarray(dof)))
+    return 1.0 / inverse if inverse > 0.0 else math.inf
+
+
+def coverage_factor(coverage: float, dof: Floats | float) -> Floats:
+    """Return the factor k that makes an expanded of a standard uncertainty.
+
+    Args:
+        coverage: probability that the interval holds the quantity, 0...1.
+        dof: effective degrees of freedom, infinite for a normal distribution, any shape.
+    """
+    return np.asarray(special.stdtrit(dof, 0.5 * (1.0 + coverage)), dtype=np.float64)
+
+
+def correlation(covariance: Floats) -> Floats:
+    """Return the correlation matrix; quantities without uncertainty are correlated with nothing."""
+    u = np.sqrt(np.maximum(np.diag(covariance), 0.0))
+    safe = np.where(u > 0.0, u, 1.0)
+    matrix = np.asarray(covariance / np.outer(safe, safe), dtype=np.float64)
+    np.fill_diagonal(matrix, 1.0)
+    return matrix

@@ -1,29 +1,45 @@
-"""Cross-validation: what the other distances predict of a reflector, a segment, or a sweep.
+"""Cross-validation: what the other rows predict of a group of rows.
 
 No fold is solved again. With H the projection on the model's columns, the residuals of a fold that did not take
 part in the fit are (I − H_gg)⁺ times its residuals in the fit; where a direction of the fold determines parameters
-that no other distance sees (the place of a reflector, a dead path), the pseudo-inverse is the fit of these from the
-fold's own data.
+that no other row depends on, the pseudo-inverse is the fit of these from the fold's own data.
 """
 
 from dataclasses import dataclass
-from typing import Literal
 
 import numpy as np
 from scipy import special
 
-from catseye.calibration.core.fit_statistics import SIGNIFICANCE
 from catseye.calibration.core.projection import Projection
-from catseye.calibration.core.significance import adjusted
+from catseye.calibration.core.significance import SIGNIFICANCE, adjusted
 from catseye.calibration.core.types import Floats, Ints
-
-Way = Literal["reflector", "segment", "sweep"]
 
 _OWN = 1e-9
 """1 − σ² of a direction that the fold alone determines, σ a singular value of its part of the basis."""
 
 _WEAK = 10.0
-"""A fold that is expected to be predicted so many times worse than it is fitted tells nothing of the model."""
+"""A fold whose prediction is expected to be this many times worse than its fit says nothing of the model."""
+
+
+@dataclass(frozen=True)
+class Folds:
+    """A way to leave something out.
+
+    Attributes:
+        way: what is left out at a time.
+        names: of the folds.
+        group: number of each row's fold, shape (n,).
+        own: parameters of each fold that no row outside of it depends on, shape (folds,).
+    """
+
+    way: str
+    names: tuple[str, ...]
+    group: Ints
+    own: Ints
+
+    def rows(self, fold: int) -> Ints:
+        """Return the rows of a fold."""
+        return np.flatnonzero(self.group == fold)
 
 
 @dataclass(frozen=True)
@@ -32,10 +48,10 @@ class Fold:
 
     Attributes:
         name: what it is.
-        rows: its distances.
+        rows: its rows.
         in_sample_um: rms of its residuals in the fit, µm.
         predicted_um: rms of what the others predict of it minus what was measured, µm; NaN when not identified.
-        expected_um: rms that the stated uncertainties, scaled to the fit's scatter, let expect, µm.
+        expected_um: rms expected of the stated uncertainties, scaled to the fit's scatter, µm.
         identified: the others determine what all have in common.
         probability: of a prediction this bad, corrected for the number of folds.
     """
@@ -50,12 +66,12 @@ class Fold:
 
     @property
     def weak(self) -> bool:
-        """The others say next to nothing about it: an uncertain prediction is expected."""
+        """The others say next to nothing about it."""
         return self.identified and self.expected_um > _WEAK * self.in_sample_um
 
     @property
     def fails(self) -> bool:
-        """The others predict it worse than their uncertainties let expect."""
+        """The others predict it worse than their uncertainties explain."""
         return self.identified and self.probability < SIGNIFICANCE
 
 
@@ -67,49 +83,43 @@ class CrossValidation:
         way: what is left out at a time.
         folds: each of them.
         predicted_um: rms of all predictions, weak folds left out, µm; NaN when no fold is left.
-        in_sample_um: rms of the same distances in the fit, µm.
-        expected_um: rms of the predictions that the stated uncertainties let expect, µm.
+        in_sample_um: rms of the same rows in the fit, µm.
+        expected_um: rms expected of the predictions, µm.
     """
 
-    way: Way
+    way: str
     folds: tuple[Fold, ...]
     predicted_um: float
     in_sample_um: float
     expected_um: float
 
 
-def cross_validation(projection: Projection, way: Way) -> CrossValidation:
-    """Leave out each reflector, segment or sweep in turn.
-
-    A sweep is an unbroken row of commands of all reflectors with one and the same θ1 and the same directions of both
-    joints: a movement of J2 one way.
+def cross_validation(projection: Projection, folds: Folds) -> CrossValidation:
+    """Leave out each fold in turn.
 
     Args:
         projection: of the fit.
-        way: what to leave out at a time.
+        folds: what to leave out at a time.
     """
-    names, group = _groups(projection, way)
-    folds = [_fold(projection, np.flatnonzero(group == i), name, len(names)) for i, name in enumerate(names)]
-    used = [fold for fold in folds if fold.identified and not fold.weak]
+    found = [_fold(projection, folds, i) for i in range(len(folds.names))]
+    used = [fold for fold in found if fold.identified and not fold.weak]
     return CrossValidation(
-        way,
-        tuple(folds),
+        folds.way,
+        tuple(found),
         _pooled([fold.predicted_um for fold in used], used),
         _pooled([fold.in_sample_um for fold in used], used),
         _pooled([fold.expected_um for fold in used], used),
     )
 
 
-def predicted_residuals(projection: Projection, way: Way) -> Floats:
-    """Return what the others predict of each distance minus what was measured, mm, shape (n,).
+def predicted_residuals(projection: Projection, folds: Folds) -> Floats:
+    """Return what the others predict of each row minus what was measured, mm, shape (n,).
 
     NaN where the others do not determine what all have in common.
     """
-    names, group = _groups(projection, way)
-    predicted = np.full(group.size, np.nan)
-    for i in range(len(names)):
-        rows = np.flatnonzero(group == i)
-        left_out = _LeftOut.of(projection, rows)
+    predicted = np.full(folds.group.size, np.nan)
+    for i in range(len(folds.names)):
+        left_out, rows = _LeftOut.of(projection, folds, i), folds.rows(i)
         if left_out.identified:
             predicted[rows] = left_out.predict(projection.residuals[rows]) / projection.weights[rows]
     return predicted
@@ -137,12 +147,12 @@ class _LeftOut:
     identified: bool
 
     @classmethod
-    def of(cls, projection: Projection, rows: Ints) -> "_LeftOut":
-        own = projection.orthonormal[rows]
+    def of(cls, projection: Projection, folds: Folds, fold: int) -> "_LeftOut":
+        own = projection.orthonormal[folds.rows(fold)]
         vectors, values, _ = np.linalg.svd(own, full_matrices=False)
         shares = np.minimum(values**2, 1.0)
         alone = int(np.sum(1.0 - shares < _OWN))
-        return cls(vectors, shares, alone == _own_parameters(projection, rows))
+        return cls(vectors, shares, alone == int(folds.own[fold]))
 
     @property
     def _grown(self) -> Floats:
@@ -170,21 +180,12 @@ class _LeftOut:
         return mean, mean**2 / square
 
 
-def _own_parameters(projection: Projection, rows: Ints) -> int:
-    """Return how many parameters are the fold's own: places and dead paths that no other distance sees."""
-    points = projection.points
-    others = np.ones(len(points), dtype=np.bool_)
-    others[rows] = False
-    places = np.setdiff1d(points.reflector[rows], points.reflector[others]).size
-    return 2 * places + int(np.setdiff1d(points.dead_path[rows], points.dead_path[others]).size)
-
-
-def _fold(projection: Projection, rows: Ints, name: str, folds: int) -> Fold:
-    left_out = _LeftOut.of(projection, rows)
+def _fold(projection: Projection, folds: Folds, fold: int) -> Fold:
+    left_out, rows, name = _LeftOut.of(projection, folds, fold), folds.rows(fold), folds.names[fold]
     weights, residuals = projection.weights[rows], projection.residuals[rows]
     in_sample_um = 1e3 * float(np.sqrt(np.mean((residuals / weights) ** 2)))
     if not left_out.identified or projection.square <= 0.0:
-        return Fold(name, rows.size, in_sample_um, float("nan"), float("nan"), left_out.identified, 1.0)
+        return Fold(name, int(rows.size), in_sample_um, float("nan"), float("nan"), left_out.identified, 1.0)
     predicted = left_out.predict(residuals)
     mean, dof = left_out.expected(left_out.predict(projection.effects[rows]))
     scatter = projection.square / projection.expected.mean
@@ -197,23 +198,5 @@ def _fold(projection: Projection, rows: Ints, name: str, folds: int) -> Fold:
         predicted_um=1e3 * float(np.sqrt(np.mean((predicted / weights) ** 2))),
         expected_um=unit_um * float(np.sqrt(scatter * mean / rows.size)),
         identified=True,
-        probability=adjusted(float(special.fdtrc(dof, projection.expected.dof, ratio)), folds),
+        probability=adjusted(float(special.fdtrc(dof, projection.expected.dof, ratio)), len(folds.names)),
     )
-
-
-def _groups(projection: Projection, way: Way) -> tuple[list[str], Ints]:
-    """Return the folds' names and the number of each row's fold, shape (n,)."""
-    points = projection.points
-    if way == "reflector":
-        return [f"reflector {name}" for name in points.reflector_names], points.reflector
-    if way == "segment":
-        return [f"segment {number} of {name}" for name, number in points.dead_paths], points.dead_path
-    commands = points.commands
-    keys = np.column_stack([np.round(commands.theta1_rad, 9), commands.direction1, commands.direction2])
-    distinct, number = np.unique(keys, axis=0, return_inverse=True)
-    signs = {1: "+", -1: "−"}
-    names = [
-        f"θ1 = {round(float(np.rad2deg(angle)), 6):g}° ({signs[int(one)]}), J2 {signs[int(two)]}"
-        for angle, one, two in distinct.tolist()
-    ]
-    return names, np.asarray(np.ravel(number), dtype=np.int64)

@@ -5,16 +5,8 @@ class CalibrationError(Exception):
     """Root of the errors of the calibration room; the text says what to do."""
 
 
-class OutOfReachError(CalibrationError):
-    """A position lies outside the ring that the arm reaches."""
-
-
-class MapRangeError(CalibrationError):
-    """An angle lies outside the nodes of an error map; maps are never extrapolated."""
-
-
 class UnidentifiableError(CalibrationError):
-    """The points leave combinations of parameters undetermined.
+    """The rows leave combinations of parameters undetermined.
 
     Args:
         text: what is undetermined and what to measure.
@@ -31,15 +23,15 @@ class UnidentifiableError(CalibrationError):
 
 
 class InsufficientPointsError(CalibrationError):
-    """There are fewer usable points than the model needs."""
+    """There are fewer usable rows than the model needs."""
 
 
 class ConvergenceError(CalibrationError):
-    """The iteration did not settle; the starting values are too far off or the points contradict."""
+    """The iteration did not settle: the starting values are too far off, or the rows contradict each other."""
 
 
 class RejectionError(CalibrationError):
-    """More distances than a stated share would have to be left out: the model is in doubt, not the points."""
+    """More rows than a stated share would have to be left out: the model is in doubt, not the measurement."""
 
 
 class BudgetError(CalibrationError):

@@ -39,7 +39,7 @@ class Factor:
 
     @property
     def regular(self) -> Bools:
-        """Flags of the directions that the points determine, shape (free,)."""
+        """Flags of the directions that the rows determine, shape (free,)."""
         return np.asarray(self.singular_values > RANK_TOLERANCE * self.singular_values[0])
 
     def covariance(self) -> Floats:
@@ -48,6 +48,14 @@ class Factor:
         inverse = np.where(regular, 1.0 / np.where(regular, self.singular_values, 1.0), 0.0)
         half = (self.right.T * inverse) / self.scale[:, None]
         return np.asarray(half @ half.T, dtype=np.float64)
+
+    def covariance_on(self, basis: Floats) -> Floats:
+        """Return the covariance of the parameters for unit weights, shape (p, p).
+
+        Args:
+            basis: steps that keep the gauge, shape (p, free).
+        """
+        return np.asarray(basis @ self.covariance() @ basis.T, dtype=np.float64)
 
 
 def factorise(jacobian: Floats) -> Factor:
@@ -90,6 +98,7 @@ def minimise(
     start: Floats,
     basis: Floats,
     weights: Floats,
+    unsettled: str = "check the starting values",
 ) -> Solution:
     """Minimise the sum of squares of weights × residuals.
 
@@ -99,6 +108,7 @@ def minimise(
         start: starting values, shape (p,); they fulfil the gauge.
         basis: steps that keep the gauge, shape (p, free).
         weights: reciprocal standard uncertainties, shape (n,).
+        unsettled: advice for an iteration that does not settle.
 
     Raises:
         ConvergenceError: no convergence within the iteration limit, or no step lowers the residuals.
@@ -113,8 +123,7 @@ def minimise(
             final = jacobian(parameters)
             return Solution(parameters, current, final, (final * weights[:, None]) @ basis, iteration)
     raise ConvergenceError(
-        f"no convergence after {MAX_ITERATIONS} iterations (last change {change:.3g} mm rms): check the "
-        "rough reflector places and the nominal links in the cell file, and the reflector names of the points"
+        f"no convergence after {MAX_ITERATIONS} iterations (last change {change:.3g} mm rms): {unsettled}"
     )
 
 

@@ -1,4 +1,4 @@
-"""A fit seen as a projection: what it leaves of any function of the distances, and what that function would explain.
+"""A fit seen as a projection: what it leaves of any function of the rows, and what that function would explain.
 
 Everything is in units of the stated white uncertainties (of 1 mm when none are stated) and linear about the estimate.
 A function that the model lacks is judged by what is left of it beside the model's own columns (Frisch, Waugh,
@@ -6,17 +6,15 @@ Lovell): its coefficient is the one that a fit with it would find, without that 
 """
 
 from dataclasses import dataclass, replace
+from typing import Self
 
 import numpy as np
 from scipy import linalg
 
-from catseye.calibration.core.fit_statistics import SIGNIFICANCE, Expected, point_weights
-from catseye.calibration.core.significance import FTest, f_test
+from catseye.calibration.core.budget import stacked
+from catseye.calibration.core.model import Model
+from catseye.calibration.core.significance import SIGNIFICANCE, Expected, FTest, f_test
 from catseye.calibration.core.types import Floats
-from catseye.calibration.scara.budget import Geometry, geometry_of, systematic_effects
-from catseye.calibration.scara.distance_model import distance_model
-from catseye.calibration.scara.identification import Identification
-from catseye.calibration.scara.points import Points
 
 _ABSORBED = 1e-5
 """A function of which the model leaves less than this share is absorbed by the model."""
@@ -27,25 +25,16 @@ class Projection:
     """A fit on the space that its model cannot reach.
 
     Attributes:
-        geometry: how the distances answer to the arm.
         weights: reciprocal white standard uncertainties, 1/mm, shape (n,).
         orthonormal: orthonormal basis of the weighted Jacobian's columns, shape (n, free).
         residuals: weighted residuals, predicted minus measured, shape (n,).
-        raw_effects: effects of the stated systematic contributors, weighted, shape (n, m).
-        effects: what the fit leaves of them, shape (n, m).
+        effects: weighted effects of shared errors that the fit leaves over, shape (n, m).
     """
 
-    geometry: Geometry
     weights: Floats
     orthonormal: Floats
     residuals: Floats
-    raw_effects: Floats
     effects: Floats
-
-    @property
-    def points(self) -> Points:
-        """The distances."""
-        return self.geometry.points
 
     @property
     def dof(self) -> int:
@@ -59,7 +48,7 @@ class Projection:
 
     @property
     def expected(self) -> Expected:
-        """What the stated uncertainties let the sum of squares expect."""
+        """Expectation of the sum of squares."""
         return Expected.of(self.dof, self.effects)
 
     @property
@@ -73,7 +62,7 @@ class Projection:
         # Once more: the first pass leaves rounding of the size of what it took off.
         return np.asarray(rest - self.orthonormal @ (self.orthonormal.T @ rest), dtype=np.float64)
 
-    def extended(self, columns: Floats) -> "Projection":
+    def extended(self, columns: Floats) -> Self:
         """Return the projection of the model with further functions, which take up what they can.
 
         Args:
@@ -93,17 +82,20 @@ class Projection:
         )
 
 
-def projection_of(identified: Identification) -> Projection:
-    """Return an identification as a projection."""
-    model = distance_model(identified.layout, identified.points)
-    weights = point_weights(identified.points)
-    jacobian = (model.jacobian(identified.parameters) * weights[:, None]) @ identified.layout.gauge_basis()
+def project(model: Model, values: Floats, residuals_mm: Floats) -> Projection:
+    """Return a fit as a projection.
+
+    Args:
+        model: the rows.
+        values: the estimate, shape (p,).
+        residuals_mm: its residuals, shape (n,).
+    """
+    weights = model.weights
+    jacobian = (model.jacobian(values) * weights[:, None]) @ model.parameters.basis
     scaled = jacobian / np.linalg.norm(jacobian, axis=0)
     basis: Floats = linalg.qr(scaled, mode="economic", check_finite=False)[0]
-    geometry = geometry_of(model, identified.parameters)
-    effects = systematic_effects(identified.budget, geometry) * weights[:, None]
-    left = effects - basis @ (basis.T @ effects)
-    return Projection(geometry, weights, basis, identified.residuals_mm * weights, effects, left)
+    effects = stacked(model.shared(values), weights.size) * weights[:, None]
+    return Projection(weights, basis, residuals_mm * weights, effects - basis @ (basis.T @ effects))
 
 
 @dataclass(frozen=True)
@@ -112,13 +104,13 @@ class Addition:
 
     Attributes:
         coefficients: of the functions, shape (k,), as a fit with them would find.
-        covariance: of the coefficients, shape (k, k): stated contributors, scaled to the scatter that would be left.
+        covariance: of the coefficients, shape (k, k): stated errors, scaled to the scatter that would be left.
         dof: independent functions that the model leaves.
         rest_dof: degrees of freedom that would be left.
-        explained_um: standard deviation that they would take off each distance, µm; white scatter taken off.
+        explained_um: standard deviation that they would take off each row, µm; white scatter taken off.
         ratio: F, mean square that they would explain over the mean square that would be left.
         probability: of a ratio this large when they explain nothing and errors are white.
-        probability_stated: of a ratio this large when the stated systematic contributors act too.
+        probability_stated: of a ratio this large when the stated shared errors act too.
     """
 
     coefficients: Floats
@@ -144,7 +136,7 @@ def addition(projection: Projection, columns: Floats) -> Addition | None:
         columns: derivatives of the residuals by the functions' coefficients, mm per unit, shape (n, k).
 
     Returns:
-        None when the model absorbs the functions, so that these points cannot tell of them, or when no degree of
+        None when the model absorbs the functions, so that these rows say nothing of them, or when no degree of
         freedom would be left.
     """
     weighted = columns * projection.weights[:, None]

@@ -1,28 +1,34 @@
-"""Which combinations of parameters the points leave undetermined, by name."""
+"""Which combinations of parameters the rows leave undetermined, by name."""
 
 import numpy as np
+from scipy import linalg
 
 from catseye.calibration.core.errors import UnidentifiableError
 from catseye.calibration.core.least_squares import RANK_TOLERANCE, factorise
+from catseye.calibration.core.model import Parameters
 from catseye.calibration.core.types import Bools, Floats
-from catseye.calibration.scara.layout import Layout
 
 _PARTICIPATION = 0.02
 """A parameter takes part in a null direction when its scaled share exceeds this."""
 
+_RANK = 1e-12
+"""Eigenvalues of scaled information below this share of the largest count as zero."""
+
+_INVOLVED = 1e-4
+"""A parameter is loose when its scaled share in a null direction of information exceeds this."""
+
 
 def null_directions(
-    layout: Layout, jacobian: Floats, basis: Floats, tolerance: float = RANK_TOLERANCE
+    parameters: Parameters, jacobian: Floats, tolerance: float = RANK_TOLERANCE
 ) -> list[list[str]]:
     """Return the undetermined combinations beyond the gauge, each as the names of its parameters.
 
     Args:
-        layout: names of the parameters.
+        parameters: names and gauge.
         jacobian: weighted Jacobian at the solution, shape (n, p).
-        basis: steps that keep the gauge, shape (p, free).
         tolerance: singular values below this share of the largest count as zero.
     """
-    names = layout.names()
+    names, basis = parameters.names, parameters.basis
     norms = np.linalg.norm(jacobian, axis=0)
     touched = norms > 0.0
     untouched = [[names[i]] for i in np.flatnonzero(~touched)]
@@ -33,40 +39,39 @@ def null_directions(
     return untouched + [_involved(names, norms, basis @ (row / factor.scale)) for row in null]
 
 
-def require_identifiable(
-    layout: Layout, jacobian: Floats, basis: Floats, tolerance: float = RANK_TOLERANCE
-) -> None:
-    """Refuse a problem that leaves parameters undetermined; arguments are those of null_directions.
+def require_identifiable(parameters: Parameters, jacobian: Floats, tolerance: float = RANK_TOLERANCE) -> None:
+    """Refuse a problem that leaves parameters undetermined; arguments are those of `null_directions`.
 
     Raises:
         UnidentifiableError: names the parameters of each null direction and what to measure.
     """
-    directions = null_directions(layout, jacobian, basis, tolerance)
-    if not directions:
-        return
-    own = {term.name for term in layout.terms if term.of_own_joint}
-    periodic = [
-        name for name in layout.names() if any(name in own.intersection(names) for names in directions)
-    ]
-    rest = [names for names in directions if not own.intersection(names)]
-    single = [names[0] for names in rest if len(names) == 1]
-    mixed = [", ".join(names) for names in rest if len(names) > 1]
-    parts = []
-    if periodic:
-        parts.append(
-            f"at these commands the maps absorb {_shortened(periodic)}: measure between the nodes, at angles that "
-            "differ within the period, or leave the terms out"
-        )
-    if single:
-        parts.append(
-            f"no point touches {_shortened(single)}: approach these nodes from these directions, "
-            "or leave the nodes out of the cell file's [measurement]"
-        )
-    parts += [
-        f"the points cannot separate {text}: vary the commands of both joints more, or add a reflector"
-        for text in mixed
-    ]
-    raise UnidentifiableError("the points do not determine every parameter: " + "; ".join(parts), directions)
+    directions = null_directions(parameters, jacobian, tolerance)
+    if directions:
+        raise UnidentifiableError(parameters.undetermined(directions), directions)
+
+
+def known_variances(information: Floats, effects: Floats, basis: Floats) -> tuple[Floats, Bools]:
+    """Return the variances of parameters in the gauge and flags of those that are not determined, shape (p,) each.
+
+    Args:
+        information: of the parameters, JᵀWJ, shape (p, p).
+        effects: of sources that rows share, JᵀWE, shape (p, m).
+        basis: steps that keep the gauge, shape (p, free).
+    """
+    reduced = basis.T @ information @ basis
+    diagonal = np.diag(reduced)
+    scale = 1.0 / np.sqrt(np.where(diagonal > 0.0, diagonal, 1.0))
+    values, vectors = linalg.eigh(reduced * np.outer(scale, scale), check_finite=False)
+    regular = values > _RANK * values[-1]
+    directions = basis @ (scale[:, None] * vectors)
+    half = directions[:, regular] / np.sqrt(values[regular])
+    shifts = half @ (half.T @ effects)
+    variance = np.sum(half**2, axis=1) + np.sum(shifts**2, axis=1)
+    norms = np.sqrt(np.diag(information))
+    touched = norms > 0.0
+    share = np.abs(directions[:, ~regular]) * np.where(touched, norms, norms.max())[:, None]
+    loose = ~touched | np.any(share > _INVOLVED * share.max(axis=0, initial=0.0), axis=1)
+    return variance, np.asarray(loose)
 
 
 def _basis_within(basis: Floats, touched: Bools) -> Floats:
@@ -76,11 +81,6 @@ def _basis_within(basis: Floats, touched: Bools) -> Floats:
     return np.asarray(basis @ right[rank:].T, dtype=np.float64)
 
 
-def _involved(names: list[str], norms: Floats, direction: Floats) -> list[str]:
+def _involved(names: tuple[str, ...], norms: Floats, direction: Floats) -> list[str]:
     share = np.abs(direction * np.where(norms > 0.0, norms, 1.0))
     return [names[i] for i in np.flatnonzero(share > _PARTICIPATION * share.max())]
-
-
-def _shortened(names: list[str], most: int = 12) -> str:
-    shown = ", ".join(names[:most])
-    return shown if len(names) <= most else f"{shown} and {len(names) - most} more"

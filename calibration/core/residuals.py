@@ -1,4 +1,4 @@
-"""Residuals of single distances: studentised, their leverage, their influence."""
+"""Residuals of single rows: studentised, their leverage, their influence."""
 
 from dataclasses import dataclass
 
@@ -7,22 +7,25 @@ import numpy as np
 from catseye.calibration.core.projection import Projection
 from catseye.calibration.core.types import Floats
 
+NORMAL_MAD = 0.6744897501960817
+"""Median of the modulus of a standard normal error."""
+
 _DETERMINED = 1e-10
-"""A distance whose leverage comes closer to 1 than this determines a parameter alone; nothing speaks about it."""
+"""A row whose leverage comes closer to 1 than this determines a parameter alone; nothing speaks about it."""
 
 
 @dataclass(frozen=True)
 class StudentisedResiduals:
-    """Residuals in their own standard deviations; NaN where a distance determines a parameter alone.
+    """Residuals in their own standard deviations; NaN where a row determines a parameter alone.
 
     Attributes:
-        leverage: share that a distance has in its own fitted value, shape (n,); they add up to the free parameters.
+        leverage: share that a row has in its own fitted value, shape (n,); they add up to the free parameters.
         internal: residual over its standard deviation s √(1 − h), s from all residuals, shape (n,).
         external: the same with s from the other residuals; Student's t with dof − 1, shape (n,).
-        cook: Cook's distance: how far the estimate moves without the distance, in its own confidence region.
-        normalised: residual over what the stated contributors let expect, systematic ones included, shape (n,); None
-            when no uncertainty is stated. White errors alone let |external| expect 1; common errors make neighbours
-            alike and leave external too large where their effect is large, which this one takes into account.
+        cook: Cook's distance: how far the estimate moves without the row, in its own confidence region.
+        normalised: residual over its stated standard uncertainty, shared errors included, shape (n,); None when no
+            uncertainty is stated. Shared errors make neighbours alike and `external` too large where their effect is
+            large; this one takes them into account.
     """
 
     leverage: Floats
@@ -55,3 +58,14 @@ def studentised(projection: Projection, stated: bool) -> StudentisedResiduals:
         cook=internal**2 * leverage / (own * free),
         normalised=projection.residuals / np.sqrt(own + common) if stated else None,
     )
+
+
+def robustly_studentised(projection: Projection) -> Floats:
+    """Return externally studentised residuals with a robust scale, shape (n,); NaN where a row stands alone.
+
+    The scale is 1.4826 times the median modulus of the studentised residuals, which outliers hardly move.
+    """
+    own = 1.0 - np.einsum("ij,ij->i", projection.orthonormal, projection.orthonormal)
+    raw = projection.residuals / np.sqrt(np.where(own > _DETERMINED, own, np.nan))
+    scale = float(np.nanmedian(np.abs(raw))) / NORMAL_MAD
+    return raw / max(scale, 1e-9 * float(np.mean(projection.weights)))

@@ -61,7 +61,7 @@ def drift_rate(time_s: Floats, length_mm: Floats) -> DriftRate | None:
 
     Args:
         time_s: times of the visits, s, shape (n,).
-        length_mm: distances, one dead path, mm, shape (n,).
+        length_mm: distances that share a zero, mm, shape (n,).
     """
     if time_s.size < _FEWEST or np.ptp(time_s) <= 0.0:
         return None
@@ -79,10 +79,10 @@ def settling(time_s: Floats, length_mm: Floats) -> Settling | None:
 
     Args:
         time_s: times of the visits, s, shape (n,).
-        length_mm: distances, one dead path, mm, shape (n,).
+        length_mm: distances that share a zero, mm, shape (n,).
 
     Returns:
-        None while the distances do not tell an exponential from a straight line.
+        None while the distances do not separate an exponential from a straight line.
     """
     if time_s.size < _FEWEST + 2 or np.ptp(time_s) <= 0.0:
         return None

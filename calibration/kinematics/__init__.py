@@ -1,1 +1,1 @@
-"""Kinematics of arms: the planar SCARA, serial chains, bodies and the ways that these sweep."""
+"""Kinematics of any serial arm: frames, bodies, and the ways that these sweep."""

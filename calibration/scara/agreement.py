@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy import special
 
-from catseye.calibration.core.fit_statistics import SIGNIFICANCE
+from catseye.calibration.core.significance import SIGNIFICANCE
 from catseye.calibration.core.types import Floats
 from catseye.calibration.scara.comparison import Comparison
 
@@ -23,7 +23,7 @@ class Agreement:
     be, and dᵀd / trace W follows χ²/ν with ν = (trace W)² / trace W² degrees of freedom (Satterthwaite).
 
     Attributes:
-        expected_um: 2-D rms that the stated uncertainties let expect, µm.
+        expected_um: 2-D rms expected of the stated uncertainties, µm.
         share: share of the variance left over that they explain; above 1 they are on the safe side.
         dof: effective degrees of freedom ν.
         probability: of differences this large if the stated uncertainties are all there is.

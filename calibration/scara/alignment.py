@@ -111,7 +111,7 @@ def fit_pitch(distance_mm: Floats, height_mm: Floats, u_height_mm: float) -> Pit
     Args:
         distance_mm: from the J4 axis to the reflector, mm, shape (n,).
         height_mm: J3 in the middle of the return, mm, shape (n,).
-        u_height_mm: stated standard uncertainty of such a height; two distances have no scatter to tell it.
+        u_height_mm: stated standard uncertainty of such a height; two distances have no scatter of their own.
 
     Raises:
         InsufficientPointsError: fewer than two heights.

@@ -10,11 +10,19 @@ from typing import Literal
 
 import numpy as np
 
-from catseye.calibration.core.types import Floats, Ints
-from catseye.calibration.scara.distance_model import DistanceModel
+from catseye.calibration.core.budget import (
+    Distribution,
+    Shared,
+    White,
+    harmonics,
+    per_angle,
+    per_group,
+    stacked,
+)
+from catseye.calibration.core.types import Floats
 from catseye.calibration.scara.extension import Term, term_values
 from catseye.calibration.scara.points import Points
-from catseye.calibration.scara.radial import RadialBudget, axis_frame, harmonics
+from catseye.calibration.scara.radial import axis_frame
 
 Kind = Literal["length", "scale", "position", "angle", "radial", "direction"]
 """What is uncertain: the distance, its scale, the position of the J4 axis, a joint's angle, the place of a joint's
@@ -22,8 +30,6 @@ axis, the direction of the beam."""
 
 Correlation = Literal["reading", "pose", "axis-angle", "common"]
 """What shares one and the same error: nothing, a pose, an angle of an axis, the whole measurement."""
-
-Distribution = Literal["normal", "uniform", "triangular", "arcsine"]
 
 Axis = Literal["j1", "j2", "j4"]
 
@@ -112,13 +118,6 @@ class Geometry:
     terms: tuple[Term, ...] = ()
 
 
-def geometry_of(model: DistanceModel, parameters: Floats) -> Geometry:
-    """Return the geometry of distances at parameters of shape (p,)."""
-    length, unit = model.beam(parameters)
-    local = np.einsum("ni,nij->nj", unit, model.design.local_jacobian(parameters))
-    return Geometry(model.points, unit, length, local[:, 2:], model.layout.terms)
-
-
 def white_mm(contributor: Contributor, geometry: Geometry) -> Floats:
     """Return the standard uncertainty that a white contributor gives each distance, mm, shape (n,)."""
     columns = _columns(contributor, geometry)
@@ -148,10 +147,10 @@ def effects(contributor: Contributor, geometry: Geometry) -> Floats:
         case "common":
             return columns
         case "pose":
-            return _per_group(columns, _poses(geometry.points))
+            return per_group(columns, geometry.points.commands.poses())
         case _:
             angle = _angle(contributor.axis, geometry)
-            repeated = _repeated(columns, angle, contributor.orders)
+            repeated = per_angle(columns, angle, contributor.orders)
             known = tuple(
                 term for term in geometry.terms if (term.target, term.source) == ("length", "theta4")
             )
@@ -160,12 +159,6 @@ def effects(contributor: Contributor, geometry: Geometry) -> Floats:
             return repeated - term_values(known, {"theta4": angle}, angle.size) @ _described(
                 contributor, known
             )
-
-
-def _repeated(columns: Floats, angle: Floats, orders: int) -> Floats:
-    """Return columns of shape (n, 1) or (n, 2) as they vary with an angle, shape (n, columns · 2 · orders)."""
-    spread = columns[:, :, None] * harmonics(angle, orders)[:, None, :] / math.sqrt(orders)
-    return np.asarray(spread.reshape(angle.size, -1), dtype=np.float64)
 
 
 def _described(contributor: Contributor, known: tuple[Term, ...]) -> Floats:
@@ -177,15 +170,39 @@ def _described(contributor: Contributor, known: tuple[Term, ...]) -> Floats:
     angle = 2.0 * np.pi * np.arange(values) / values
     # The beam's angle against link 2 is θ4 itself, and the unit vectors point the other way.
     beam = np.ones((values, 1)) if contributor.kind == "length" else -harmonics(angle, 1)
-    sources = _repeated(contributor.u * beam, angle, contributor.orders)
+    sources = per_angle(contributor.u * beam, angle, contributor.orders)
     return np.asarray(2.0 / values * term_values(known, {"theta4": angle}, values).T @ sources)
+
+
+def white_errors(budget: Budget, geometry: Geometry, share: Floats) -> tuple[White, ...]:
+    """Return the white contributors as errors of the distances.
+
+    Args:
+        budget: contributors.
+        geometry: how the distances answer to the arm.
+        share: of each contributor's uncertainty that counts, shape (n,).
+    """
+    return tuple(
+        White(
+            one.name,
+            share * white_mm(one, geometry),
+            one.distribution,
+            one.dof,
+            one.u if one.kind == "direction" and one.u > 0.0 else None,
+        )
+        for one in budget.white
+    )
+
+
+def shared_errors(budget: Budget | None, geometry: Geometry) -> tuple[Shared, ...]:
+    """Return the systematic contributors as errors that distances have in common."""
+    systematic = () if budget is None else budget.systematic
+    return tuple(Shared(one.name, effects(one, geometry), one.distribution, one.dof) for one in systematic)
 
 
 def systematic_effects(budget: Budget | None, geometry: Geometry) -> Floats:
     """Return the effects of all systematic contributors, mm, shape (n, m)."""
-    if budget is None or not budget.systematic:
-        return np.zeros((len(geometry.points), 0))
-    return np.hstack([effects(one, geometry) for one in budget.systematic])
+    return stacked(shared_errors(budget, geometry), len(geometry.points))
 
 
 def _columns(contributor: Contributor, geometry: Geometry) -> Floats:
@@ -216,38 +233,3 @@ def _angle(axis: Axis | None, geometry: Geometry) -> Floats:
     if axis == "j2":
         return commands.theta2_rad
     return np.arctan2(-unit[:, 1], -unit[:, 0]) - commands.theta1_rad - commands.theta2_rad
-
-
-def _poses(points: Points) -> Ints:
-    """Return the number of each row's pose, shape (n,)."""
-    angles = np.column_stack([points.commands.theta1_rad, points.commands.theta2_rad])
-    return np.asarray(np.unique(np.round(angles, 9), axis=0, return_inverse=True)[1], dtype=np.int64).ravel()
-
-
-def _per_group(columns: Floats, group: Ints) -> Floats:
-    """Give each group a source of its own for each column, shape (n, columns · groups)."""
-    own = np.zeros((columns.shape[0], columns.shape[1], int(group.max()) + 1))
-    own[np.arange(group.size), :, group] = columns
-    return own.reshape(columns.shape[0], -1)
-
-
-def radial_motions(budget: RadialBudget) -> Budget:
-    """Return radial error motions of J1, J2 and J4 as contributors."""
-    stated: tuple[tuple[Axis, float], ...] = (
-        ("j1", budget.j1_mm),
-        ("j2", budget.j2_mm),
-        ("j4", budget.j4_mm),
-    )
-    return Budget(
-        tuple(
-            Contributor(
-                f"radial error motion of {axis.upper()}",
-                "radial",
-                u,
-                "axis-angle",
-                axis,
-                orders=budget.orders,
-            )
-            for axis, u in stated
-        )
-    )

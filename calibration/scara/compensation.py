@@ -47,7 +47,7 @@ class Compensation:
 def compensate(arm: IdentifiedArm, commands: Commands, wished_mm: Floats) -> Compensation:
     """Return the commands at which the arm stands at wished positions.
 
-    The kinematics turn round in closed form: they tell which actual angles a = θ + Δθ(θ, s) bring the arm there. What
+    The inverse kinematics give the actual angles a = θ + Δθ(θ, s) in closed form. What
     is left, θ = a − Δθ(θ, s), is iterated from the uncorrected command. Each step shrinks the error by the largest
     slope of the maps, so kinks at their nodes do no harm, nor does a stretched arm: from 0.3 mm to 1e-9 mm it takes
     4 steps where the maps change by at most 1 mdeg a degree and 12 where they change by 100, and one that confirms.

@@ -4,8 +4,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from catseye.calibration.core.errors import MapRangeError
 from catseye.calibration.core.types import Floats, Ints
+from catseye.calibration.scara.errors import MapRangeError
 
 
 @dataclass(frozen=True)

@@ -74,7 +74,7 @@ def crosstalk(orders: tuple[int, ...] = (1, 2)) -> tuple[Term, ...]:
 def j4_map(orders: tuple[int, ...] = (2, 3, 4, 5, 6)) -> tuple[Term, ...]:
     """Return what the angle of J4 adds to a distance.
 
-    Orders 0 and 1 cannot be told from dead paths, L2 and the mean of the J2 map, so they are not part of it.
+    Orders 0 and 1 cannot be separated from dead paths, L2 and the mean of the J2 map, so they are not part of it.
     """
     return waves("length", "theta4", orders)
 

@@ -5,16 +5,14 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from catseye.calibration.core.errors import BudgetError, InsufficientPointsError
-from catseye.calibration.core.fit_statistics import FitStatistics, WeightedFit, fit_statistics, point_weights
-from catseye.calibration.core.least_squares import Solution, minimise
-from catseye.calibration.core.rank import require_identifiable
+from catseye.calibration.core.estimation import Estimate, estimate
+from catseye.calibration.core.fit_statistics import FitStatistics
 from catseye.calibration.core.types import Floats
-from catseye.calibration.scara.budget import Budget, combined_white_mm, geometry_of, systematic_effects
+from catseye.calibration.scara.budget import Budget, combined_white_mm
 from catseye.calibration.scara.distance_model import DistanceModel, distance_model
 from catseye.calibration.scara.extension import Term
 from catseye.calibration.scara.layout import Layout, ModelName
-from catseye.calibration.scara.planar import forward, wrap_rad
-from catseye.calibration.scara.pointing import beam_direction
+from catseye.calibration.scara.pointing import beam_turn_rad
 from catseye.calibration.scara.points import Points, without_short_segments
 
 
@@ -64,6 +62,16 @@ class Identification:
         return IdentifiedArm(self.layout.of_arm(), self.parameters[:size], self.covariance[:size, :size])
 
     @property
+    def model(self) -> DistanceModel:
+        """The distances as rows of the model."""
+        return distance_model(self.layout, self.points, self.budget)
+
+    @property
+    def estimate(self) -> Estimate:
+        """The estimate without what it is of."""
+        return Estimate(self.parameters, self.covariance, self.residuals_mm, self.fit)
+
+    @property
     def standard_uncertainty(self) -> Floats:
         """Standard uncertainties (k = 1) of the parameters, shape (p,)."""
         return np.sqrt(np.maximum(np.diag(self.covariance), 0.0))
@@ -109,34 +117,29 @@ def identify(
     if any(term.source == "theta4" for term in terms):
         used = replace(used, theta4_rad=beam_turn_rad(used, (link1_mm, link2_mm), rough))
     _require_points(used, layout)
-    distances = distance_model(layout, used)
+    if budget is not None and used.sigma_mm is not None:
+        # What differs from reading to reading is stated with the points.
+        budget = Budget(budget.systematic)
+    distances = distance_model(layout, used, budget)
     start = distances.start(link1_mm, link2_mm, rough)
     if budget is not None and used.sigma_mm is None:
         distances = _weighted(distances, start, budget)
-    elif budget is not None:
-        # What differs from reading to reading is stated with the points.
-        budget = Budget(budget.systematic)
-    solution = _solved(distances, start)
-    return _judge(distances, solution, budget, rejected)
-
-
-def beam_turn_rad(points: Points, nominal_mm: tuple[float, float], reflectors_mm: Floats) -> Floats:
-    """Return the angle of the beam against link 2 as it was commanded, rad, shape (n,).
-
-    Args:
-        points: where the arm was sent.
-        nominal_mm: nominal links, mm.
-        reflectors_mm: places of points.reflector_names that the beam was aimed at, mm, shape (reflectors, 2).
-    """
-    commands = points.commands
-    position = forward(commands.theta1_rad, commands.theta2_rad, *nominal_mm)
-    world = beam_direction(position, reflectors_mm[points.reflector])
-    return wrap_rad(world - commands.theta1_rad - commands.theta2_rad)
+    found = estimate(distances, start)
+    return Identification(
+        layout,
+        found.values,
+        found.covariance,
+        distances.points,
+        found.residuals_mm,
+        found.fit,
+        rejected,
+        budget,
+    )
 
 
 def _weighted(distances: DistanceModel, start: Floats, budget: Budget) -> DistanceModel:
-    """Give the points the standard uncertainty that the white contributors let expect."""
-    sigma = combined_white_mm(budget, geometry_of(distances, start))
+    """Give the points the standard uncertainty that follows from the white contributors."""
+    sigma = combined_white_mm(budget, distances.geometry(start))
     if not sigma.all():
         _require_nothing_shared(budget)
         return distances
@@ -151,41 +154,6 @@ def _require_nothing_shared(budget: Budget) -> None:
             'reading to reading: add a contributor with correlation = "reading", as the repeatability of the robot, '
             "or state sigma_mm with the points"
         )
-
-
-def _solved(distances: DistanceModel, start: Floats) -> Solution:
-    basis, weights = distances.layout.gauge_basis(), point_weights(distances.points)
-    solution = minimise(distances.residuals, distances.jacobian, start, basis, weights)
-    if not solution.factor.regular.all():
-        require_identifiable(distances.layout, solution.jacobian * weights[:, None], basis)
-    return solution
-
-
-def _judge(
-    distances: DistanceModel, solution: Solution, budget: Budget | None, rejected: list[str]
-) -> Identification:
-    """Attach statistics and covariance to a solution."""
-    points, layout, weights = distances.points, distances.layout, point_weights(distances.points)
-    basis = layout.gauge_basis()
-    white = basis @ solution.factor.covariance() @ basis.T
-    jacobian = solution.jacobian * weights[:, None]
-    effects = systematic_effects(budget, geometry_of(distances, solution.parameters)) * weights[:, None]
-    # How the systematic contributors shift the estimate, and what of them stays in the residuals.
-    shifts = white @ (jacobian.T @ effects)
-    weighted = WeightedFit(
-        points,
-        solution.residuals * weights,
-        jacobian,
-        effects - jacobian @ shifts,
-        basis.shape[1],
-        solution.iterations,
-        bidirectional=layout.model == "error-map",
-    )
-    fit = fit_statistics(weighted)
-    covariance = fit.variance_factor * (white + shifts @ shifts.T)
-    return Identification(
-        layout, solution.parameters, covariance, points, solution.residuals, fit, rejected, budget
-    )
 
 
 def _require_points(points: Points, layout: Layout) -> None:

@@ -5,6 +5,7 @@ from typing import Literal
 
 import numpy as np
 
+from catseye.calibration.core.model import Parameters
 from catseye.calibration.core.types import Floats
 from catseye.calibration.scara.extension import Term
 
@@ -12,6 +13,12 @@ ModelName = Literal["conventional", "error-map"]
 
 GAUGE = "mean of theta1 map = 0"
 """Distances cannot see a rotation of everything about J1; the mean over both directions fixes it."""
+
+
+UNSETTLED = (
+    "check the rough reflector places and the nominal links in the cell file, "
+    "and the reflector names of the points"
+)
 
 
 @dataclass(frozen=True)
@@ -89,6 +96,44 @@ class Layout:
         places = [f"{name}.{axis}" for name in self.reflector_names for axis in "xy"]
         return arm + places + [f"dead path {name}/{segment}" for name, segment in self.dead_paths]
 
+    def units(self) -> list[str]:
+        """Return the unit of each parameter."""
+        angles = self.map2.stop - self.map1.start
+        terms = ["rad" if term.angular else "mm" for term in self.terms]
+        return ["mm"] * 2 + ["rad"] * angles + terms + ["mm"] * (self.size - self.arm_size)
+
+    def parameters(self) -> Parameters:
+        """Return names, units and gauge, and what to do when the distances do not determine them."""
+        return Parameters(
+            tuple(self.names()), tuple(self.units()), self.gauge_basis(), UNSETTLED, self.undetermined
+        )
+
+    def undetermined(self, directions: list[list[str]]) -> str:
+        """Return what to measure when combinations of parameters, given by their names, are not determined."""
+        own = {term.name for term in self.terms if term.of_own_joint}
+        periodic = [
+            name for name in self.names() if any(name in own.intersection(names) for names in directions)
+        ]
+        rest = [names for names in directions if not own.intersection(names)]
+        single = [names[0] for names in rest if len(names) == 1]
+        mixed = [", ".join(names) for names in rest if len(names) > 1]
+        parts = []
+        if periodic:
+            parts.append(
+                f"at these commands the maps absorb {_shortened(periodic)}: measure between the nodes, at angles "
+                "that differ within the period, or leave the terms out"
+            )
+        if single:
+            parts.append(
+                f"no point touches {_shortened(single)}: approach these nodes from these directions, "
+                "or leave the nodes out of the cell file's [measurement]"
+            )
+        parts += [
+            f"the points cannot separate {text}: vary the commands of both joints more, or add a reflector"
+            for text in mixed
+        ]
+        return "the points do not determine every parameter: " + "; ".join(parts)
+
     def gauge_basis(self) -> Floats:
         """Return an orthonormal basis of the steps that keep the gauge, shape (size, free).
 
@@ -110,3 +155,8 @@ class Layout:
 def _table_names(joint: str, nodes_rad: Floats) -> list[str]:
     angles = np.rad2deg(nodes_rad)
     return [f"Δ{joint}({angle:g}°, {sign})" for sign in "+−" for angle in angles]
+
+
+def _shortened(names: list[str], most: int = 12) -> str:
+    shown = ", ".join(names[:most])
+    return shown if len(names) <= most else f"{shown} and {len(names) - most} more"

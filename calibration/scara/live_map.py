@@ -14,6 +14,7 @@ import numpy as np
 from scipy import linalg
 
 from catseye.calibration.core.centred_sums import CentredSums
+from catseye.calibration.core.rank import known_variances
 from catseye.calibration.core.types import Bools, Floats
 from catseye.calibration.scara.arm import arm_design
 from catseye.calibration.scara.layout import Layout
@@ -23,22 +24,16 @@ from catseye.calibration.scara.radial import RadialBudget, radial_effects
 _PRIOR_LINK_MM = 10.0
 _PRIOR_MAP_RAD = 0.05
 _PRIOR_PLACE_MM = 50.0
-"""What is thought of the start: so little that it tells nothing once the distances do."""
+"""Standard uncertainties of the start: so large that they count for nothing once distances are measured."""
 
 _PRIOR_SHARE = 1e-3
-"""A point is predictable when less than this share of its variance comes from what was thought of the start."""
+"""A point is predictable when less than this share of its variance comes from the prior of the start."""
 
 _CURVATURE_SHARE = 0.1
 """The derivatives are taken anew when what they neglect may exceed this share of the white uncertainty."""
 
 _NEAR_MM = 0.05
 """An estimate that is nearer to the origin of the derivatives changes no standard uncertainty by a thousandth."""
-
-_RANK = 1e-12
-"""Eigenvalues of the scaled information below this share of the largest count as zero."""
-
-_INVOLVED = 1e-4
-"""A parameter takes part in a null direction when its scaled share exceeds this."""
 
 _TOUCH = 1e-5
 """A parameter is touched when distances move by more than this share of what they can move by it."""
@@ -191,7 +186,7 @@ class LiveMap:
         if self._moved_mm() > _NEAR_MM:
             self._relinearise()
         layout, basis = self._layout, self._layout.gauge_basis()
-        variance, loose = _variances(*self._information(), basis)
+        variance, loose = known_variances(*self._information(), basis)
         reasons = []
         u: list[float | None] = []
         for name, part in (("θ1", layout.map1), ("θ2", layout.map2)):
@@ -320,27 +315,3 @@ def _points(table: Floats, layout: Layout) -> Points:
     commands = Commands(table[:, 0], table[:, 1], whole[:, 0], whole[:, 1])
     none = np.zeros(len(table), dtype=np.int64)
     return Points(commands, whole[:, 2], none, table[:, 5], None, layout.reflector_names, ())
-
-
-def _variances(information: Floats, radial: Floats, basis: Floats) -> tuple[Floats, Bools]:
-    """Return the variances of the parameters in the gauge and flags of those that are not determined, shape (p,).
-
-    Args:
-        information: of the parameters, shape (p, p).
-        radial: information between parameters and radial error motions, shape (p, m).
-        basis: steps that keep the gauge, shape (p, free).
-    """
-    reduced = basis.T @ information @ basis
-    diagonal = np.diag(reduced)
-    scale = 1.0 / np.sqrt(np.where(diagonal > 0.0, diagonal, 1.0))
-    values, vectors = linalg.eigh(reduced * np.outer(scale, scale), check_finite=False)
-    regular = values > _RANK * values[-1]
-    directions = basis @ (scale[:, None] * vectors)
-    half = directions[:, regular] / np.sqrt(values[regular])
-    shifts = half @ (half.T @ radial)
-    variance = np.sum(half**2, axis=1) + np.sum(shifts**2, axis=1)
-    norms = np.sqrt(np.diag(information))
-    touched = norms > 0.0
-    share = np.abs(directions[:, ~regular]) * np.where(touched, norms, norms.max())[:, None]
-    loose = ~touched | np.any(share > _INVOLVED * share.max(axis=0, initial=0.0), axis=1)
-    return variance, np.asarray(loose)

@@ -7,8 +7,8 @@ from typing import Literal
 
 import numpy as np
 
-from catseye.calibration.core.errors import OutOfReachError
 from catseye.calibration.core.types import Floats
+from catseye.calibration.scara.errors import OutOfReachError
 
 Hand = Literal["right", "left"]
 

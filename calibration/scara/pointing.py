@@ -7,7 +7,8 @@ command is J4 = θ_world − θ1 − θ2 − θ40, on a branch inside the limits
 import numpy as np
 
 from catseye.calibration.core.types import Bools, Floats
-from catseye.calibration.scara.planar import wrap_rad
+from catseye.calibration.scara.planar import forward, wrap_rad
+from catseye.calibration.scara.points import Points
 
 
 def beam_direction(xy_mm: Floats, reflector_mm: Floats) -> Floats:
@@ -22,6 +23,20 @@ def beam_direction(xy_mm: Floats, reflector_mm: Floats) -> Floats:
     """
     beam = np.asarray(reflector_mm) - xy_mm
     return np.arctan2(beam[..., 1], beam[..., 0])
+
+
+def beam_turn_rad(points: Points, nominal_mm: tuple[float, float], reflectors_mm: Floats) -> Floats:
+    """Return the angle of the beam against link 2 as it was commanded, rad, shape (n,).
+
+    Args:
+        points: where the arm was sent.
+        nominal_mm: nominal links, mm.
+        reflectors_mm: places of points.reflector_names that the beam was aimed at, mm, shape (reflectors, 2).
+    """
+    commands = points.commands
+    position = forward(commands.theta1_rad, commands.theta2_rad, *nominal_mm)
+    world = beam_direction(position, reflectors_mm[points.reflector])
+    return wrap_rad(world - commands.theta1_rad - commands.theta2_rad)
 
 
 def aim(theta1_rad: Floats, theta2_rad: Floats, world_rad: Floats, theta40_rad: float) -> Floats:

@@ -34,6 +34,13 @@ class Commands:
             self.theta1_rad[rows], self.theta2_rad[rows], self.direction1[rows], self.direction2[rows]
         )
 
+    def poses(self) -> Ints:
+        """Return the number of each row's pose, whatever its directions, shape (n,)."""
+        angles = np.column_stack([self.theta1_rad, self.theta2_rad])
+        return np.asarray(
+            np.unique(np.round(angles, 9), axis=0, return_inverse=True)[1], dtype=np.int64
+        ).ravel()
+
 
 @dataclass(frozen=True)
 class Points:
@@ -64,6 +71,28 @@ class Points:
     def __len__(self) -> int:
         """Return the number of distances."""
         return int(self.displacement_mm.size)
+
+    @property
+    def weights(self) -> Floats:
+        """Reciprocal standard uncertainties, 1/mm, shape (n,); ones when none are stated."""
+        return np.ones(len(self)) if self.sigma_mm is None else 1.0 / self.sigma_mm
+
+    def repeats(self, *, bidirectional: bool) -> Ints:
+        """Return the number of what each distance measures, shape (n,): reflector, dead path, θ1, θ2.
+
+        Args:
+            bidirectional: distances at a pose repeat each other whatever the directions of approach.
+        """
+        commands = self.commands
+        key = np.zeros(len(self), dtype=np.int64)
+        columns = [self.reflector, self.dead_path]
+        columns += [np.round(commands.theta1_rad, 9), np.round(commands.theta2_rad, 9)]
+        if not bidirectional:
+            columns += [commands.direction1, commands.direction2]
+        for column in columns:
+            values, number = np.unique(column, return_inverse=True)
+            key = key * values.size + number
+        return np.asarray(np.unique(key, return_inverse=True)[1], dtype=np.int64)
 
     @property
     def elapsed_share(self) -> Floats:

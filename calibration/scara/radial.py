@@ -8,6 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from catseye.calibration.core.budget import harmonics
 from catseye.calibration.core.types import Floats
 from catseye.calibration.scara.points import Points
 
@@ -61,12 +62,6 @@ def axis_frame(unit: Floats, frame: Floats) -> Floats:
     return np.stack(
         [unit[:, 0] * cosine + unit[:, 1] * sine, unit[:, 1] * cosine - unit[:, 0] * sine], axis=1
     )
-
-
-def harmonics(angle: Floats, orders: int) -> Floats:
-    """Return cosine and sine of 1…orders times the angle, in turn, shape (n, 2 · orders)."""
-    turns = angle[:, None] * np.arange(1, orders + 1)
-    return np.stack([np.cos(turns), np.sin(turns)], axis=2).reshape(angle.size, 2 * orders)
 
 
 def _joint(unit: Floats, rms_mm: float, angle: Floats, frame: Floats, orders: int) -> Floats:

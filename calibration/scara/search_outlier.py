@@ -11,7 +11,7 @@ from catseye.calibration.scara.planar import forward, wrap_rad
 from catseye.calibration.scara.reflector_search import SearchResult, Sightings, locate_reflectors
 
 _FALSE_ALARM = 0.001
-"""Chance that a search without an outlier is told to have one."""
+"""Probability of a false alarm in a search without an outlier."""
 
 _LEAST_FREEDOM = 2
 """Degrees of freedom that the others need to judge one."""

@@ -11,7 +11,7 @@ from catseye.calibration.core.types import Floats, Ints
 from catseye.calibration.standards.iso9283 import distance_repeatability
 
 SIGNIFICANCE = 0.01
-"""A drift is told when its probability by chance is below this."""
+"""A drift is significant when its probability by chance is below this."""
 
 _COVERAGE = 0.95
 

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from catseye.calibration.core.errors import OutOfReachError
+from catseye.calibration.scara.errors import OutOfReachError
 from catseye.calibration.scara.planar import Hand, forward, inverse
 from catseye.simulators.config import EmulationConfig, Joints
 from catseye.simulators.melfa import alarms

@@ -6,7 +6,6 @@ from collections.abc import Callable
 
 import numpy as np
 
-from catseye.calibration.scara.budget import radial_motions
 from catseye.calibration.scara.identification import identify
 from catseye.calibration.scara.live_map import LiveMap
 from catseye.calibration.scara.points import Points
@@ -19,6 +18,7 @@ from tests.unit.calibration.scara.paper import (
     paper_points,
     random_truth,
 )
+from tests.unit.calibration.scara.samples import radial_motions
 
 ROUNDS = 5
 WHITE_MM = 0.010

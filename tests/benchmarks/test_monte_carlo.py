@@ -12,14 +12,14 @@ import numpy as np
 from scipy import optimize
 
 from catseye.app.cell.uncertainty import Uncertainty
-from catseye.calibration.core.contributions import contributions
+from catseye.calibration.core.draws import joined, solve_chunk
 from catseye.calibration.core.least_squares import minimise
 from catseye.calibration.core.types import Floats
 from catseye.calibration.scara.distance_model import DistanceModel, distance_model
-from catseye.calibration.scara.draws import chunks, joined, solve_chunk, with_draws
 from catseye.calibration.scara.identification import Identification, identify
 from catseye.calibration.scara.points import Commands
 from catseye.calibration.scara.prediction import predict
+from catseye.calibration.scara.uncertainty import chunks, contributions, with_draws
 from tests.unit.calibration.scara.paper import (
     NODES1_DEG,
     NODES2_DEG,

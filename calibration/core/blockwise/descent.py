@@ -1,4 +1,4 @@
-"""Gauss-Newton steps over sums: each evaluation is a pass over the distances, so none is wasted."""
+"""Gauss-Newton steps over sums: each evaluation is a pass over all rows, so none is wasted."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -24,7 +24,7 @@ class Minimum:
     Attributes:
         parameters: estimate, shape (p,).
         sums: of the last pass, one step of less than the tolerance away.
-        passes: over the distances.
+        passes: over the rows.
     """
 
     parameters: Floats
@@ -32,16 +32,17 @@ class Minimum:
     passes: int
 
 
-def descend(sums_at: Callable[[Floats], NormalSums], start: Floats, basis: Floats) -> Minimum:
+def descend(sums_at: Callable[[Floats], NormalSums], start: Floats, basis: Floats, unsettled: str) -> Minimum:
     """Minimise a sum of squares whose normal equations come from passes.
 
-    A step is told beforehand how much it changes the residuals, from the normal equations; the last one, below the
-    tolerance of the solver, is taken without another pass.
+    The normal equations say beforehand how much a step changes the residuals; the last one, below the tolerance of
+    the solver, is taken without another pass.
 
     Args:
         sums_at: sums over all rows at parameters of shape (p,).
         start: starting values, shape (p,); they fulfil the gauge.
         basis: steps that keep the gauge, shape (p, free).
+        unsettled: advice for an iteration that does not settle.
 
     Raises:
         ConvergenceError: no convergence within the iteration limit.
@@ -60,9 +61,8 @@ def descend(sums_at: Callable[[Floats], NormalSums], start: Floats, basis: Float
         else:
             damping = max(10.0 * damping, 1e-9)
     raise ConvergenceError(
-        f"no convergence after {MAX_ITERATIONS} passes over the distances (last change {change_mm:.3g} mm rms): "
-        "check the rough reflector places and the nominal links in the cell file, and the reflectors' names in "
-        "the points"
+        f"no convergence after {MAX_ITERATIONS} passes over the rows (last change {change_mm:.3g} mm rms): "
+        f"{unsettled}"
     )
 
 
@@ -79,6 +79,6 @@ def _definite_step(equations: NormalEquations, damping: float) -> tuple[Floats, 
 
 
 def _change_mm(step: Floats, sums: NormalSums) -> float:
-    """Return the rms change of the residuals that a step lets expect: √(sᵀHs / Σw)."""
+    """Return the rms change of the residuals expected of a step: √(sᵀHs / Σw)."""
     square = float(step @ (sums.matrix() @ step))
     return float(np.sqrt(max(square, 0.0) / sums.weight))

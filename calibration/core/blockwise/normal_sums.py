@@ -5,8 +5,8 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from catseye.calibration.core.blockwise.residual_sums import ResidualSums
+from catseye.calibration.core.blockwise.sparse_rows import Slot, SparseRows
 from catseye.calibration.core.types import Floats, Ints
-from catseye.calibration.scara.scans.sparse_rows import Slot, SparseRows
 
 
 @dataclass
@@ -19,7 +19,7 @@ class NormalSums:
         gradient: JᵀWr, shape (p,).
         cost: rᵀWr.
         weight: trace of W, 1/mm².
-        effect_gradient: JᵀWE of the effects of m systematic sources, shape (p, m).
+        effect_gradient: JᵀWE of the effects of m shared sources, shape (p, m).
         effect_matrix: EᵀWE, shape (m, m).
     """
 
@@ -31,33 +31,33 @@ class NormalSums:
     cost: float = 0.0
     weight: float = 0.0
     _products: dict[tuple[int, int], Floats] = field(default_factory=dict)
-    _groups: list[slice] = field(default_factory=list)
+    _columns: list[slice] = field(default_factory=list)
 
     def __post_init__(self) -> None:
         self.gradient = np.zeros(self.size)
         self.effect_gradient = np.zeros((self.size, 0))
 
-    def add(self, block: SparseRows, weights: Floats, dead_path: Ints) -> None:
+    def add(self, block: SparseRows, weights: Floats, group: Ints) -> None:
         """Take in a block.
 
         Args:
             block: residuals, mm, and weighted derivatives.
             weights: reciprocal standard uncertainties, 1/mm, shape (n,).
-            dead_path: index of each row's dead path, shape (n,).
+            group: number of each row's group, shape (n,).
         """
         weighted = block.residuals * weights
         self.cost += float(weighted @ weighted)
         self.weight += float(weights @ weights)
-        self.residuals = self.residuals.plus(block.residuals, dead_path)
-        self._groups = [slice(slot.start, slot.start + slot.span) for slot in block.slots]
-        for slot, group in zip(block.slots, self._groups, strict=True):
-            self.gradient[group] += np.bincount(slot.column, slot.value * weighted, slot.span)
+        self.residuals = self.residuals.plus(block.residuals, group)
+        self._columns = [slice(slot.start, slot.start + slot.span) for slot in block.slots]
+        for slot, columns in zip(block.slots, self._columns, strict=True):
+            self.gradient[columns] += np.bincount(slot.column, slot.value * weighted, slot.span)
         for i, first in enumerate(block.slots):
             for j in range(i, len(block.slots)):
                 self._add_product((i, j), first, block.slots[j])
 
     def add_effects(self, block: SparseRows, effects: Floats) -> None:
-        """Take in what systematic sources do to a block, weighted, shape (n, m)."""
+        """Take in what shared sources do to a block, weighted, shape (n, m)."""
         gradient, matrix = np.asarray(block.matrix().T @ effects), effects.T @ effects
         if self.effect_matrix.size:
             gradient, matrix = gradient + self.effect_gradient, matrix + self.effect_matrix
@@ -76,7 +76,7 @@ class NormalSums:
         """Return JᵀWJ, shape (p, p)."""
         upper = np.zeros((self.size, self.size))
         for (i, j), product in self._products.items():
-            block = upper[self._groups[i], self._groups[j]]
+            block = upper[self._columns[i], self._columns[j]]
             # Both halves are added up at the end, so the square of an entry counts half here.
             block += (0.5 if i == j else 1.0) * product.reshape(block.shape)
         return np.asarray(upper + upper.T, dtype=np.float64)

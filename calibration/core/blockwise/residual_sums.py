@@ -1,4 +1,4 @@
-"""What is kept of millions of residuals: by segment, and how they are distributed."""
+"""What is kept of millions of residuals: sums by group, and how they are distributed."""
 
 from dataclasses import dataclass
 
@@ -12,10 +12,10 @@ BINS = 41
 
 @dataclass(frozen=True)
 class ResidualSums:
-    """Residuals (predicted minus measured) of all distances, summed up.
+    """Residuals (predicted minus measured) of all rows, summed up.
 
     Attributes:
-        count: distances of each dead path, shape (k,).
+        count: rows of each group, shape (k,).
         total_mm: sums of their residuals, mm, shape (k,).
         square_mm2: sums of the squares, mm², shape (k,).
         largest_mm: largest absolute residuals, mm, shape (k,).
@@ -31,21 +31,21 @@ class ResidualSums:
     histogram: Ints
 
     @classmethod
-    def empty(cls, dead_paths: int, half_width_mm: float) -> "ResidualSums":
+    def empty(cls, groups: int, half_width_mm: float) -> "ResidualSums":
         """Return sums over nothing."""
-        zeros = np.zeros(dead_paths)
-        none = np.zeros(dead_paths, dtype=np.int64)
+        zeros = np.zeros(groups)
+        none = np.zeros(groups, dtype=np.int64)
         return cls(none, zeros, zeros, zeros, half_width_mm, np.zeros(BINS, dtype=np.int64))
 
-    def plus(self, residuals_mm: Floats, dead_path: Ints) -> "ResidualSums":
+    def plus(self, residuals_mm: Floats, group: Ints) -> "ResidualSums":
         """Return the sums with a block added."""
         size, largest = self.count.size, self.largest_mm.copy()
-        np.maximum.at(largest, dead_path, np.abs(residuals_mm))
+        np.maximum.at(largest, group, np.abs(residuals_mm))
         place = np.floor((residuals_mm / self.half_width_mm + 1.0) * (BINS / 2)).clip(0, BINS - 1)
         return ResidualSums(
-            self.count + np.bincount(dead_path, minlength=size),
-            self.total_mm + np.bincount(dead_path, residuals_mm, size),
-            self.square_mm2 + np.bincount(dead_path, residuals_mm**2, size),
+            self.count + np.bincount(group, minlength=size),
+            self.total_mm + np.bincount(group, residuals_mm, size),
+            self.square_mm2 + np.bincount(group, residuals_mm**2, size),
             largest,
             self.half_width_mm,
             self.histogram + np.bincount(place.astype(np.int64), minlength=BINS),
@@ -53,7 +53,7 @@ class ResidualSums:
 
     @property
     def rows(self) -> int:
-        """Number of all distances."""
+        """Number of all rows."""
         return int(self.count.sum())
 
     @property

@@ -1,11 +1,11 @@
-"""What makes a layout good: one number of the covariance, and the uncertainty that it stands for."""
+"""What makes a plan good: one number of the covariance, and the uncertainty that it stands for."""
 
 from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
 
-from catseye.calibration.core.types import Floats
+from catseye.calibration.core.types import Bools, Floats
 
 CriterionName = Literal["A", "D", "E", "path"]
 
@@ -13,49 +13,32 @@ _TINY = 1e-14
 """Added to the diagonal of scaled information, so that a singular matrix has a huge covariance instead of none."""
 
 SINGULAR = 1.0
-"""Variances from this on, rad², stand for a direction that no distance determines."""
+"""Variances from this on stand for a direction that no row determines; free directions are scaled far below it."""
 
 _LARGEST_INFLATION = 1e11
 """A variance that is more times what it would be if everything else were known stands for such a direction too: with
 _TINY an exactly singular matrix comes to 1e14, shared among the parameters of the direction. However small the stated
-uncertainties are, this tells it."""
-
-_MDEG = 1e3 * 180.0 / np.pi
+uncertainties are, this shows it."""
 
 
 @dataclass(frozen=True)
 class Criterion:
     """A criterion of optimal design; smaller is better.
 
-    With C the covariance in the free directions of a study (all in rad), in terms of optimal design:
+    With C the covariance in the free directions, scaled to one unit, in terms of optimal design:
         A: trace of C. D: log det C. E: largest eigenvalue of C.
-        path: largest variance of x or y on a path, g C gᵀ (a G-criterion).
+        path: largest variance of stated combinations, g C gᵀ (a G-criterion).
     Each is a convex function of the information.
 
     Attributes:
         name: which.
-        parameters: number of the arm's parameters, the gauge included.
-        gradient: derivatives of x and y on the path by the free directions, shape (q, f); empty without a path.
+        parameters: number of parameters, the gauge's constraint included.
+        gradient: derivatives of the combinations by the free directions, shape (q, f); empty without any.
     """
 
     name: CriterionName
     parameters: int
     gradient: Floats
-
-    @property
-    def unit(self) -> str:
-        """Unit of what a value is shown as."""
-        return "µm" if self.name == "path" else "mdeg"
-
-    @property
-    def meaning(self) -> str:
-        """What a value is shown as."""
-        return {
-            "A": "rms standard uncertainty of maps and links",
-            "D": "geometric mean of the standard uncertainties of all principal combinations",
-            "E": "standard uncertainty of the worst combination",
-            "path": "largest standard uncertainty of x or y on the path",
-        }[self.name]
 
     def value(self, covariance: Floats) -> Floats:
         """Return the value of covariances of shape (..., f, f), shape (...); infinite where singular."""
@@ -72,18 +55,16 @@ class Criterion:
         regular = (diagonal.max(axis=-1) < SINGULAR) & (diagonal.min(axis=-1) > 0.0)
         return np.asarray(np.where(regular, value, np.inf), dtype=np.float64)
 
-    def shown(self, value: float) -> float:
-        """Return a value as the standard uncertainty that it stands for, in `unit`."""
+    def standard_uncertainty(self, value: float) -> float:
+        """Return the standard uncertainty that a value stands for, in the unit of the covariance's root."""
         match self.name:
             case "A":
-                return float(_MDEG * np.sqrt(value / self.parameters))
+                return float(np.sqrt(value / self.parameters))
             case "D":
                 # log det is the sum over the free directions; half of it is that of standard uncertainties.
-                return float(_MDEG * np.exp(0.5 * value / self.free))
-            case "E":
-                return float(_MDEG * np.sqrt(value))
-            case "path":
-                return float(1e3 * np.sqrt(value))
+                return float(np.exp(0.5 * value / self.free))
+            case _:
+                return float(np.sqrt(value))
 
     @property
     def free(self) -> int:
@@ -115,7 +96,7 @@ def covariances(matrix: Floats, effects: Floats | None) -> Floats:
 
     Args:
         matrix: information.
-        effects: of systematic contributors, shape (..., f, m); None leaves them out.
+        effects: of shared errors, shape (..., f, m); None leaves them out.
 
     Returns:
         Covariances, shape (..., f, f); where the information is singular, variances of at least SINGULAR.
@@ -132,3 +113,14 @@ def covariances(matrix: Floats, effects: Floats | None) -> Floats:
         return np.asarray(white, dtype=np.float64)
     shifts = white @ effects
     return np.asarray(white + shifts @ np.swapaxes(shifts, -1, -2), dtype=np.float64)
+
+
+def pareto_front(costs: Floats) -> Bools:
+    """Return which rows no other row beats: none is as good in everything and better in something, shape (n,).
+
+    Args:
+        costs: what should be small, shape (n, quantities).
+    """
+    as_good = np.all(costs[None, :, :] <= costs[:, None, :], axis=2)
+    better = np.any(costs[None, :, :] < costs[:, None, :], axis=2)
+    return np.asarray(~np.any(as_good & better, axis=1), dtype=np.bool_)

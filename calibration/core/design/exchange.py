@@ -1,8 +1,8 @@
-"""Choosing a few of many places: take one out, put the best one in, until nothing improves.
+"""Choosing a few of many candidates: take one out, put the best one in, until nothing improves.
 
-Information adds up over reflectors, and each criterion is convex in it. A tangent therefore bounds from below what
-any place can reach in an exchange; only places whose bound beats the best value so far are worked out. The result is
-that of the full search of each exchange.
+Information adds up over candidates, and each criterion is convex in it. A tangent therefore bounds from below what
+any candidate can reach in an exchange; only candidates whose bound beats the best value so far are worked out. The
+result is that of the full search of each exchange.
 """
 
 from dataclasses import dataclass
@@ -10,11 +10,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from catseye.calibration.core.design.criteria import Criterion, covariances
+from catseye.calibration.core.design.information import Information
 from catseye.calibration.core.types import Bools, Floats, Ints
-from catseye.calibration.scara.design.study import Information
 
 _BATCH = 16
-"""Places that are worked out at once; the bound is looked at again after each batch."""
+"""Candidates that are worked out at once; the bound is looked at again after each batch."""
 
 _LEAST_GAIN = 1e-9
 """Relative gain below which an exchange is rounding."""
@@ -22,12 +22,12 @@ _LEAST_GAIN = 1e-9
 
 @dataclass(frozen=True)
 class Pool:
-    """Candidate places.
+    """Candidates.
 
     Attributes:
         matrix: information that each brings, shape (m, f, f).
-        effects: of systematic contributors, shape (m, f, e); None leaves them out of the criterion.
-        compatible: pairs that may stand together, shape (m, m).
+        effects: of shared errors, shape (m, f, e); None leaves them out of the criterion.
+        compatible: pairs that may be chosen together, shape (m, m).
     """
 
     matrix: Floats
@@ -36,23 +36,23 @@ class Pool:
 
     @classmethod
     def of(cls, brought: list[Information], compatible: Bools, *, systematic: bool) -> "Pool":
-        """Return the pool of what each place brings."""
+        """Return the pool of what each candidate brings."""
         effects = np.stack([one.effects for one in brought]) if systematic else None
         return cls(np.stack([one.matrix for one in brought]), effects, compatible)
 
     def __len__(self) -> int:
-        """Return the number of places."""
+        """Return the number of candidates."""
         return int(self.matrix.shape[0])
 
     def value(self, chosen: Ints, criterion: Criterion) -> float:
-        """Return the criterion of a layout."""
+        """Return the criterion of a choice."""
         effects = None if self.effects is None else self.effects[chosen].sum(axis=0)
         return float(criterion.value(covariances(self.matrix[chosen].sum(axis=0), effects)))
 
 
 @dataclass(frozen=True)
 class Chosen:
-    """A layout.
+    """A choice.
 
     Attributes:
         places: indices into the pool, increasing, shape (k,).
@@ -64,11 +64,11 @@ class Chosen:
 
 
 def exchange(pool: Pool, start: Ints, criterion: Criterion) -> Chosen:
-    """Improve a layout by exchanges until none improves it.
+    """Improve a choice by exchanges until none improves it.
 
     Args:
-        pool: candidate places.
-        start: indices of different, compatible places, shape (k,).
+        pool: candidates.
+        start: indices of different, compatible candidates, shape (k,).
         criterion: what is made small.
     """
     chosen, value = np.array(start, dtype=np.int64), pool.value(start, criterion)
@@ -83,21 +83,21 @@ def exchange(pool: Pool, start: Ints, criterion: Criterion) -> Chosen:
 
 
 def random_start(pool: Pool, count: int, rng: np.random.Generator) -> Ints | None:
-    """Return a random layout of compatible places, None when the places drawn leave no room for another."""
+    """Return a random choice of compatible candidates, None when those drawn leave no room for another."""
     chosen: list[int] = []
-    open_places = np.ones(len(pool), dtype=np.bool_)
+    free = np.ones(len(pool), dtype=np.bool_)
     for _ in range(count):
-        left = np.flatnonzero(open_places)
+        left = np.flatnonzero(free)
         if not left.size:
             return None
         chosen.append(int(rng.choice(left)))
-        open_places &= pool.compatible[chosen[-1]]
-        open_places[chosen[-1]] = False
+        free &= pool.compatible[chosen[-1]]
+        free[chosen[-1]] = False
     return np.array(chosen, dtype=np.int64)
 
 
 def greedy_start(pool: Pool, count: int, criterion: Criterion) -> Ints | None:
-    """Return a layout to which each time the best place was added, None when there is no room for so many."""
+    """Return a choice to which each time the best candidate was added, None when there is no room for so many."""
     chosen = np.zeros(0, dtype=np.int64)
     while chosen.size < count:
         place, _ = _best_addition(pool, chosen, -1, np.inf, criterion)
@@ -110,11 +110,11 @@ def greedy_start(pool: Pool, count: int, criterion: Criterion) -> Ints | None:
 def _best_addition(
     pool: Pool, others: Ints, present: int, value: float, criterion: Criterion
 ) -> tuple[int, float]:
-    """Return the place that goes best with others, and the value reached; the present one unless beaten.
+    """Return the candidate that goes best with others, and the value reached; the present one unless beaten.
 
     Args:
-        pool: candidate places.
-        others: the rest of the layout.
+        pool: candidates.
+        others: the rest of the choice.
         present: the place to beat; -1 for none, then the first possible one stands in where all are singular.
         value: what is reached with it.
         criterion: what is made small.
@@ -139,9 +139,9 @@ def _best_addition(
 def _by_bound(
     pool: Pool, matrix: Floats, possible: Ints, present: int, criterion: Criterion
 ) -> tuple[Ints, Floats]:
-    """Return places in the order of what they could reach at best, and that bound, shape (k,) each.
+    """Return candidates in the order of what they could reach at best, and that bound, shape (k,) each.
 
-    Systematic effects are not convex in the information, and a singular layout has no tangent: then nothing is
+    Shared errors are not convex in the information, and a singular choice has no tangent: then nothing is
     bounded.
     """
     here = covariances(matrix + pool.matrix[present], None) if present >= 0 else None

@@ -1,6 +1,6 @@
 """Choosing which commands to measure: rank updates of the covariance, one small block for each command.
 
-A command brings one distance to each reflector that sees it. Adding or removing its k rows R changes the covariance C
+A command brings k rows R, one to each set of rows. Adding or removing them changes the covariance C
 of all parameters, nuisances included, by Woodbury's identity: C' = C ∓ C Rᵀ (I ± R C Rᵀ)⁻¹ R C. What every command
 would do to the criterion follows from k × k blocks, without a factorisation.
 """
@@ -11,12 +11,12 @@ from dataclasses import dataclass
 import numpy as np
 
 from catseye.calibration.core.design.criteria import Criterion, covariances
+from catseye.calibration.core.design.information import Rows
 from catseye.calibration.core.types import Bools, Floats, Ints
-from catseye.calibration.scara.design.study import Rows
 
 _PRIOR_SHARE = 1e-10
-"""Weight of a prior on the nuisances, as a share of their information: a dead path whose commands are all left out
-stays defined, and nothing is learnt from it."""
+"""Weight of a prior on the nuisances, as a share of their information: one whose commands are all left out stays
+defined, and nothing is learnt from it."""
 
 _REGULAR = 1e-6
 """A command stays where leaving it out would leave less than this share of the information in a direction."""
@@ -26,12 +26,12 @@ _LEAST_GAIN = 1e-9
 
 @dataclass(frozen=True)
 class CommandPool:
-    """What each command brings to a layout.
+    """What each command brings.
 
     Attributes:
-        rows: weighted rows of all parameters, arm first, shape (n, k, p); zero where a reflector is not seen.
-        free: number of the arm's free directions.
-        prior: weights of the nuisances' prior, shape (p,); zero for the arm.
+        rows: weighted rows of all parameters, wanted ones first, shape (n, k, p); zero where there is none.
+        free: number of the wanted free directions.
+        prior: weights of the nuisances' prior, shape (p,); zero for what is wanted.
     """
 
     rows: Floats
@@ -39,14 +39,14 @@ class CommandPool:
     prior: Floats
 
     @classmethod
-    def of(cls, reflectors: Sequence[Rows]) -> "CommandPool":
-        """Join the rows of all reflectors of a layout."""
-        free = reflectors[0].arm.shape[1]
-        widths = [one.nuisance.shape[1] for one in reflectors]
-        rows = np.zeros((reflectors[0].arm.shape[0], len(reflectors), free + sum(widths)))
+    def of(cls, sets: Sequence[Rows]) -> "CommandPool":
+        """Join sets of rows of the same commands; each has nuisances of its own."""
+        free = sets[0].wanted.shape[1]
+        widths = [one.nuisance.shape[1] for one in sets]
+        rows = np.zeros((sets[0].wanted.shape[0], len(sets), free + sum(widths)))
         start = free
-        for k, (one, width) in enumerate(zip(reflectors, widths, strict=True)):
-            rows[:, k, :free] = one.arm
+        for k, (one, width) in enumerate(zip(sets, widths, strict=True)):
+            rows[:, k, :free] = one.wanted
             rows[:, k, start : start + width] = one.nuisance
             start += width
         prior = _PRIOR_SHARE * np.einsum("nkp,nkp->p", rows, rows)
@@ -67,7 +67,7 @@ def choose_commands(pool: CommandPool, count: int, criterion: Criterion) -> Bool
     """Choose commands: leave out the least useful one by one, then exchange until nothing improves.
 
     Args:
-        pool: commands; all of them together determine the arm.
+        pool: commands; all of them together determine what is wanted.
         count: how many to keep.
         criterion: what is made small: A, D or path; E is served by A, whose largest part it is.
 
@@ -81,11 +81,6 @@ def choose_commands(pool: CommandPool, count: int, criterion: Criterion) -> Bool
             break
         kept[worst] = False
     return _exchanged(pool, kept, criterion)
-
-
-def usefulness(pool: CommandPool, kept: Bools, criterion: Criterion) -> Floats:
-    """Return by how much the criterion would grow without each command, shape (n,); infinite where it has to stay."""
-    return changes_with(pool, np.arange(len(pool.rows)), pool.covariance(kept), criterion, -1.0)
 
 
 def _exchanged(pool: CommandPool, kept: Bools, criterion: Criterion) -> Bools:
@@ -124,29 +119,29 @@ def changes_with(
     block = np.eye(own.shape[1]) + sign * (sides @ np.swapaxes(own, 1, 2))
     regular = np.linalg.eigvalsh(block)[:, 0] > _REGULAR
     inner = np.linalg.inv(np.where(regular[:, None, None], block, np.eye(own.shape[1])))
-    arm = sides[:, :, : pool.free]
-    change = _change(criterion, covariance[: pool.free, : pool.free], arm, inner, sign)
+    wanted = sides[:, :, : pool.free]
+    change = _change(criterion, covariance[: pool.free, : pool.free], wanted, inner, sign)
     return np.asarray(np.where(regular, change, np.inf), dtype=np.float64)
 
 
-def _change(criterion: Criterion, covariance: Floats, arm: Floats, inner: Floats, sign: float) -> Floats:
+def _change(criterion: Criterion, covariance: Floats, wanted: Floats, inner: Floats, sign: float) -> Floats:
     """Return the change of the criterion where C turns into C - sign · Uᵀ K U.
 
     Args:
         criterion: which.
-        covariance: C of the arm, shape (f, f).
-        arm: U of each command, shape (m, k, f).
+        covariance: C of what is wanted, shape (f, f).
+        wanted: U of each command, shape (m, k, f).
         inner: K of each command, shape (m, k, k).
         sign: 1 or -1.
     """
     match criterion.name:
         case "D":
-            whitened = arm @ np.linalg.inv(covariance) @ np.swapaxes(arm, 1, 2)
-            return np.asarray(np.linalg.slogdet(np.eye(arm.shape[1]) - sign * inner @ whitened)[1])
+            whitened = wanted @ np.linalg.inv(covariance) @ np.swapaxes(wanted, 1, 2)
+            return np.asarray(np.linalg.slogdet(np.eye(wanted.shape[1]) - sign * inner @ whitened)[1])
         case "path":
             before = ((criterion.gradient @ covariance) * criterion.gradient).sum(axis=1)
-            side = arm @ criterion.gradient.T
+            side = wanted @ criterion.gradient.T
             after = before - sign * (side * (inner @ side)).sum(axis=1)
             return np.asarray(after.max(axis=1) - before.max())
         case _:
-            return np.asarray(-sign * (inner * (arm @ np.swapaxes(arm, 1, 2))).sum(axis=(1, 2)))
+            return np.asarray(-sign * (inner * (wanted @ np.swapaxes(wanted, 1, 2))).sum(axis=(1, 2)))

@@ -1,9 +1,4 @@
-"""What distances to a reflector tell about the arm: one small matrix for each place, additive over reflectors.
-
-The reflector's own coordinates and its dead paths are nuisances that no other reflector shares. Projecting the rows
-of its distances on what is orthogonal to them (the Schur complement of the normal equations) leaves the information
-about the arm alone, so that the information of a layout is the sum over its reflectors.
-"""
+"""What distances to a reflector say about the arm; its coordinates and its dead paths are nuisances of its own."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -12,36 +7,15 @@ from functools import cached_property
 import numpy as np
 from scipy import linalg
 
+from catseye.calibration.core.design.information import Information, Rows
 from catseye.calibration.core.rank import require_identifiable
-from catseye.calibration.core.types import Bools, Floats
+from catseye.calibration.core.types import Floats
 from catseye.calibration.scara.arm import ArmDesign, arm_design
 from catseye.calibration.scara.budget import Budget, Geometry, combined_white_mm, systematic_effects
 from catseye.calibration.scara.design.sight import Sight
 from catseye.calibration.scara.identification import IdentifiedArm
 from catseye.calibration.scara.layout import Layout
 from catseye.calibration.scara.points import Commands, Points
-
-
-@dataclass(frozen=True)
-class Information:
-    """What a set of distances tells about the arm, in the scaled free directions of a study.
-
-    Attributes:
-        matrix: information about the arm, shape (f, f).
-        effects: systematic contributors seen through the fit, shape (f, m); the covariance that they add is
-            (C effects)(C effects)ᵀ with C the inverse of the matrix.
-    """
-
-    matrix: Floats
-    effects: Floats
-
-    def __add__(self, other: "Information") -> "Information":
-        """Return what both tell together; systematic sources are common to both."""
-        return Information(self.matrix + other.matrix, self.effects + other.effects)
-
-    def times(self, repeats: int) -> "Information":
-        """Return what so many repeats tell: white errors average out, systematic ones do not."""
-        return Information(repeats * self.matrix, repeats * self.effects)
 
 
 @dataclass(frozen=True)
@@ -98,7 +72,7 @@ class Study:
         local = design.local_jacobian(self.parameters)
         return np.stack([design.spread(local[:, axis]) @ self.basis for axis in range(2)], axis=1)
 
-    def rows(self, sight: Sight) -> "Rows":
+    def rows(self, sight: Sight) -> Rows:
         """Return the weighted rows of the distances to a reflector.
 
         Raises:
@@ -146,7 +120,7 @@ class Study:
         design, _, _ = self._prepared
         arm = [design.spread(np.einsum("ni,nij->nj", one[:, :2], self._local)) for one in nuisances]
         jacobian = np.hstack([np.vstack(arm), places, dead_paths])
-        require_identifiable(layout, jacobian, layout.gauge_basis())
+        require_identifiable(layout.parameters(), jacobian)
 
     def covariance(self, information: Information, *, systematic: bool) -> Floats:
         """Return the covariance in the free directions, shape (f, f).
@@ -164,30 +138,3 @@ class Study:
     def arm(self, covariance: Floats) -> IdentifiedArm:
         """Return the nominal arm with a covariance in the free directions, as if it had been identified."""
         return IdentifiedArm(self.layout, self.parameters, self.basis @ covariance @ self.basis.T)
-
-
-@dataclass(frozen=True)
-class Rows:
-    """Weighted rows of the distances to one reflector, zero where it is not seen.
-
-    Attributes:
-        arm: derivatives by the arm's free directions, shape (n, f).
-        nuisance: derivatives by the reflector's place and its dead paths (sign aside), shape (n, 2 + segments).
-        effects: of systematic contributors, shape (n, m).
-    """
-
-    arm: Floats
-    nuisance: Floats
-    effects: Floats
-
-    def of(self, kept: Bools) -> "Rows":
-        """Return the rows of the commands kept; flags of shape (n,)."""
-        flags = kept[:, None]
-        return Rows(self.arm * flags, self.nuisance * flags, self.effects * flags)
-
-    def information(self) -> Information:
-        """Eliminate the nuisances."""
-        norms = np.linalg.norm(self.nuisance, axis=0)
-        taken = linalg.orth(self.nuisance / np.where(norms > 0.0, norms, 1.0), rcond=1e-10)
-        arm = self.arm - taken @ (taken.T @ self.arm)
-        return Information(arm.T @ arm, arm.T @ self.effects)

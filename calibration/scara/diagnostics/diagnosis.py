@@ -3,15 +3,16 @@
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from catseye.calibration.core.cross_validation import CrossValidation, cross_validation
-from catseye.calibration.core.projection import projection_of
+from catseye.calibration.core.cross_validation import CrossValidation
 from catseye.calibration.core.residuals import StudentisedResiduals, studentised
 from catseye.calibration.scara.diagnostics.drift import Change, changes
+from catseye.calibration.scara.diagnostics.folds import cross_validation
 from catseye.calibration.scara.diagnostics.harmonics import Harmonic, HarmonicSeries, harmonic_series
 from catseye.calibration.scara.diagnostics.joint_angles import AnglePattern, angle_patterns
 from catseye.calibration.scara.diagnostics.nested_models import ComparedModel, Extension, compare_models
 from catseye.calibration.scara.diagnostics.node_spacing import NodeSpacing, node_spacing
 from catseye.calibration.scara.diagnostics.problem import Problem
+from catseye.calibration.scara.diagnostics.projection import projection_of
 from catseye.calibration.scara.extension import crosstalk, j4_map, periodic, thermal_drift
 from catseye.calibration.scara.identification import Identification
 
@@ -48,27 +49,27 @@ class Diagnosis:
     nodes: NodeSpacing
 
 
-def diagnose(problem: Problem, tell: Callable[[str], None] = lambda _: None) -> Diagnosis:
+def diagnose(problem: Problem, progress: Callable[[str], None] = lambda _: None) -> Diagnosis:
     """Look at a fit from all sides.
 
     Args:
         problem: distances with an error map.
-        tell: is told what comes next.
+        progress: called with what comes next.
 
     Raises:
         CalibrationError: the error map cannot be identified.
     """
-    tell("error map")
+    progress("error map")
     identified = problem.solve()
     points = identified.points
     kept = [problem.points.reflector_names.index(name) for name in points.reflector_names]
     aimed = ((problem.link1_mm, problem.link2_mm), problem.reflectors_mm[kept])
     projection = projection_of(identified)
-    tell("harmonics")
+    progress("harmonics")
     harmonics = harmonic_series(projection, *aimed)
-    tell("drift and jumps")
+    progress("drift and jumps")
     changed = changes(projection)
-    tell("cross-validation")
+    progress("cross-validation")
     several = len(points.dead_paths) > len(points.reflector_names)
     return Diagnosis(
         identified=identified,
@@ -79,8 +80,8 @@ def diagnose(problem: Problem, tell: Callable[[str], None] = lambda _: None) -> 
         reflectors=cross_validation(projection, "reflector"),
         sweeps=cross_validation(projection, "sweep"),
         segments=cross_validation(projection, "segment") if several else None,
-        models=compare_models(problem, extensions(harmonics), tell),
-        nodes=node_spacing(problem, tell),
+        models=compare_models(problem, extensions(harmonics), progress),
+        nodes=node_spacing(problem, progress),
     )
 
 

@@ -9,15 +9,16 @@ from dataclasses import dataclass
 import numpy as np
 from scipy import special
 
-from catseye.calibration.core.fit_statistics import SIGNIFICANCE
-from catseye.calibration.core.projection import Projection, addition
+from catseye.calibration.core.projection import addition
+from catseye.calibration.core.significance import SIGNIFICANCE
 from catseye.calibration.core.types import Bools, Floats, Ints
+from catseye.calibration.scara.diagnostics.projection import DistanceProjection
 
 _FEWEST = 8
 """Distances that a segment needs before its drift is judged."""
 
 _LEFT = 1e-6
-"""A step of which the model leaves less than this share of its square cannot be told from a dead path."""
+"""A step of which the model leaves less than this share of its square cannot be separated from a dead path."""
 
 _MOST_CHANGES = 12
 """More significant changes than this are no list of events but a wrong model."""
@@ -66,10 +67,10 @@ class _Candidate:
         return abs(self.change.size_um) / self.change.u_um
 
 
-def changes(projection: Projection) -> list[Change]:
+def changes(projection: DistanceProjection) -> list[Change]:
     """Return what changed with time, the significant changes first, then the drift of each other segment.
 
-    A segment too short to tell, or one whose drift the model takes up, is left out.
+    A segment that is too short, or one whose drift the model takes up, is left out.
     """
     found: list[_Candidate] = []
     while len(found) < _MOST_CHANGES:
@@ -86,11 +87,11 @@ def changes(projection: Projection) -> list[Change]:
     ]
 
 
-def _beside(projection: Projection, found: list[_Candidate]) -> Projection:
+def _beside(projection: DistanceProjection, found: list[_Candidate]) -> DistanceProjection:
     return projection.extended(np.column_stack([one.column for one in found])) if found else projection
 
 
-def _candidates(projection: Projection) -> list[_Candidate]:
+def _candidates(projection: DistanceProjection) -> list[_Candidate]:
     """Return the drift and the likeliest jump of each segment."""
     if projection.square <= 0.0:
         return []
@@ -103,7 +104,7 @@ def _candidates(projection: Projection) -> list[_Candidate]:
     return [one for one in found if one is not None]
 
 
-def _drift(projection: Projection, member: Bools, tests: int) -> _Candidate | None:
+def _drift(projection: DistanceProjection, member: Bools, tests: int) -> _Candidate | None:
     points, rows = projection.points, np.flatnonzero(member)
     clock = np.arange(len(points), dtype=np.float64) if points.time_s is None else points.time_s
     if np.ptp(clock[rows]) == 0.0:
@@ -117,7 +118,7 @@ def _drift(projection: Projection, member: Bools, tests: int) -> _Candidate | No
     return _Candidate(_change("drift", projection, rows, 0, (size, u), tests), share)
 
 
-def _jump(projection: Projection, member: Bools, places: int) -> _Candidate | None:
+def _jump(projection: DistanceProjection, member: Bools, places: int) -> _Candidate | None:
     """Return the likeliest step of a segment.
 
     All places are looked at in one pass: sums over the rows after the step give its coefficient, what the model
@@ -146,7 +147,12 @@ def _jump(projection: Projection, member: Bools, places: int) -> _Candidate | No
 
 
 def _change(
-    kind: str, projection: Projection, rows: Ints, first: int, estimate_mm: tuple[float, float], tests: int
+    kind: str,
+    projection: DistanceProjection,
+    rows: Ints,
+    first: int,
+    estimate_mm: tuple[float, float],
+    tests: int,
 ) -> Change:
     size, u = estimate_mm
     name, segment = projection.points.dead_paths[int(projection.points.dead_path[rows[0]])]

@@ -5,12 +5,12 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from catseye.calibration.core.fit_statistics import SIGNIFICANCE
-from catseye.calibration.core.projection import Projection, addition
-from catseye.calibration.core.significance import adjusted
+from catseye.calibration.core.projection import addition
+from catseye.calibration.core.significance import SIGNIFICANCE, adjusted
 from catseye.calibration.core.types import Bools, Floats
+from catseye.calibration.scara.diagnostics.projection import DistanceProjection
 from catseye.calibration.scara.extension import Source, Target
-from catseye.calibration.scara.identification import beam_turn_rad
+from catseye.calibration.scara.pointing import beam_turn_rad
 
 _SAME = 1.0 - 1e-9
 """Two orders whose waves at the commands correlate more than this are one."""
@@ -78,14 +78,9 @@ class HarmonicSeries:
     harmonics: tuple[Harmonic, ...]
     absorbed: tuple[int, ...]
 
-    @property
-    def strongest(self) -> Harmonic | None:
-        """The clearest order."""
-        return min(self.harmonics, key=lambda one: (one.probability, -one.explained_um), default=None)
-
 
 def harmonic_series(
-    projection: Projection, nominal_mm: tuple[float, float], reflectors_mm: Floats, orders: int = 120
+    projection: DistanceProjection, nominal_mm: tuple[float, float], reflectors_mm: Floats, orders: int = 120
 ) -> list[HarmonicSeries]:
     """Return orders 1 … `orders` of every series; of orders that are one at the commands the lowest stands for all.
 
@@ -115,7 +110,7 @@ def _corrected(one: Harmonic, tests: int) -> Harmonic:
 
 
 def _series(
-    projection: Projection, target: Target, source: Source, angle_rad: Floats, orders: int
+    projection: DistanceProjection, target: Target, source: Source, angle_rad: Floats, orders: int
 ) -> HarmonicSeries:
     gain = projection.geometry.turn_mm
     factor = {"theta1": gain[:, 0], "theta2": gain[:, 1]}.get(target, np.ones(angle_rad.size))
@@ -131,7 +126,7 @@ def _series(
 
 
 def _harmonic(
-    projection: Projection,
+    projection: DistanceProjection,
     series: tuple[Target, Source],
     factor: Floats,
     angle_rad: Floats,

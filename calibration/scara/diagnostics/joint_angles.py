@@ -4,10 +4,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from catseye.calibration.core.fit_statistics import SIGNIFICANCE
-from catseye.calibration.core.projection import Projection, addition
+from catseye.calibration.core.projection import addition
+from catseye.calibration.core.significance import SIGNIFICANCE
 from catseye.calibration.core.types import Floats, Ints
-from catseye.calibration.scara.identification import beam_turn_rad
+from catseye.calibration.scara.diagnostics.projection import DistanceProjection
+from catseye.calibration.scara.pointing import beam_turn_rad
 
 _MOST_LEVELS = 40
 _BIN_RAD = np.deg2rad(10.0)
@@ -51,7 +52,7 @@ class AnglePattern:
 
 
 def angle_patterns(
-    projection: Projection, nominal_mm: tuple[float, float], reflectors_mm: Floats
+    projection: DistanceProjection, nominal_mm: tuple[float, float], reflectors_mm: Floats
 ) -> list[AnglePattern]:
     """Return the residuals against θ1, θ2 and θ4.
 
@@ -69,7 +70,7 @@ def angle_patterns(
     return [_pattern(projection, joint, angle) for joint, angle in angles.items()]
 
 
-def _pattern(projection: Projection, joint: int, angle_rad: Floats) -> AnglePattern:
+def _pattern(projection: DistanceProjection, joint: int, angle_rad: Floats) -> AnglePattern:
     level = _levels(angle_rad)
     count = np.bincount(level)
     member = np.zeros((angle_rad.size, count.size))

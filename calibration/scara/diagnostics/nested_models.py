@@ -6,12 +6,11 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from catseye.calibration.core.errors import CalibrationError
-from catseye.calibration.core.fit_statistics import SIGNIFICANCE
-from catseye.calibration.core.projection import Projection, projection_of
-from catseye.calibration.core.significance import adjusted, f_test
+from catseye.calibration.core.projection import Projection
+from catseye.calibration.core.significance import SIGNIFICANCE, adjusted, aicc, bic, f_test
 from catseye.calibration.core.types import Floats
-from catseye.calibration.scara.diagnostics.information import aicc, bic
 from catseye.calibration.scara.diagnostics.problem import Problem
+from catseye.calibration.scara.diagnostics.projection import projection_of
 from catseye.calibration.scara.extension import Term
 from catseye.calibration.scara.identification import Identification
 
@@ -85,31 +84,31 @@ class _Fitted:
 
 
 def compare_models(
-    problem: Problem, extensions: Sequence[Extension], tell: Callable[[str], None] = lambda _: None
+    problem: Problem, extensions: Sequence[Extension], progress: Callable[[str], None] = lambda _: None
 ) -> list[ComparedModel]:
     """Fit the conventional model, the error map, each extension of it, and all that could be identified together.
 
     Args:
         problem: distances with the error map.
         extensions: what to try beyond the maps.
-        tell: is told the name of each model when its turn comes.
+        progress: called with the name of each model when its turn comes.
 
     Raises:
         CalibrationError: the error map itself cannot be identified.
     """
-    tell(ERROR_MAP)
+    progress(ERROR_MAP)
     error_map = _fitted(problem)
     fixed = replace(problem, points=error_map.identified.points, budget=problem.budget)
-    tell(CONVENTIONAL)
+    progress(CONVENTIONAL)
     conventional = _fitted(replace(fixed, model="conventional"))
     rows = [
         _compared(CONVENTIONAL, None, conventional, 1),
         _compared(ERROR_MAP, (CONVENTIONAL, conventional), error_map, 1),
     ]
-    tried = [_tried(fixed, one, error_map, len(extensions), tell) for one in extensions]
+    tried = [_tried(fixed, one, error_map, len(extensions), progress) for one in extensions]
     possible = tuple(term for row in tried if not row.refused for term in row.terms)
     if sum(not row.refused for row in tried) > 1:
-        tried.append(_tried(fixed, Extension(TOGETHER, possible), error_map, 1, tell))
+        tried.append(_tried(fixed, Extension(TOGETHER, possible), error_map, 1, progress))
     return rows + tried
 
 
@@ -119,9 +118,9 @@ def _fitted(problem: Problem) -> _Fitted:
 
 
 def _tried(
-    problem: Problem, extension: Extension, base: _Fitted, tests: int, tell: Callable[[str], None]
+    problem: Problem, extension: Extension, base: _Fitted, tests: int, progress: Callable[[str], None]
 ) -> ComparedModel:
-    tell(extension.name)
+    progress(extension.name)
     try:
         fitted = _fitted(problem.with_terms(extension.terms))
     except CalibrationError as error:

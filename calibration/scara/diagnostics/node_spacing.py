@@ -5,12 +5,12 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from catseye.calibration.core.cross_validation import predicted_residuals
 from catseye.calibration.core.errors import CalibrationError
-from catseye.calibration.core.projection import projection_of
+from catseye.calibration.core.significance import aicc, bic
 from catseye.calibration.core.types import Bools, Floats
-from catseye.calibration.scara.diagnostics.information import aicc, bic
+from catseye.calibration.scara.diagnostics.folds import predicted_residuals
 from catseye.calibration.scara.diagnostics.problem import Problem
+from catseye.calibration.scara.diagnostics.projection import projection_of
 
 _COARSER = (1, 2, 3)
 """Every node, every second, every third."""
@@ -76,12 +76,12 @@ class NodeSpacing:
         return min(able, key=lambda one: one.predicted_um, default=None)
 
 
-def node_spacing(problem: Problem, tell: Callable[[str], None] = lambda _: None) -> NodeSpacing:
+def node_spacing(problem: Problem, progress: Callable[[str], None] = lambda _: None) -> NodeSpacing:
     """Try coarser grids, and finer ones where commands stand between the nodes.
 
     Args:
         problem: distances with the present nodes.
-        tell: is told the name of each grid when its turn comes.
+        progress: called with the name of each grid when its turn comes.
 
     Raises:
         CalibrationError: the present grid cannot be identified.
@@ -98,7 +98,7 @@ def node_spacing(problem: Problem, tell: Callable[[str], None] = lambda _: None)
     for word1, nodes1 in choices1:
         for word2, nodes2 in choices2:
             name = f"J1 {word1} ({nodes1.size}), J2 {word2} ({nodes2.size})"
-            tell(name)
+            progress(name)
             tried.append(_grid(present, name, nodes1, nodes2))
     return NodeSpacing(_with_common_rows(tried), *between)
 

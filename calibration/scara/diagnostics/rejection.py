@@ -5,9 +5,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from catseye.calibration.core.errors import RejectionError
-from catseye.calibration.core.projection import Projection, projection_of
-from catseye.calibration.core.types import Bools, Floats, Ints
+from catseye.calibration.core.residuals import robustly_studentised
+from catseye.calibration.core.types import Bools, Ints
 from catseye.calibration.scara.diagnostics.problem import Problem
+from catseye.calibration.scara.diagnostics.projection import DistanceProjection, projection_of
 from catseye.calibration.scara.diagnostics.robust import robust_fit
 from catseye.calibration.scara.identification import Identification
 from catseye.calibration.scara.points import Points, rows_of_long_segments
@@ -15,7 +16,6 @@ from catseye.calibration.scara.points import Points, rows_of_long_segments
 MOST_REJECTED = 0.05
 """Largest share of the distances that may go; beyond it the model is in doubt, not the distances."""
 
-_NORMAL_MAD = 0.6744897501960817
 _ROUNDS = 50
 
 
@@ -60,7 +60,7 @@ class Cleaned:
     """An identification without the distances that were left out.
 
     Attributes:
-        identified: from the others; `rejected` tells of each one.
+        identified: from the others; `rejected` lists each one.
         rejected: what was left out, in measuring order.
         rounds: how often was fitted.
     """
@@ -74,9 +74,8 @@ def reject(problem: Problem, limit: float, most: float = MOST_REJECTED) -> Clean
     """Leave out distances beyond a limit, the farthest first, until none is left.
 
     A distance is judged by its externally studentised residual: what the others predict of it minus what was
-    measured, over the standard deviation of that; the scale is 1.4826 times the median modulus of the studentised
-    residuals, which outliers hardly move. The first round judges the residuals of a Huber fit, so that a gross error
-    does not lean on its neighbours. A round leaves out only what exceeds half of the largest.
+    measured, over the standard deviation of that. The first round judges the residuals of a Huber fit, so that a
+    gross error does not lean on its neighbours. A round leaves out only what exceeds half of the largest.
 
     Args:
         problem: distances and model.
@@ -95,7 +94,7 @@ def reject(problem: Problem, limit: float, most: float = MOST_REJECTED) -> Clean
     judged, leans = robust_fit(identified, "huber").identified, False
     for rounds in range(1, _ROUNDS + 1):
         projection = projection_of(judged)
-        deleted = _studentised(projection)
+        deleted = robustly_studentised(projection)
         size = np.abs(np.nan_to_num(deleted))
         far = size > max(limit, 0.5 * float(size.max()))
         if not far.any():
@@ -112,15 +111,7 @@ def reject(problem: Problem, limit: float, most: float = MOST_REJECTED) -> Clean
     )
 
 
-def _studentised(projection: Projection) -> Floats:
-    """Return externally studentised residuals with a robust scale; NaN where a distance stands alone."""
-    own = 1.0 - np.einsum("ij,ij->i", projection.orthonormal, projection.orthonormal)
-    raw = projection.residuals / np.sqrt(np.where(own > 1e-10, own, np.nan))
-    scale = float(np.nanmedian(np.abs(raw))) / _NORMAL_MAD
-    return raw / max(scale, 1e-9 * float(np.mean(projection.weights)))
-
-
-def _of_row(projection: Projection, row: int, i: int, studentised: float, leans: bool) -> Rejected:
+def _of_row(projection: DistanceProjection, row: int, i: int, studentised: float, leans: bool) -> Rejected:
     points, commands = projection.points, projection.points.commands
     own = 1.0 - float(projection.orthonormal[i] @ projection.orthonormal[i]) if leans else 1.0
     name, segment = points.dead_paths[int(points.dead_path[i])]

@@ -1,42 +1,16 @@
-"""Estimates that single wrong distances hardly move: Huber and soft-L1 loss by reweighted Gauss-Newton steps.
-
-Both losses are convex, so the minimum is one and the start does not matter; what a distance can pull is bounded.
-They protect against wrong distances, not against a wrong command at a pose of high leverage.
-"""
+"""An arm identified so that single wrong distances hardly move it."""
 
 from dataclasses import dataclass, replace
-from typing import Literal
-
-import numpy as np
 
 from catseye.calibration.core.contributions import Contributions
-from catseye.calibration.core.errors import ConvergenceError
-from catseye.calibration.core.fit_statistics import FitStatistics, RobustLoss, point_weights
-from catseye.calibration.core.least_squares import minimise
-from catseye.calibration.core.sandwich import sandwich
+from catseye.calibration.core.robust import Loss, robust_estimate
 from catseye.calibration.core.types import Floats
-from catseye.calibration.scara.distance_model import DistanceModel, distance_model
 from catseye.calibration.scara.identification import Identification
-
-Loss = Literal["huber", "soft-l1"]
-
-TUNING: dict[Loss, float] = {"huber": 1.345, "soft-l1": 1.2871}
-"""Residual in standard deviations where a loss turns from square to linear: 95 % efficiency for normal errors."""
-
-_NORMAL_MAD = 0.6744897501960817
-"""Median of the modulus of a standard normal error."""
-
-_SCALE_ROUNDS = 10
-"""After so many rounds the scale is kept, from where the weights alone are sure to settle."""
-
-_ROUNDS = 200
-_SETTLED_MM = 1e-7
-_EXACT_MM = 1e-9
 
 
 @dataclass(frozen=True)
 class RobustFit:
-    """A robust estimate.
+    """A robust identification.
 
     Attributes:
         identified: the estimate with its sandwich covariance.
@@ -56,11 +30,7 @@ class RobustFit:
 
 
 def robust_fit(identified: Identification, loss: Loss) -> RobustFit:
-    """Identify again with a robust loss.
-
-    The scale is 1.4826 times the median modulus of the residuals, widened by √(n / dof). The covariance is the
-    sandwich of Huber's M-estimators: it follows from the scatter that the distances show, not from the stated white
-    uncertainties; the stated systematic contributors are added to it.
+    """Identify again with a robust loss; see `catseye.calibration.core.robust.robust_estimate`.
 
     Args:
         identified: estimate of least squares, from where the iteration starts.
@@ -69,74 +39,12 @@ def robust_fit(identified: Identification, loss: Loss) -> RobustFit:
     Raises:
         ConvergenceError: the weights do not settle.
     """
-    points, layout = identified.points, identified.layout
-    model, weights, basis = distance_model(layout, points), point_weights(points), layout.gauge_basis()
-    parameters, residuals = identified.parameters, identified.residuals_mm
-    scale = _scale(residuals, weights, identified.fit.dof)
-    for round_number in range(1, _ROUNDS + 1):
-        share = loss_weight(residuals * weights / scale, loss)
-        solution = minimise(model.residuals, model.jacobian, parameters, basis, weights * np.sqrt(share))
-        change = float(np.sqrt(np.mean((solution.residuals - residuals) ** 2)))
-        parameters, residuals = solution.parameters, solution.residuals
-        if change < _SETTLED_MM and round_number > 1:
-            found = replace(identified, parameters=parameters, residuals_mm=residuals)
-            return _judged(model, found, loss, scale, round_number)
-        if round_number < _SCALE_ROUNDS:
-            scale = _scale(residuals, weights, identified.fit.dof)
-    raise ConvergenceError(
-        f"the weights of the {loss} loss do not settle: look at the residuals of least squares first "
-        "(catseye diagnose)"
+    found = robust_estimate(identified.model, identified.estimate, loss, "scatter of the distances")
+    robust = replace(
+        identified,
+        parameters=found.estimate.values,
+        covariance=found.estimate.covariance,
+        residuals_mm=found.estimate.residuals_mm,
+        fit=found.estimate.fit,
     )
-
-
-def loss_weight(standardised: Floats, loss: Loss) -> Floats:
-    """Return what a residual counts: its influence over itself, shape (n,)."""
-    relative = np.abs(standardised) / TUNING[loss]
-    if loss == "huber":
-        return 1.0 / np.maximum(relative, 1.0)
-    return np.asarray(1.0 / np.sqrt(1.0 + relative**2), dtype=np.float64)
-
-
-def _influence_slope(standardised: Floats, loss: Loss) -> Floats:
-    """Return the derivative of the influence, shape (n,)."""
-    relative = np.abs(standardised) / TUNING[loss]
-    if loss == "huber":
-        return np.asarray(relative <= 1.0, dtype=np.float64)
-    return np.asarray((1.0 + relative**2) ** -1.5, dtype=np.float64)
-
-
-def _scale(residuals_mm: Floats, weights: Floats, dof: int) -> float:
-    median = float(np.median(np.abs(residuals_mm * weights)))
-    widened = median / _NORMAL_MAD * float(np.sqrt(residuals_mm.size / dof))
-    return max(widened, _EXACT_MM * float(np.mean(weights)))
-
-
-def _judged(model: DistanceModel, found: Identification, loss: Loss, scale: float, rounds: int) -> RobustFit:
-    """Attach covariance and statistics."""
-    weights = point_weights(found.points)
-    standardised = found.residuals_mm * weights / scale
-    share = loss_weight(standardised, loss)
-    parts = sandwich(model, found, scale, standardised * share, _influence_slope(standardised, loss))
-    sigma_um = 1e3 * scale / float(np.sqrt(np.mean(weights**2)))
-    counted = RobustLoss(loss, sigma_um, _half(loss), int(np.sum(share < 0.5)))
-    fit = replace(_statistics(found.fit, found.residuals_mm, scale, rounds), sigma0_um=sigma_um, loss=counted)
-    identified = replace(found, covariance=parts.covariance, fit=fit)
-    return RobustFit(identified, loss, scale, share, rounds, parts)
-
-
-def _half(loss: Loss) -> float:
-    """Return the residual, in standard deviations, that counts half."""
-    return TUNING[loss] * (2.0 if loss == "huber" else float(np.sqrt(3.0)))
-
-
-def _statistics(fit: FitStatistics, residuals_mm: Floats, scale: float, rounds: int) -> FitStatistics:
-    """Return the statistics that a robust fit has: no χ², which judges squares."""
-    return replace(
-        fit,
-        rms_um=1e3 * float(np.sqrt(np.mean(residuals_mm**2))),
-        chi2_reduced=None,
-        chi2_probability=None,
-        lack_of_fit=None,
-        variance_factor=scale**2,
-        iterations=rounds,
-    )
+    return RobustFit(robust, loss, found.scale, found.weights, found.rounds, found.contributions)

@@ -7,16 +7,16 @@ import numpy as np
 
 from catseye.calibration.core.blockwise.normal_sums import NormalSums
 from catseye.calibration.core.blockwise.residual_sums import ResidualSums
+from catseye.calibration.core.budget import stacked
 from catseye.calibration.core.errors import CalibrationError
-from catseye.calibration.core.fit_statistics import point_weights
 from catseye.calibration.core.types import Floats
 from catseye.calibration.scara.arm import arm_design
-from catseye.calibration.scara.budget import Budget, combined_white_mm, geometry_of, systematic_effects
+from catseye.calibration.scara.budget import Budget, combined_white_mm
 from catseye.calibration.scara.distance_model import DistanceModel
-from catseye.calibration.scara.identification import beam_turn_rad
 from catseye.calibration.scara.layout import Layout
+from catseye.calibration.scara.pointing import beam_turn_rad
 from catseye.calibration.scara.points import Points
-from catseye.calibration.scara.scans.sparse_rows import sparse_rows
+from catseye.calibration.scara.scans.distance_rows import sparse_rows
 from catseye.calibration.scara.scans.used_rows import UsedRows
 
 
@@ -44,7 +44,7 @@ class Passes:
         )
         if common:
             raise CalibrationError(
-                f"{', '.join(common)}: an error common to a pose cannot be told from a reading's own in a scan, "
+                f"{', '.join(common)}: an error common to a pose cannot be separated from a reading's own in a scan, "
                 "which repeats no pose; state it per reading"
             )
 
@@ -63,10 +63,10 @@ class Passes:
         if any(term.source == "theta4" for term in self.layout.terms):
             block = replace(block, theta4_rad=beam_turn_rad(block, self.nominal_mm, self.rough_mm))
         design = arm_design(self.layout, block.commands, block.theta4_rad, elapsed)
-        model = DistanceModel(self.layout, block, design)
+        model = DistanceModel(self.layout, block, design, self.budget)
         if not weighted or block.sigma_mm is not None or self.budget is None or not self.budget.white:
             return model
-        sigma = combined_white_mm(self.budget, geometry_of(model, self._nominal_parameters()))
+        sigma = combined_white_mm(self.budget, model.geometry(self._nominal_parameters()))
         if not sigma.all():
             raise CalibrationError(
                 "the white contributors leave some distances without an uncertainty: add one of kind length"
@@ -79,11 +79,11 @@ class Passes:
         sums = NormalSums(self.layout.size, residuals)
         for block in blocks:
             model = self.model(block)
-            weights = point_weights(model.points)
+            weights = model.weights
             rows = sparse_rows(model, parameters, weights)
             sums.add(rows, weights, block.dead_path)
             if self.budget is not None and self.budget.systematic:
-                effects = systematic_effects(self.budget, geometry_of(model, parameters))
+                effects = stacked(model.shared(parameters), weights.size)
                 sums.add_effects(rows, effects * weights[:, None])
         return sums
 

@@ -4,31 +4,23 @@ from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
 
 import numpy as np
-from scipy import linalg
 
+from catseye.calibration.core.blockwise.covariance import white_covariance
 from catseye.calibration.core.blockwise.descent import Minimum, descend
 from catseye.calibration.core.blockwise.residual_sums import ResidualSums
-from catseye.calibration.core.errors import CalibrationError, InsufficientPointsError, MapRangeError
+from catseye.calibration.core.errors import CalibrationError, InsufficientPointsError
 from catseye.calibration.core.fit_statistics import FitSums, summed_statistics
-from catseye.calibration.core.least_squares import factorise
-from catseye.calibration.core.rank import require_identifiable
 from catseye.calibration.core.types import Floats
 from catseye.calibration.scara.budget import Budget
 from catseye.calibration.scara.error_map import interpolate
+from catseye.calibration.scara.errors import MapRangeError
 from catseye.calibration.scara.extension import Term
 from catseye.calibration.scara.identification import Identification
-from catseye.calibration.scara.layout import Layout, ModelName
+from catseye.calibration.scara.layout import UNSETTLED, Layout, ModelName
 from catseye.calibration.scara.points import Points
 from catseye.calibration.scara.scans.passes import Passes
 from catseye.calibration.scara.scans.source import PointSource
 from catseye.calibration.scara.scans.used_rows import used_rows
-
-SQUARED_RANK_TOLERANCE = 3e-6
-"""Singular values below this share of the largest count as zero here.
-
-The normal matrix holds their squares, 1e-11 of its largest eigenvalue: a hundred times what rounding of its sums
-leaves. A Jacobian itself tells directions apart down to 1e-10; what lies between is refused here although identify
-could solve it, for the squares of such values carry too few digits for an uncertainty."""
 
 _MOST_PARAMETERS = 4_000
 """The normal matrix holds the square of their number: more need gigabytes and minutes."""
@@ -75,8 +67,8 @@ def identify_scan(
 
     Solves the same problem as `identification.identify`, by Gauss-Newton steps whose normal equations are summed up
     block by block; the gradient is that of all rows, so squaring costs no digits of the estimate. Rank and covariance
-    come from the normal matrix, see SQUARED_RANK_TOLERANCE. Repeats of poses are not looked for: there is no test of
-    the lack of fit.
+    come from the normal matrix (`catseye.calibration.core.blockwise.covariance`). Repeats of poses are not looked
+    for: there is no test of the lack of fit.
 
     Args:
         source: measured distances.
@@ -88,12 +80,12 @@ def identify_scan(
         reflectors_mm: rough places of source.reflector_names, mm, shape (reflectors, 2).
         budget: contributors, as identify takes them; none may be common to a pose.
         terms: functions beyond the model, each with a coefficient.
-        progress: is told the rows done and the rows expected, all passes together.
+        progress: called with the rows done and the rows expected, all passes together.
 
     Raises:
         MapRangeError: a point lies outside the nodes.
         InsufficientPointsError: fewer points than parameters.
-        UnidentifiableError: null directions beyond the gauge, or directions too weak to be told from them.
+        UnidentifiableError: null directions beyond the gauge, or directions too weak to be distinguished from them.
         ConvergenceError: the iteration does not settle.
         CalibrationError: a contributor is common to a pose, or there are too many parameters for a normal matrix.
     """
@@ -107,13 +99,16 @@ def identify_scan(
     _require_rows(used.rows, basis.shape[1], model)
     passes = Passes(used, layout, (link1_mm, link2_mm), rough, budget)
     few = used.few()
-    first = descend(lambda parameters: passes.sums(parameters, [few], 1.0), passes.start(few), basis)
+    first = descend(
+        lambda parameters: passes.sums(parameters, [few], 1.0), passes.start(few), basis, UNSETTLED
+    )
     half_width_mm = max(_HISTOGRAM_RMS * first.sums.residuals.rms_mm, _FINEST_MM)
     counter = _Counter(used.rows, progress)
     minimum = descend(
         lambda parameters: passes.sums(parameters, counter.counted(used.blocks()), half_width_mm),
         first.parameters,
         basis,
+        UNSETTLED,
     )
     counter.finish()
     return _judged(passes, minimum, basis, few)
@@ -133,14 +128,14 @@ class _Counter:
         for block in blocks:
             yield block
             self.done += len(block)
-            self._tell(expected)
+            self._report(expected)
 
     def finish(self) -> None:
-        """Tell that no further pass is needed, where fewer than expected were."""
+        """Report that no further pass is needed, where there were fewer than expected."""
         if self.done < _EXPECTED_PASSES * self.rows:
-            self._tell(self.done)
+            self._report(self.done)
 
-    def _tell(self, expected: int) -> None:
+    def _report(self, expected: int) -> None:
         if self.progress is not None:
             self.progress(self.done, expected)
 
@@ -148,7 +143,7 @@ class _Counter:
 def _judged(passes: Passes, minimum: Minimum, basis: Floats, few: Points) -> ScanIdentification:
     """Attach covariance, statistics and a sample of the residuals to a minimum."""
     sums, layout = minimum.sums, passes.layout
-    white = _covariance(layout, sums.matrix(), basis)
+    white = white_covariance(sums.matrix(), layout.parameters())
     # How the systematic contributors shift the estimate, and what of them stays in the residuals.
     shifts = white @ sums.effect_gradient
     sample = passes.model(few.rows(np.arange(0, len(few), -(-len(few) // _SAMPLE))))
@@ -176,27 +171,6 @@ def _judged(passes: Passes, minimum: Minimum, basis: Floats, few: Points) -> Sca
         passes.budget,
     )
     return ScanIdentification(identified, sums.residuals)
-
-
-def _covariance(layout: Layout, matrix: Floats, basis: Floats) -> Floats:
-    """Return the covariance for unit weights, shape (p, p).
-
-    Raises:
-        UnidentifiableError: directions that the normal matrix of shape (p, p) does not tell from null directions.
-    """
-    root = _square_root(matrix)
-    factor = factorise(root @ basis)
-    if factor.singular_values[-1] <= SQUARED_RANK_TOLERANCE * factor.singular_values[0]:
-        require_identifiable(layout, root, basis, SQUARED_RANK_TOLERANCE)
-    return np.asarray(basis @ factor.covariance() @ basis.T, dtype=np.float64)
-
-
-def _square_root(matrix: Floats) -> Floats:
-    """Return R with RᵀR = matrix, shape (p, p): it stands for the Jacobian; a column of zeros stays one."""
-    norms = np.sqrt(np.diag(matrix))
-    scale = np.where(norms > 0.0, norms, 1.0)
-    values, vectors = linalg.eigh(matrix / np.outer(scale, scale))
-    return np.asarray((np.sqrt(np.maximum(values, 0.0))[:, None] * vectors.T) * norms, dtype=np.float64)
 
 
 def _require_range(nodes_rad: tuple[Floats, Floats], block: Points, first: int) -> None:

@@ -24,7 +24,7 @@ class UsedRows:
         reflector_names: names of those left.
         dead_paths: (reflector name, segment) of those left.
         rows: number of distances left.
-        clock: when the measurement began and how long it took, s; in rows where the source tells no times.
+        clock: when the measurement began and how long it took, s; in rows where the source has no times.
         rejected: a sentence for each segment left out.
     """
 

@@ -11,7 +11,8 @@ import pytest
 from catseye.app.analysis.identifying import identify_rows
 from catseye.app.analysis.truth import compare_with_truth, gauge_turn_rad, turned_places
 from catseye.app.files.points_csv import PointRow
-from catseye.calibration.core.errors import InsufficientPointsError, MapRangeError, UnidentifiableError
+from catseye.calibration.core.errors import InsufficientPointsError, UnidentifiableError
+from catseye.calibration.scara.errors import MapRangeError
 from catseye.calibration.scara.identification import Identification
 from tests.unit.calibration.scara.paper import (
     MDEG,

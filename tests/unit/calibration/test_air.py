@@ -8,13 +8,11 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from catseye.calibration.air import (
-    AirUncertainty,
     Formula,
-    index_uncertainty,
     outside_nist_range,
     refractive_index,
+    vapour_pressure_pa,
 )
-from catseye.calibration.vapour_pressure import vapour_pressure_pa
 
 # NIST Engineering Metrology Toolbox, table 1 (450 ppm): t °C, RH %, p kPa, vacuum wavelength nm, Ciddor, Edlén.
 NIST_TABLE = [
@@ -86,15 +84,6 @@ def test_sensitivities_by_differences() -> None:
     assert (n(p=1013.75) - n(p=1012.75)) / 1.0 == pytest.approx(2.683e-7, rel=1e-3)
     assert (n(rh=51.0) - n(rh=49.0)) / 2.0 == pytest.approx(-8.50e-9, rel=2e-3)
     assert (n(co2=500.0) - n(co2=400.0)) / 100.0 == pytest.approx(1.435e-10, rel=2e-3)
-
-
-def test_uncertainty_is_the_root_of_the_squared_contributions() -> None:
-    u = AirUncertainty(temperature_k=0.1, pressure_hpa=0.15, humidity_percent=2.0, co2_ppm=50.0, formula=2e-8)
-    expected = math.hypot(9.548e-8, 0.15 * 2.683e-7, 2 * 8.50e-9, 50 * 1.435e-10, 2e-8)
-    assert index_uncertainty(u, 633.0, 20.0, 1013.25, 50.0) == pytest.approx(expected, rel=1e-3)
-    assert index_uncertainty(u, 633.0, 20.0, 1013.25, 0.0) == pytest.approx(
-        expected, rel=3e-2
-    )  # dry air differs a little
 
 
 @given(t=st.floats(10.0, 35.0), p=st.floats(950.0, 1050.0), rh=st.floats(0.0, 70.0))

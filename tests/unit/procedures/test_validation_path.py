@@ -9,7 +9,7 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from catseye.calibration.core.errors import OutOfReachError
+from catseye.calibration.scara.errors import OutOfReachError
 from catseye.procedures.bench import Bench
 from catseye.procedures.context import Location, MeasuredPoint, Prompt, Row, Table
 from catseye.procedures.errors import ArmMovedError, MeasuredFileError, PlanError, PlanLimitError

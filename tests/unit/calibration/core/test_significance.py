@@ -3,8 +3,7 @@
 import pytest
 from scipy import stats
 
-from catseye.calibration.core.fit_statistics import Expected
-from catseye.calibration.core.significance import f_test
+from catseye.calibration.core.significance import Expected, f_test
 
 
 @pytest.mark.parametrize(("gain", "rank", "rest"), [(12.0, 3, 55.0), (0.0, 2, 40.0), (80.0, 1, 0.9)])

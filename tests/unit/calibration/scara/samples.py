@@ -4,11 +4,12 @@ from dataclasses import replace
 
 import numpy as np
 
-from catseye.calibration.scara.budget import Budget
+from catseye.calibration.scara.budget import Axis, Budget, Contributor
 from catseye.calibration.scara.extension import Term, crosstalk, j4_map, thermal_drift
 from catseye.calibration.scara.identification import Identification, identify
 from catseye.calibration.scara.layout import ModelName
 from catseye.calibration.scara.points import Points
+from catseye.calibration.scara.radial import RadialBudget
 from tests.unit.calibration.scara.paper import (
     NODES1_DEG,
     NODES2_DEG,
@@ -47,3 +48,18 @@ def identified(
     nodes = np.deg2rad(NODES1_DEG), np.deg2rad(NODES2_DEG)
     chosen = noisy_points() if points is None else points
     return identify(chosen, model, *nodes, 325.0, 225.0, NOMINAL_REFLECTORS, budget, terms)
+
+
+def radial_motions(budget: RadialBudget) -> Budget:
+    """Return radial error motions of J1, J2 and J4 as contributors."""
+    stated: tuple[tuple[Axis, float], ...] = (
+        ("j1", budget.j1_mm),
+        ("j2", budget.j2_mm),
+        ("j4", budget.j4_mm),
+    )
+    return Budget(
+        tuple(
+            Contributor(axis.upper(), "radial", u, "axis-angle", axis, orders=budget.orders)
+            for axis, u in stated
+        )
+    )

@@ -8,8 +8,9 @@ from scipy import optimize
 
 from catseye.calibration.core.batched_solver import BatchedProblem, solve_draws
 from catseye.calibration.core.least_squares import minimise
+from catseye.calibration.core.model import Model
 from catseye.calibration.core.types import Floats
-from catseye.calibration.scara.distance_model import DistanceModel, distance_model
+from catseye.calibration.scara.batched_distances import BatchedDistances
 from catseye.calibration.scara.identification import Identification
 from catseye.calibration.scara.points import Points
 from tests.unit.calibration.scara.samples import TERMS, WEAK, identified, noisy_points, segmented
@@ -29,16 +30,15 @@ def uneven() -> Points:
 
 
 def problem_of(one: Identification) -> BatchedProblem:
-    return BatchedProblem.of(distance_model(one.layout, one.points), one.parameters)
+    return BatchedProblem.of(BatchedDistances.of(one.model), one.parameters)
 
 
-def with_noise(problem: BatchedProblem, noise_mm: Floats) -> DistanceModel:
-    points = replace(problem.model.points, displacement_mm=problem.predicted_mm + noise_mm)
-    return replace(problem.model, points=points)
+def with_noise(problem: BatchedProblem, noise_mm: Floats) -> Model:
+    return problem.rows.with_measured(problem.predicted_mm + noise_mm)
 
 
 def alone(problem: BatchedProblem, noise_mm: Floats) -> Floats:
-    model, basis = with_noise(problem, noise_mm), problem.model.layout.gauge_basis()
+    model, basis = with_noise(problem, noise_mm), problem.rows.model.parameters.basis
     return minimise(model.residuals, model.jacobian, problem.nominal, basis, problem.weights).parameters
 
 
@@ -59,7 +59,7 @@ def test_the_gradient_is_that_of_the_dense_jacobian_far_from_the_nominal_arm(cas
     rng = np.random.default_rng(2)
     parameters = problem.nominal[:, None] + rng.normal(0.0, 0.01, (problem.nominal.size, 5))
     noise = rng.normal(0.0, 1.0, (problem.predicted_mm.size, 5))
-    gradient = problem.gradient(parameters, problem.predicted_mm[:, None] + noise)
+    gradient = problem.rows.gradient(parameters, problem.predicted_mm[:, None] + noise)
     for k in range(5):
         model = with_noise(problem, noise[:, k])
         weighted = problem.weights**2 * model.residuals(parameters[:, k])
@@ -70,7 +70,7 @@ def test_the_gradient_is_that_of_the_dense_jacobian_far_from_the_nominal_arm(cas
 def test_the_gradient_of_the_true_problem_vanishes() -> None:
     problem = problem_of(identified())
     noise = np.random.default_rng(3).normal(0.0, 0.0156, (10, 1056))
-    basis = problem.model.layout.gauge_basis()
+    basis = problem.rows.model.parameters.basis
     for parameters, errors in zip(solve_draws(problem, noise).parameters, noise, strict=True):
         model = with_noise(problem, errors)
         jacobian = (model.jacobian(parameters) * problem.weights[:, None]) @ basis
@@ -81,13 +81,13 @@ def test_the_gradient_of_the_true_problem_vanishes() -> None:
 
 
 def test_every_draw_keeps_the_gauge() -> None:
-    problem = problem_of(identified())
-    found = solve_draws(problem, np.random.default_rng(4).normal(0.0, 0.05, (30, 1056)))
-    assert np.abs(found.parameters[:, problem.model.layout.map1].mean(axis=1)).max() < 1e-14
+    one = identified()
+    found = solve_draws(problem_of(one), np.random.default_rng(4).normal(0.0, 0.05, (30, 1056)))
+    assert np.abs(found.parameters[:, one.layout.map1].mean(axis=1)).max() < 1e-14
 
 
 def minimum_of_scipy(problem: BatchedProblem, noise_mm: Floats) -> Floats:
-    model, basis = with_noise(problem, noise_mm), problem.model.layout.gauge_basis()
+    model, basis = with_noise(problem, noise_mm), problem.rows.model.parameters.basis
     directions = basis / np.linalg.norm(model.jacobian(problem.nominal) @ basis, axis=0)
 
     def residuals(z: Floats) -> Floats:

@@ -16,7 +16,6 @@ from catseye.calibration.scara.budget import (
     Kind,
     combined_white_mm,
     effects,
-    geometry_of,
     systematic_effects,
     white_mm,
 )
@@ -43,9 +42,8 @@ def geometry() -> Geometry:
     layout = Layout("error-map", *nodes, POINTS.reflector_names, POINTS.dead_paths)
     zeros = [math.dist(true_position(TRUTH, sequence()[0]), TRUTH.reflectors[j]) for j in range(2)]
     places = TRUTH.reflectors[:2].ravel()
-    return geometry_of(
-        distance_model(layout, POINTS), np.concatenate([TRUTH.table_vector(), places, np.array(zeros)])
-    )
+    parameters = np.concatenate([TRUTH.table_vector(), places, np.array(zeros)])
+    return distance_model(layout, POINTS).geometry(parameters)
 
 
 def length(truth: Truth, k: int, turned: tuple[float, float] = (0.0, 0.0)) -> float:

@@ -5,11 +5,11 @@ import math
 import numpy as np
 import pytest
 
-from catseye.calibration.core.contributions import contributions, path_variances
 from catseye.calibration.core.types import Floats
 from catseye.calibration.scara.budget import Budget, Contributor
 from catseye.calibration.scara.points import Commands
 from catseye.calibration.scara.prediction import predict
+from catseye.calibration.scara.uncertainty import contributions
 from tests.unit.calibration.scara.samples import identified, noisy_points
 
 CONTRIBUTORS = (
@@ -65,13 +65,6 @@ def test_a_common_scale_scales_the_arm_and_turns_nothing() -> None:
         3e-6 * np.abs(one.parameters[one.layout.reflectors]), rel=0.05
     )
     assert float(u[one.layout.map1].max()) < 1e-9
-
-
-def test_path_parts_sum_to_the_variances_of_the_prediction() -> None:
-    one = identified(noisy_points(sigma_mm=None), budget=Budget(CONTRIBUTORS))
-    parts = path_variances(one, contributions(one), path())
-    assert parts.shape == (6, 50, 2)
-    assert np.sqrt(parts.sum(axis=0)) == pytest.approx(predict(one.arm, path(), 325.0, 225.0).u_mm, rel=1e-9)
 
 
 def numerical_gradient(arm_parameters: Floats, commands: Commands) -> Floats:

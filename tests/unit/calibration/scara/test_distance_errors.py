@@ -6,10 +6,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from catseye.calibration.core.budget import distance_errors
 from catseye.calibration.core.types import Floats
 from catseye.calibration.scara.budget import Budget, Contributor
 from catseye.calibration.scara.identification import Identification
+from catseye.calibration.scara.uncertainty import distance_errors
 from tests.unit.calibration.scara.samples import identified, noisy_points
 
 DRAWS = 4000

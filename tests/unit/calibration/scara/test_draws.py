@@ -6,10 +6,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from catseye.calibration.core.draws import CHUNK, joined, solve_chunk
 from catseye.calibration.core.errors import CalibrationError
 from catseye.calibration.scara.budget import Budget, Contributor
-from catseye.calibration.scara.draws import CHUNK, chunks, joined, solve_chunk, with_draws
 from catseye.calibration.scara.identification import Identification
+from catseye.calibration.scara.uncertainty import chunks, with_draws
 from tests.unit.calibration.scara.samples import TERMS, identified, noisy_points
 
 DRAWS = 3000

@@ -3,7 +3,8 @@
 import numpy as np
 import pytest
 
-from catseye.calibration.core.errors import InsufficientPointsError, MapRangeError, UnidentifiableError
+from catseye.calibration.core.errors import InsufficientPointsError, UnidentifiableError
+from catseye.calibration.scara.errors import MapRangeError
 from catseye.calibration.scara.identification import Identification, identify
 from catseye.calibration.scara.layout import ModelName
 from catseye.calibration.scara.points import Points

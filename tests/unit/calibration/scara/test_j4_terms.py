@@ -7,11 +7,10 @@ import numpy as np
 import pytest
 
 from catseye.calibration.core.types import Floats
-from catseye.calibration.scara.budget import Budget, Contributor, Kind, effects, geometry_of
-from catseye.calibration.scara.distance_model import distance_model
-from catseye.calibration.scara.draws import draw_estimates
+from catseye.calibration.scara.budget import Budget, Contributor, Kind, effects
 from catseye.calibration.scara.extension import Term, j4_map
 from catseye.calibration.scara.identification import Identification
+from catseye.calibration.scara.uncertainty import draw_estimates
 from tests.unit.calibration.scara.diagnostics.bench import Extra, Pose, commands_on_nodes, measured, problem
 from tests.unit.calibration.scara.paper import random_truth
 
@@ -87,7 +86,7 @@ def test_what_is_left_of_a_contributor_has_none_of_the_orders_of_the_map(kind: K
     contributor = replace(RADIAL, kind=kind)
     terms = j4_map((2, 4))
     found = identified(Motion.drawn(2), 2, terms)
-    geometry = geometry_of(distance_model(found.layout, found.points), found.parameters)
+    geometry = found.model.geometry(found.parameters)
     angle = np.arctan2(-geometry.unit[:, 1], -geometry.unit[:, 0])
     angle = angle - found.points.commands.theta1_rad - found.points.commands.theta2_rad
     series = np.column_stack(

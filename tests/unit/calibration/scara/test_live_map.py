@@ -8,9 +8,9 @@ from functools import cache
 import numpy as np
 import pytest
 
-from catseye.calibration.core.errors import MapRangeError, UnidentifiableError
+from catseye.calibration.core.errors import UnidentifiableError
 from catseye.calibration.core.types import Floats
-from catseye.calibration.scara.budget import radial_motions
+from catseye.calibration.scara.errors import MapRangeError
 from catseye.calibration.scara.identification import identify
 from catseye.calibration.scara.live_map import Innovation, LiveMap
 from catseye.calibration.scara.points import Points
@@ -26,6 +26,7 @@ from tests.unit.calibration.scara.paper import (
     sequence,
     true_position,
 )
+from tests.unit.calibration.scara.samples import radial_motions
 from tests.unit.calibration.scara.test_radial_budget import radial_errors
 
 NODES1, NODES2 = np.deg2rad(NODES1_DEG), np.deg2rad(NODES2_DEG)

@@ -5,9 +5,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from catseye.calibration.core.errors import MapRangeError
 from catseye.calibration.scara.distance_model import distance_model
 from catseye.calibration.scara.error_map import BidirectionalMap
+from catseye.calibration.scara.errors import MapRangeError
+from catseye.calibration.scara.extension import crosstalk, thermal_drift
 from catseye.calibration.scara.layout import Layout, ModelName
 from catseye.calibration.scara.pointing import (
     aim,
@@ -116,3 +117,13 @@ def test_field_and_range() -> None:
     assert field_angle(positions, reflector, facing)[0] == pytest.approx(1.2)
     seen = visible(positions, reflector, facing, 110.0, np.deg2rad(80.0), (50.0, 2000.0))
     assert seen.tolist() == [True, False, False]
+
+
+@pytest.mark.parametrize("model", ["conventional", "error-map"])
+def test_each_parameter_has_a_name_and_a_unit(model: ModelName) -> None:
+    nodes = np.deg2rad([0.0, 20.0]) if model == "error-map" else np.zeros(0)
+    layout = Layout(model, nodes, nodes, ("P1",), (("P1", 0),), (*crosstalk((1,)), *thermal_drift()))
+    parameters = layout.parameters()
+    assert len(parameters.names) == len(parameters.units) == layout.size
+    angles = {name for name, unit in zip(parameters.names, parameters.units, strict=True) if unit == "rad"}
+    assert angles == {name for name in parameters.names if "θ" in name and not name.startswith("ΔL")}

@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from catseye.calibration.core.errors import OutOfReachError
+from catseye.calibration.scara.errors import OutOfReachError
 from catseye.calibration.scara.planar import forward, inverse, position_jacobian, wrap_rad
 
 L1, L2 = 325.0, 225.0

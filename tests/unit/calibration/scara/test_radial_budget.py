@@ -12,7 +12,7 @@ import pytest
 
 from catseye.calibration.core.errors import BudgetError
 from catseye.calibration.core.types import Floats
-from catseye.calibration.scara.budget import Budget, Contributor, radial_motions
+from catseye.calibration.scara.budget import Budget, Contributor
 from catseye.calibration.scara.identification import Identification, identify
 from catseye.calibration.scara.points import Points
 from catseye.calibration.scara.radial import RadialBudget, radial_effects
@@ -27,6 +27,7 @@ from tests.unit.calibration.scara.paper import (
     sequence,
     true_position,
 )
+from tests.unit.calibration.scara.samples import radial_motions
 
 ORDERS = 5
 BUDGET = RadialBudget(0.005, 0.005, 0.010, ORDERS)

@@ -5,9 +5,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from catseye.calibration.core.design.criteria import pareto_front
 from catseye.calibration.core.types import Floats
 from catseye.calibration.scara.design.candidates import Floor, apart, grid
-from catseye.calibration.scara.design.front import pareto_front
 from catseye.calibration.scara.design.refinement import refine
 
 

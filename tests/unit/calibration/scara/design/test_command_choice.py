@@ -6,9 +6,9 @@ from typing import get_args
 import numpy as np
 import pytest
 
-from catseye.calibration.core.design.criteria import CriterionName
-from catseye.calibration.core.design.row_choice import CommandPool, changes_with, choose_commands, usefulness
-from catseye.calibration.core.types import Bools
+from catseye.calibration.core.design.criteria import Criterion, CriterionName
+from catseye.calibration.core.design.row_choice import CommandPool, changes_with, choose_commands
+from catseye.calibration.core.types import Bools, Floats
 from tests.unit.calibration.scara.design.cases import RING, SIGMA_MM, SMALL, scaled, seen_by_all, study
 from tests.unit.calibration.scara.design.test_exchange import criterion_of
 
@@ -19,6 +19,11 @@ BLOCKS = [SMALL.block(place) for place in PLACES]
 def small_pool() -> CommandPool:
     problem = study(SMALL)
     return CommandPool.of([problem.rows(seen_by_all(place, len(problem.commands))) for place in PLACES])
+
+
+def usefulness(pool: CommandPool, kept: Bools, criterion: Criterion) -> Floats:
+    """Return by how much the criterion grows without each command."""
+    return changes_with(pool, np.arange(len(pool.rows)), pool.covariance(kept), criterion, -1.0)
 
 
 def dense_a(kept: Bools) -> float:

@@ -7,8 +7,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from catseye.calibration.core.design.criteria import Criterion, CriterionName, covariances
+from catseye.calibration.core.design.criteria import CriterionName, covariances
 from catseye.calibration.core.types import Floats
+from catseye.calibration.scara.design.criterion import Criterion
 
 NAMES = get_args(CriterionName)
 GRADIENT = np.array([[100.0, 0.0, 0.0], [0.0, 300.0, 0.0], [50.0, 50.0, 200.0]])

@@ -6,11 +6,12 @@ from typing import get_args
 import numpy as np
 import pytest
 
-from catseye.calibration.core.design.criteria import Criterion, CriterionName
+from catseye.calibration.core.design.criteria import CriterionName
 from catseye.calibration.core.design.exchange import Pool, exchange, greedy_start, random_start
 from catseye.calibration.core.types import Floats
 from catseye.calibration.scara.budget import Budget, Contributor
 from catseye.calibration.scara.design.candidates import apart
+from catseye.calibration.scara.design.criterion import Criterion
 from catseye.calibration.scara.design.study import Study
 from tests.unit.calibration.scara.design.cases import RING, SIGMA_MM, SMALL, WHITE, scaled, seen_by_all, study
 

@@ -5,12 +5,13 @@ from typing import get_args
 import numpy as np
 import pytest
 
-from catseye.calibration.core.design.criteria import Criterion, CriterionName, covariances
+from catseye.calibration.core.design.criteria import CriterionName, covariances
+from catseye.calibration.core.design.information import Information
 from catseye.calibration.core.errors import UnidentifiableError
 from catseye.calibration.core.types import Floats
 from catseye.calibration.scara.budget import Budget, Contributor
+from catseye.calibration.scara.design.criterion import Criterion
 from catseye.calibration.scara.design.sight import Sight
-from catseye.calibration.scara.design.study import Information
 from catseye.calibration.scara.planar import forward
 from tests.unit.calibration.scara.design.cases import RING, SIGMA_MM, SMALL, WHITE, seen_by_all, study
 from tests.unit.calibration.scara.design.dense import DenseArm

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 from scipy import optimize
 
-from catseye.calibration.core.cross_validation import cross_validation, predicted_residuals
-from catseye.calibration.core.projection import Projection, projection_of
 from catseye.calibration.core.types import Floats
+from catseye.calibration.scara.diagnostics.folds import cross_validation, predicted_residuals
+from catseye.calibration.scara.diagnostics.projection import DistanceProjection, projection_of
 from catseye.calibration.scara.distance_model import distance_model
 from catseye.calibration.scara.points import Points
 from tests.unit.calibration.scara.diagnostics.bench import commands_on_nodes, measured, problem, split
@@ -23,7 +23,7 @@ def noisy() -> Points:
 
 
 @cache
-def fitted() -> Projection:
+def fitted() -> DistanceProjection:
     return projection_of(problem(noisy()).solve())
 
 

@@ -6,9 +6,9 @@ from functools import cache
 import numpy as np
 import pytest
 
-from catseye.calibration.core.projection import projection_of
 from catseye.calibration.core.types import Floats
 from catseye.calibration.scara.diagnostics.drift import Change, changes
+from catseye.calibration.scara.diagnostics.projection import projection_of
 from catseye.calibration.scara.points import Points
 from tests.unit.calibration.scara.diagnostics.bench import (
     commands_on_nodes,

@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 from scipy import stats
 
+from catseye.calibration.core.significance import aicc, bic
 from catseye.calibration.scara.budget import Budget, Contributor
-from catseye.calibration.scara.diagnostics.information import aicc, bic
 from catseye.calibration.scara.diagnostics.nested_models import ComparedModel, Extension, compare_models
 from catseye.calibration.scara.diagnostics.node_spacing import node_spacing
 from catseye.calibration.scara.extension import crosstalk, j4_map, periodic, thermal_drift

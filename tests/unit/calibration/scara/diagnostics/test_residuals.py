@@ -6,10 +6,10 @@ from functools import cache
 import numpy as np
 import pytest
 
-from catseye.calibration.core.projection import projection_of
 from catseye.calibration.core.residuals import studentised
 from catseye.calibration.scara.budget import Budget, Contributor
 from catseye.calibration.scara.diagnostics.problem import Problem
+from catseye.calibration.scara.diagnostics.projection import projection_of
 from catseye.calibration.scara.distance_model import distance_model
 from catseye.calibration.scara.identification import Identification
 from catseye.calibration.scara.points import Points

@@ -7,9 +7,10 @@ import numpy as np
 import pytest
 from scipy import integrate, optimize, stats
 
+from catseye.calibration.core.robust import TUNING, Loss, loss_weight
 from catseye.calibration.core.types import Floats
 from catseye.calibration.scara.budget import Budget, Contributor
-from catseye.calibration.scara.diagnostics.robust import TUNING, Loss, loss_weight, robust_fit
+from catseye.calibration.scara.diagnostics.robust import robust_fit
 from catseye.calibration.scara.distance_model import distance_model
 from catseye.calibration.scara.points import Points
 from tests.unit.calibration.scara.diagnostics.bench import commands_on_nodes, measured, problem

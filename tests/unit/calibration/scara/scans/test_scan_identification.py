@@ -8,11 +8,11 @@ import pytest
 from catseye.calibration.core.errors import (
     CalibrationError,
     InsufficientPointsError,
-    MapRangeError,
     UnidentifiableError,
 )
 from catseye.calibration.core.types import Floats
-from catseye.calibration.scara.budget import Budget, Contributor, radial_motions
+from catseye.calibration.scara.budget import Budget, Contributor
+from catseye.calibration.scara.errors import MapRangeError
 from catseye.calibration.scara.extension import Term, crosstalk, j4_map, thermal_drift
 from catseye.calibration.scara.identification import identify
 from catseye.calibration.scara.layout import ModelName
@@ -20,6 +20,7 @@ from catseye.calibration.scara.points import Points
 from catseye.calibration.scara.radial import RadialBudget
 from catseye.calibration.scara.scans.scan_identification import ScanIdentification, identify_scan
 from catseye.calibration.scara.scans.source import SlicedPoints
+from tests.unit.calibration.scara.samples import radial_motions
 from tests.unit.calibration.scara.scans.scan import (
     NOMINAL_REFLECTORS,
     Arm,

@@ -1,20 +1,17 @@
-"""Monte Carlo of an identification: errors drawn from the whole budget, every draw identified anew (JCGM 101).
+"""Monte Carlo of an estimate: errors drawn from the whole budget, every draw estimated anew (JCGM 101).
 
 Draws come in chunks, each with a seed of its own, so that they are the same however many processes share them.
 """
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
 from catseye.calibration.core.batched_solver import BatchedProblem, Solved, solve_draws
-from catseye.calibration.core.budget import DistanceErrors, distance_errors
+from catseye.calibration.core.budget import RowErrors
 from catseye.calibration.core.errors import CalibrationError
-from catseye.calibration.core.types import Floats
-from catseye.calibration.scara.distance_model import distance_model
-from catseye.calibration.scara.identification import Identification
 
 CHUNK = 250
 """Draws of a chunk; the numbers that a seed gives depend on it."""
@@ -36,32 +33,20 @@ class Chunk:
     """
 
     problem: BatchedProblem
-    errors: DistanceErrors
+    errors: RowErrors
     seed: int
     number: int
     draws: int
 
 
-def chunks(identified: Identification, draws: int, seed: int) -> list[Chunk]:
-    """Return the work of a Monte Carlo.
-
-    Args:
-        identified: what the solver returned.
-        draws: how many draws, at least 2.
-        seed: of the draws.
-
-    Raises:
-        CalibrationError: a distribution has no standard deviation, or nothing is uncertain.
-    """
-    errors = distance_errors(identified)
-    _require_spread(errors)
-    problem = BatchedProblem.of(distance_model(identified.layout, identified.points), identified.parameters)
+def chunked(problem: BatchedProblem, errors: RowErrors, draws: int, seed: int) -> list[Chunk]:
+    """Return the work of a Monte Carlo of so many draws, at least 2."""
     starts = range(0, draws, CHUNK)
     return [Chunk(problem, errors, seed, k, min(CHUNK, draws - start)) for k, start in enumerate(starts)]
 
 
 def solve_chunk(chunk: Chunk) -> Solved:
-    """Draw and identify a chunk."""
+    """Draw and estimate a chunk."""
     rng = np.random.default_rng(np.random.SeedSequence(chunk.seed, spawn_key=(chunk.number,)))
     return solve_draws(chunk.problem, chunk.errors.draw(rng, chunk.draws))
 
@@ -71,34 +56,12 @@ def joined(solved: Sequence[Solved]) -> Solved:
     return Solved(np.concatenate([one.parameters for one in solved]), sum(one.fallbacks for one in solved))
 
 
-def draw_estimates(identified: Identification, draws: int, seed: int) -> Floats:
-    """Draw errors from the whole budget and identify every draw anew.
-
-    Args:
-        identified: what the solver returned.
-        draws: how many, at least 2.
-        seed: of the draws.
-
-    Returns:
-        Estimates, one row a draw, shape (draws, p).
+def require_spread(errors: RowErrors) -> None:
+    """Refuse errors that draws cannot settle.
 
     Raises:
         CalibrationError: a distribution has no standard deviation, or nothing is uncertain.
     """
-    return joined([solve_chunk(chunk) for chunk in chunks(identified, draws, seed)]).parameters
-
-
-def with_draws(identified: Identification, parameters: Floats) -> Identification:
-    """Return an identification whose covariance is that of draws.
-
-    Args:
-        identified: what the solver returned.
-        parameters: one row a draw, shape (draws, p).
-    """
-    return replace(identified, covariance=np.cov(parameters, rowvar=False))
-
-
-def _require_spread(errors: DistanceErrors) -> None:
     wild = [one.name for one in errors.contributors if one.dof <= 2.0]
     if wild or errors.factor_dof <= 2.0:
         raise CalibrationError(
@@ -111,6 +74,6 @@ def _require_spread(errors: DistanceErrors) -> None:
     if math.sqrt(errors.factor) * max(sizes) < _EXACT_MM:
         raise CalibrationError(
             "nothing is uncertain: all standard uncertainties are zero, and a Monte Carlo would draw the same "
-            "distances again and again; state what the distances are good for, in the cell file's [uncertainty] or "
+            "values again and again; state what the distances are good for, in the cell file's [uncertainty] or "
             "in the column sigma_mm"
         )
