@@ -1,8 +1,8 @@
 """Choosing which commands to measure: rank updates of the covariance, one small block for each command.
 
-A command brings k rows R, one to each set of rows. Adding or removing them changes the covariance C
-of all parameters, nuisances included, by Woodbury's identity: C' = C ∓ C Rᵀ (I ± R C Rᵀ)⁻¹ R C. What every command
-would do to the criterion follows from k × k blocks, without a factorisation.
+A command brings k rows R, one to each set of rows. Adding or removing them changes the covariance C of all
+parameters, nuisances included, by Woodbury's identity: C' = C ∓ C Rᵀ (I ± R C Rᵀ)⁻¹ R C. What every command would do
+to the criterion follows from k × k blocks, without a factorisation.
 """
 
 from collections.abc import Sequence

@@ -1,4 +1,4 @@
-"""Points files of an arm that is written down in tests/unit/calibration/diagnostics/bench."""
+"""Points files of an arm that is written down in tests/unit/calibration/scara/diagnostics/bench."""
 
 from pathlib import Path
 
