@@ -9,13 +9,13 @@ from typing import Any, Final
 
 from textual.pilot import Pilot
 
-from catseye.app.emulation import emulator_process
+from catseye.app.service.emulation import emulator_process
 from catseye.app.tui.app import CatseyeApp
 from catseye.app.tui.link import EngineLink
 from catseye.app.tui.session import Session
 from catseye.app.tui.setup.emulators import emulated_cell
 from catseye.app.tui.work import Commands
-from catseye.drivers.clock import SystemClock
+from catseye.drivers.roles.clock import SystemClock
 
 _IMAGES: Final = Path(__file__).parent / "images"
 _SIZE: Final = (108, 34)

@@ -4,12 +4,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from catseye.calibration.types import Bools
-from catseye.procedures.bench import Bench
-from catseye.procedures.errors import PlanError, PlanLimitError
-from catseye.procedures.motion.approach import Command, require_joint_limits, with_take_up
-from catseye.procedures.motion.tracking import plan_track
-from catseye.procedures.motion.visits import plan_visits, require_clear_visits
+from catseye.calibration.core.types import Bools
+from catseye.procedures.kit.bench import Bench
+from catseye.procedures.kit.errors import PlanError, PlanLimitError
+from catseye.procedures.scara.motion.approach import Command, require_joint_limits, with_take_up
+from catseye.procedures.scara.motion.tracking import plan_track
+from catseye.procedures.scara.motion.visits import plan_visits, require_clear_visits
 
 
 @dataclass(frozen=True)

@@ -5,7 +5,7 @@ from catseye.app.cell.model import Cell
 from catseye.app.cell.workspace import Box as BoxSection
 from catseye.calibration.kinematics.bodies import Box, Capsule, Point
 from catseye.calibration.kinematics.chain import Chain, Joint
-from catseye.procedures.bench import Workspace
+from catseye.procedures.kit.bench import Workspace
 
 
 def workspace_of(cell: Cell) -> Workspace:

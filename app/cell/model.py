@@ -9,7 +9,7 @@ from catseye.app.cell.arm import Body, shipped_arm
 from catseye.app.cell.section import Finite, Name, NotNegative, Positive, Section
 from catseye.app.cell.uncertainty import Uncertainty
 from catseye.app.cell.workspace import Workspace
-from catseye.drivers.endpoint import parse_endpoint
+from catseye.drivers.links.endpoint import parse_endpoint
 
 Triple = Annotated[list[Positive], Field(min_length=3, max_length=3)]
 Range = Annotated[list[Finite], Field(min_length=2, max_length=2)]

@@ -1,4 +1,4 @@
-"""Whoever carries out independent items of work, and the one that does it here."""
+"""What independent items of work are shared with, with the same results whoever carries them out."""
 
 import reprlib
 from collections.abc import Callable, Sequence

@@ -1,4 +1,4 @@
-"""Independent items of work, shared over processes or machines, with the same results however many there are."""
+"""The choice of who carries out shared work: this process, processes of this machine, or other machines."""
 
 import os
 from collections.abc import Iterator

@@ -7,8 +7,8 @@ from catseye.app.engine.control import RunControl
 from catseye.app.engine.gate import MotionGate
 from catseye.app.errors import InterruptionError, NotAcknowledgedError, PromptUnansweredError, SafetyError
 from catseye.app.guard.client import ArmGuard
-from catseye.drivers.clock import Clock
-from catseye.procedures.context import Prompt
+from catseye.drivers.roles.clock import Clock
+from catseye.procedures.kit.context import Prompt
 
 ACKNOWLEDGE_PROMPT: Final = "acknowledge"
 

@@ -3,8 +3,8 @@
 from collections.abc import Callable
 from typing import Literal
 
-from catseye.drivers.clock import Clock
-from catseye.procedures.context import Json
+from catseye.drivers.roles.clock import Clock
+from catseye.procedures.kit.context import Json
 
 Publish = Callable[[dict[str, Json]], None]
 """Takes one event; must not block. An OSError means that the front end is gone."""

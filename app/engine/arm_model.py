@@ -10,8 +10,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from catseye.procedures.bench import Arm, Bench, Reflector
-from catseye.procedures.devices import Joints
+from catseye.drivers.roles.protocols import Joints
+from catseye.procedures.kit.bench import Arm, Bench, Reflector
 
 Floats = NDArray[np.float64]
 Bools = NDArray[np.bool_]

@@ -5,8 +5,8 @@ from typing import Protocol, runtime_checkable
 
 from catseye.app.engine.gate import JointLimits
 from catseye.app.errors import LimitError
-from catseye.drivers.errors import ProtocolError, RefusedError
-from catseye.procedures.devices import Robot
+from catseye.drivers.roles.errors import ProtocolError, RefusedError
+from catseye.drivers.roles.protocols import Robot
 
 _SAME = 0.01
 """Controllers tell their limits with two decimals, deg or mm."""

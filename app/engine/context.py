@@ -5,11 +5,11 @@ from collections.abc import Awaitable, Callable, Sequence
 from dataclasses import dataclass, field, replace
 from typing import TypeVar
 
+from catseye.app.cell.air import AirRule
 from catseye.app.engine.acknowledging import Acknowledging
 from catseye.app.engine.announcer import Announcer
-from catseye.app.engine.compensation import AirRule, Compensation, missing_quantities
+from catseye.app.engine.compensation import Compensation, missing_quantities
 from catseye.app.engine.control import RunControl
-from catseye.app.engine.crash_points import crash_point
 from catseye.app.engine.devices import Devices
 from catseye.app.engine.gate import MotionGate
 from catseye.app.engine.measuring import AirCache, measure, unless_dark
@@ -19,12 +19,22 @@ from catseye.app.engine.timekeeping import Progress, StepTime
 from catseye.app.engine.waiting import cancel, uncancelled
 from catseye.app.errors import ConfigError, UnwalkedError, UsageError
 from catseye.app.files.measured_csv import read_typed_csv
+from catseye.app.store.crash_points import crash_point
 from catseye.app.store.rows import encode
 from catseye.app.store.run_store import RunStore
-from catseye.drivers.clock import Clock
-from catseye.procedures.context import Json, Live, Location, MeasuredPoint, Measurement, Prompt, Row, Table
-from catseye.procedures.devices import Air, BeamStatus, Joints, Tracker, WayRobot
-from catseye.procedures.errors import MeasuredFileError
+from catseye.drivers.roles.clock import Clock
+from catseye.drivers.roles.protocols import Air, BeamStatus, Joints, Tracker, WayRobot
+from catseye.procedures.kit.context import (
+    Json,
+    Live,
+    Location,
+    MeasuredPoint,
+    Measurement,
+    Prompt,
+    Row,
+    Table,
+)
+from catseye.procedures.kit.errors import MeasuredFileError
 
 _DEFAULT_AIR = AirRule()
 
@@ -48,7 +58,7 @@ class _OpenStep:
 
 
 class RunContext:
-    """Implements `catseye.procedures.context.Context` with real or emulated instruments.
+    """Implements `catseye.procedures.kit.context.Context` with real or emulated instruments.
 
     Args:
         devices: connected instruments.
@@ -317,7 +327,7 @@ class RunContext:
         percent = self._gate.override_percent
         speeds = self._speed_deg_s
         return {
-            "rests_after": list(prompt.resting_choices),
+            "rests_after": list(prompt.resting_answers),
             "target": None if prompt.target is None else list(prompt.target),
             "override_percent": percent,
             "speed_deg_s": None if speeds is None else [speed * percent / 100.0 for speed in speeds],

@@ -15,10 +15,10 @@ from catseye.app.errors import (
     SafetyError,
     TerminatedRunError,
 )
-from catseye.drivers.clock import Clock
-from catseye.drivers.errors import AlarmError, NotArrivedError, NotReadyError, RefusedError
-from catseye.drivers.guarding import GuardError
-from catseye.procedures.devices import Robot
+from catseye.drivers.links.guarding import GuardError
+from catseye.drivers.roles.clock import Clock
+from catseye.drivers.roles.errors import AlarmError, NotArrivedError, NotReadyError, RefusedError
+from catseye.drivers.roles.protocols import Robot
 
 T = TypeVar("T")
 

@@ -4,7 +4,7 @@ import math
 from collections.abc import Sequence
 from itertools import pairwise
 
-from catseye.procedures.devices import Joints
+from catseye.drivers.roles.protocols import Joints
 
 _BESIDE = 0.5
 """An arm that is stopped, or passes a corner of its way, stays nearer to it than this, deg or mm; whoever moves it by

@@ -9,9 +9,9 @@ from catseye.app.engine.interlock import RemoteIo
 from catseye.app.engine.waiting import cancel
 from catseye.app.errors import LinkFailedError, SafetyError, UsageError
 from catseye.app.guard.client import ArmGuard
-from catseye.drivers.errors import DeviceError
-from catseye.procedures.context import Json
-from catseye.procedures.devices import DeviceIdentity, Environment, Interferometer, Robot, Tracker
+from catseye.drivers.roles.errors import DeviceError
+from catseye.drivers.roles.protocols import DeviceIdentity, Environment, Interferometer, Robot, Tracker
+from catseye.procedures.kit.context import Json
 
 WireRecorder = Callable[[str, str, bytes], None]
 """Takes device name, direction ("tx" or "rx") and the bytes that passed."""

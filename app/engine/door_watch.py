@@ -7,8 +7,8 @@ from typing import Final
 
 from catseye.app.engine.interlock import RemoteIo
 from catseye.app.engine.waiting import cancel
-from catseye.drivers.clock import Clock
-from catseye.drivers.errors import DeviceError
+from catseye.drivers.roles.clock import Clock
+from catseye.drivers.roles.errors import DeviceError
 
 TICK_S: Final = 0.06
 """Between two questions, real s."""

@@ -4,8 +4,8 @@ from dataclasses import dataclass
 
 from catseye.app.engine.halt import FAILURES
 from catseye.app.engine.waiting import within
-from catseye.drivers.clock import Clock
-from catseye.procedures.devices import Robot
+from catseye.drivers.roles.clock import Clock
+from catseye.drivers.roles.protocols import Robot
 
 
 @dataclass(frozen=True)

@@ -10,14 +10,23 @@ from catseye.app.engine.arm_model import AT_REST, ArmModel, Hit, Speeds
 from catseye.app.engine.gate import JointLimits
 from catseye.app.engine.measuring import dwell_interval_s
 from catseye.app.engine.operator import fault_of
+from catseye.app.engine.walked.tube import Leg, legs_through
 from catseye.app.errors import LimitError, MeasurementRejectedError
 from catseye.app.store.rows import encode
-from catseye.app.walk.tube import Leg, legs_through
-from catseye.procedures.bench import Bench
-from catseye.procedures.context import Json, Live, Location, MeasuredPoint, Measurement, Prompt, Row, Table
-from catseye.procedures.devices import Joints
-from catseye.procedures.motion.clear_way import legs_refusal
-from catseye.procedures.motion.motion_time import way_time_s
+from catseye.drivers.roles.protocols import Joints
+from catseye.procedures.kit.bench import Bench
+from catseye.procedures.kit.context import (
+    Json,
+    Live,
+    Location,
+    MeasuredPoint,
+    Measurement,
+    Prompt,
+    Row,
+    Table,
+)
+from catseye.procedures.kit.motion.clear_way import legs_refusal
+from catseye.procedures.kit.motion.motion_time import way_time_s
 
 _EPOCH = datetime(1970, 1, 1, tzinfo=UTC)
 
@@ -85,7 +94,7 @@ class _Account:
 
 @dataclass
 class DryRunContext:
-    """Implements `catseye.procedures.context.Context` for an ideal arm.
+    """Implements `catseye.procedures.kit.context.Context` for an ideal arm.
 
     Attributes:
         limits: checked at every move.

@@ -14,7 +14,7 @@ from catseye.app.errors import (
     text_of,
 )
 from catseye.app.exitcode import ExitCode
-from catseye.drivers.errors import AlarmError, NotArrivedError, NotReadyError
+from catseye.drivers.roles.errors import AlarmError, NotArrivedError, NotReadyError
 
 _WHERE = "app.log of the run shows where"
 

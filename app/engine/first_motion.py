@@ -4,8 +4,8 @@ from collections.abc import Awaitable, Callable
 from typing import Final
 
 from catseye.app.errors import SafetyError
-from catseye.drivers.clock import Clock
-from catseye.procedures.devices import ControllerStatus, Joints, Robot
+from catseye.drivers.roles.clock import Clock
+from catseye.drivers.roles.protocols import ControllerStatus, Joints, Robot
 
 REST_S: Final = 0.3
 """For so long the joints have to stay the same, real s."""

@@ -5,9 +5,9 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 from catseye.app.engine.waiting import cancel, within
-from catseye.drivers.clock import Clock
-from catseye.drivers.errors import DeviceError
-from catseye.procedures.devices import Joints, Robot
+from catseye.drivers.roles.clock import Clock
+from catseye.drivers.roles.errors import DeviceError
+from catseye.drivers.roles.protocols import Joints, Robot
 
 FAILURES = (DeviceError, OSError, TimeoutError)
 """What a device may raise on the way to a standstill; none of it ends the way."""

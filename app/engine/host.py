@@ -13,7 +13,6 @@ from catseye.app.engine.compensation import Compensation
 from catseye.app.engine.conditions import AirInRange, Condition
 from catseye.app.engine.context import RunContext
 from catseye.app.engine.control import RunControl
-from catseye.app.engine.crash_points import arm, crash_point
 from catseye.app.engine.devices import (
     DeviceBuilder,
     Devices,
@@ -40,11 +39,12 @@ from catseye.app.engine.waiting import uncancelled, within
 from catseye.app.engine.watches import POLL_S, Watches
 from catseye.app.errors import SafetyError, StorageError, TerminatedRunError, UsageError
 from catseye.app.guard.client import ArmGuard
+from catseye.app.store.crash_points import arm, crash_point
 from catseye.app.store.lines import LogHandler
 from catseye.app.store.reader import Accept, RunReader
 from catseye.app.store.run_store import RunStore
-from catseye.drivers.clock import Clock
-from catseye.procedures.context import Json
+from catseye.drivers.roles.clock import Clock
+from catseye.procedures.kit.context import Json
 
 _log = logging.getLogger(__name__)
 

@@ -6,9 +6,9 @@ from typing import Final, Literal, Protocol, runtime_checkable
 
 from catseye.app.engine.states import State
 from catseye.app.engine.waiting import cancel
-from catseye.drivers.errors import DeviceError
-from catseye.procedures.context import Json
-from catseye.procedures.devices import DeviceIdentity
+from catseye.drivers.roles.errors import DeviceError
+from catseye.drivers.roles.protocols import DeviceIdentity
+from catseye.procedures.kit.context import Json
 
 Light = Literal["green", "amber", "red", "off"]
 

@@ -8,11 +8,18 @@ from typing import Any, TypeVar
 from catseye.app.engine.compensation import Compensation
 from catseye.app.engine.devices import Devices
 from catseye.app.engine.waiting import together
-from catseye.drivers.clock import Clock
-from catseye.drivers.errors import RefusedError
-from catseye.procedures.context import AirCorrection, Measurement
-from catseye.procedures.devices import Air, BeamStatus, Environment, Interferometer, Joints, LengthReading
-from catseye.procedures.errors import NoBeamError
+from catseye.drivers.roles.clock import Clock
+from catseye.drivers.roles.errors import RefusedError
+from catseye.drivers.roles.protocols import (
+    Air,
+    BeamStatus,
+    Environment,
+    Interferometer,
+    Joints,
+    LengthReading,
+)
+from catseye.procedures.kit.context import AirCorrection, Measurement
+from catseye.procedures.kit.errors import NoBeamError
 
 T = TypeVar("T")
 

@@ -4,11 +4,11 @@ import math
 from collections.abc import Awaitable, Callable, Mapping
 from dataclasses import dataclass, replace
 
-from catseye.app.engine.hands import Hands
+from catseye.app.engine.simulated_operator import Hands
 from catseye.app.engine.waiting import within
 from catseye.app.errors import ConfigError, PromptUnansweredError
-from catseye.drivers.clock import Clock
-from catseye.procedures.context import Json, Prompt
+from catseye.drivers.roles.clock import Clock
+from catseye.procedures.kit.context import Json, Prompt
 
 
 @dataclass(frozen=True)

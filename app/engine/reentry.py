@@ -7,7 +7,7 @@ from catseye.app.engine.states import Event, State, transition
 from catseye.app.errors import MeasurementRejectedError, SafetyError, UsageError
 from catseye.app.store.reader import RunReader, StoredEvent
 from catseye.app.store.resumable import MOVED
-from catseye.procedures.context import Json, Prompt
+from catseye.procedures.kit.context import Json, Prompt
 
 REFLECTORS_PROMPT: Final = "resume/reflectors"
 CLEAR_PROMPT: Final = "clear"

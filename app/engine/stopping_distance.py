@@ -2,8 +2,8 @@
 
 from dataclasses import dataclass
 
-from catseye.procedures.bench import Bench
-from catseye.procedures.motion.body_speed import top_speed_mm_s
+from catseye.procedures.kit.bench import Bench
+from catseye.procedures.kit.motion.body_speed import top_speed_mm_s
 
 
 @dataclass(frozen=True)

@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 
-from catseye.drivers.clock import Clock
+from catseye.drivers.roles.clock import Clock
 
 
 @dataclass

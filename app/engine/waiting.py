@@ -4,7 +4,7 @@ import asyncio
 from collections.abc import Coroutine
 from typing import Any, TypeVar
 
-from catseye.drivers.clock import Clock
+from catseye.drivers.roles.clock import Clock
 
 T = TypeVar("T")
 

@@ -10,8 +10,8 @@ from catseye.app.engine.door_watch import DoorWatch
 from catseye.app.engine.ending import DeviceFaultError
 from catseye.app.engine.gate import MotionGate, require_ready
 from catseye.app.engine.waiting import cancel
-from catseye.drivers.clock import Clock
-from catseye.procedures.devices import ControllerStatus
+from catseye.drivers.roles.clock import Clock
+from catseye.drivers.roles.protocols import ControllerStatus
 
 POLL_S = 0.5
 """Real seconds between two looks at what is missing, or may be."""

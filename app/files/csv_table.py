@@ -12,7 +12,7 @@ from typing import Final, TypeVar
 
 from catseye.app.errors import UsageError
 from catseye.app.files.csv_text import unmarked
-from catseye.drivers.user_file import require_regular
+from catseye.drivers.roles.user_file import require_regular
 
 T = TypeVar("T")
 

@@ -5,7 +5,7 @@ from pathlib import Path
 from typing import Any, Final
 
 from catseye.app.errors import ConfigError
-from catseye.drivers.user_file import LARGEST_BYTES, LARGEST_INTEGER, TOO_LONG, read_regular, toml_table
+from catseye.drivers.roles.user_file import LARGEST_BYTES, LARGEST_INTEGER, TOO_LONG, read_regular, toml_table
 
 MISSING: Final = "there is no such file"
 

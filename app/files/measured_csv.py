@@ -5,7 +5,7 @@ from pathlib import Path
 
 from catseye.app.errors import UsageError
 from catseye.app.files.csv_table import CsvRow, csv_rows, misnamed, require_file
-from catseye.procedures.context import MeasuredPoint
+from catseye.procedures.kit.context import MeasuredPoint
 
 JOINTS = ("theta1_deg", "theta2_deg")
 DIRECTIONS = ("direction1", "direction2")

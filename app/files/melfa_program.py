@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from catseye.app.analysis.compensating import CompensatedPath
 from catseye.app.errors import UsageError
 from catseye.app.files.compensated_path import Origin
-from catseye.procedures.motion.approach import Command, Waypoint
+from catseye.procedures.scara.motion.approach import Command, Waypoint
 
 _COMMENT_WIDTH = 100
 """Leaves room for line number and mark within the 127 characters of a line."""

@@ -15,7 +15,7 @@ from catseye.app.errors import SafetyError
 from catseye.app.guard.guard import FROZEN, FROZEN_S
 from catseye.app.guard.lock import Owner, OwnerLock
 from catseye.app.guard.process import GuardProcess
-from catseye.drivers.guarding import GuardError
+from catseye.drivers.links.guarding import GuardError
 
 LOG_NAME: Final = "guard.log"
 """In the folder of all runs: what guards have done."""
@@ -28,7 +28,9 @@ _NO_WORD = re.compile(r"[^!-~]+")
 
 
 class ArmGuard:
-    """Guards one arm: its lock, its process, what the driver asks of both (`catseye.drivers.guarding.LinkGuard`).
+    """Guards one arm: its lock, its process, and what the driver asks of both.
+
+    It fits `catseye.drivers.links.guarding.LinkGuard`.
 
     Args:
         endpoint: of the arm's controller.

@@ -17,8 +17,8 @@ from pathlib import Path
 from typing import Final, Self
 
 from catseye.app.errors import ArmInUseError
-from catseye.drivers.endpoint import SerialEndpoint, parse_endpoint
-from catseye.drivers.errors import LinkError
+from catseye.drivers.links.endpoint import SerialEndpoint, parse_endpoint
+from catseye.drivers.roles.errors import LinkError
 
 _FOLDERS: Final = (Path("/run/lock"), Path("/tmp"))
 _SHARED = stat.S_ISVTX | stat.S_IWOTH

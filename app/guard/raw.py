@@ -5,10 +5,10 @@ from contextlib import asynccontextmanager
 from pathlib import Path
 
 from catseye.app.guard.client import ArmGuard
-from catseye.drivers.endpoint import open_transport
-from catseye.drivers.guarding import GuardedTransport
-from catseye.drivers.record import Sink
-from catseye.drivers.transport import Transport
+from catseye.drivers.links.endpoint import open_transport
+from catseye.drivers.links.guarding import GuardedTransport
+from catseye.drivers.links.record import Sink
+from catseye.drivers.links.transport import Transport
 
 
 class _Permitted(GuardedTransport):

@@ -12,8 +12,8 @@ from catseye.app.exitcode import ExitCode
 from catseye.app.service.errors import BadMessageError, RefusedError, ServiceError
 from catseye.app.service.mailbox import Mailbox, MailboxFullError
 from catseye.app.service.messages import VERSION, Message, decode_message, encode
-from catseye.drivers.clock import Clock, SystemClock
-from catseye.procedures.context import Json
+from catseye.drivers.roles.clock import Clock, SystemClock
+from catseye.procedures.kit.context import Json
 
 _LONGEST_BYTES = 16 * 1024 * 1024
 """A snapshot or event is long when a run's title or a prompt is."""

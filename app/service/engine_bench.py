@@ -5,24 +5,24 @@ from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager, suppress
 from pathlib import Path
 
-from catseye.app.aim import find_aim
-from catseye.app.bench.cell_devices import cell_devices
-from catseye.app.bench.facts import BenchFacts, facts_of
-from catseye.app.bench.idle import CellDevices, IdleBench
-from catseye.app.bench.lending import HandBench
-from catseye.app.bench.telemetry import Telemetry
 from catseye.app.cell.bench import bench_of
 from catseye.app.cell.load import load_cell
 from catseye.app.cell.model import Cell
 from catseye.app.engine.devices import DeviceBuilder
 from catseye.app.engine.interlock import RemoteIo
 from catseye.app.errors import CatseyeError, StorageError, UsageError
-from catseye.app.running import PlannedRun
 from catseye.app.service.errors import RefusedError
 from catseye.app.service.hub import Hub
-from catseye.drivers.clock import Clock
-from catseye.procedures.context import Json
-from catseye.procedures.devices import DeviceIdentity
+from catseye.app.service.manual.device_loan import HandBench
+from catseye.app.service.running import PlannedRun
+from catseye.app.service.watching.bench_facts import BenchFacts, facts_of
+from catseye.app.service.watching.cell_devices import cell_devices
+from catseye.app.service.watching.device_pool import CellDevices, IdleBench
+from catseye.app.service.watching.telemetry import Telemetry
+from catseye.app.store.aim import find_aim
+from catseye.drivers.roles.clock import Clock
+from catseye.drivers.roles.protocols import DeviceIdentity
+from catseye.procedures.kit.context import Json
 
 
 class EngineBench:

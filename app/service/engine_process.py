@@ -9,8 +9,6 @@ from contextlib import asynccontextmanager, contextmanager
 from functools import partial
 from pathlib import Path
 
-from catseye.app.bench.by_hand import ByHand
-from catseye.app.bench.drives import RestingDrives
 from catseye.app.cell.load import load_cell
 from catseye.app.engine.handle import RunHandle
 from catseye.app.engine.heap import settled_heap
@@ -20,19 +18,21 @@ from catseye.app.engine.states import Event, State, transition
 from catseye.app.engine.waiting import uncancelled
 from catseye.app.errors import InterruptedRunError, exit_code_of, text_of
 from catseye.app.exitcode import ExitCode
-from catseye.app.procedure_list import load_procedure, parse_params
-from catseye.app.resuming import plan_resume
-from catseye.app.running import PlannedRun, carry_out, plan_run
+from catseye.app.protocol.procedures import load_procedure, parse_params
 from catseye.app.service.address import socket_folder
 from catseye.app.service.engine_bench import EngineBench
 from catseye.app.service.errors import RefusedError, refusal_of
 from catseye.app.service.hub import Hub
+from catseye.app.service.manual.drives import RestingDrives
+from catseye.app.service.manual.manual_control import ByHand
 from catseye.app.service.messages import Message, Resume, Start
+from catseye.app.service.planned_walk import as_walk
+from catseye.app.service.resumption import plan_resume
+from catseye.app.service.running import PlannedRun, carry_out, plan_run
 from catseye.app.service.server import Server
 from catseye.app.service.sparse_log import SparseLog
-from catseye.app.walk.planning import as_walk
-from catseye.drivers.clock import SystemClock
-from catseye.procedures.context import Json
+from catseye.drivers.roles.clock import SystemClock
+from catseye.procedures.kit.context import Json
 
 _log = logging.getLogger(__name__)
 

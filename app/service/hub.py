@@ -8,7 +8,6 @@ from contextlib import contextmanager
 from dataclasses import dataclass, field
 from typing import Final, Literal
 
-from catseye.app.bench.telemetry import Topic
 from catseye.app.engine.announcer import Publish
 from catseye.app.engine.handle import RunHandle
 from catseye.app.engine.states import ENDED, State
@@ -17,9 +16,10 @@ from catseye.app.service.mailbox import Mailbox, MailboxFullError
 from catseye.app.service.messages import VERSION, Message
 from catseye.app.service.prompt_desk import PromptDesk
 from catseye.app.service.questions import prompt_of
-from catseye.app.version import SOFTWARE
-from catseye.drivers.clock import Clock
-from catseye.procedures.context import Json
+from catseye.app.service.watching.telemetry import Topic
+from catseye.app.store.software import SOFTWARE
+from catseye.drivers.roles.clock import Clock
+from catseye.procedures.kit.context import Json
 
 _log = logging.getLogger(__name__)
 

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 from catseye.app.service.merging import MERGED, merged
 from catseye.app.service.messages import VERSION, Message
-from catseye.procedures.context import Json
+from catseye.procedures.kit.context import Json
 
 _DROPPABLE = frozenset({"point", "step-started", "step-done"})
 

@@ -3,9 +3,9 @@
 from collections.abc import Callable
 from typing import Any
 
-from catseye.app.bench.columns import MOST_COLUMNS
-from catseye.app.bench.traffic import MOST_LINES
 from catseye.app.service.messages import Message
+from catseye.app.service.watching.columns import MOST_COLUMNS
+from catseye.app.service.watching.traffic import MOST_LINES
 
 _COLUMN_LISTS = ("low", "high", "count")
 

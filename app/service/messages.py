@@ -7,7 +7,7 @@ from typing import Annotated, Any, Final, Literal
 from pydantic import BaseModel, ConfigDict, Field, TypeAdapter, ValidationError
 
 from catseye.app.service.errors import BadMessageError
-from catseye.procedures.context import Json
+from catseye.procedures.kit.context import Json
 
 VERSION: Final = 1
 

@@ -3,13 +3,12 @@
 import asyncio
 from typing import Protocol
 
-from catseye.app.bench.by_hand import ByHand
-from catseye.app.bench.telemetry import Telemetry
 from catseye.app.engine.handle import RunHandle
 from catseye.app.engine.states import RUNNING, State
 from catseye.app.errors import InterruptedRunError, LimitError
 from catseye.app.service.errors import RefusedError
 from catseye.app.service.hub import Hub, Member
+from catseye.app.service.manual.manual_control import ByHand
 from catseye.app.service.messages import (
     AnyRequest,
     Control,
@@ -29,6 +28,7 @@ from catseye.app.service.messages import (
     WalkFeed,
     Watch,
 )
+from catseye.app.service.watching.telemetry import Telemetry
 
 _HOLDS = frozenset({State.HOLDING, State.HELD})
 _BEFORE_MOTION = frozenset({State.IDLE, State.STARTING})

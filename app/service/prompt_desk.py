@@ -5,7 +5,7 @@ from collections.abc import Callable
 
 from catseye.app.engine.operator import Answer, fault_of
 from catseye.app.service.errors import RefusedError
-from catseye.procedures.context import Prompt
+from catseye.procedures.kit.context import Prompt
 
 
 class PromptDesk:

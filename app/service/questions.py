@@ -4,7 +4,7 @@ from collections.abc import Mapping
 from typing import Literal
 
 from catseye.app.engine.operator import fault_of
-from catseye.procedures.context import Json, Prompt
+from catseye.procedures.kit.context import Json, Prompt
 
 MOTION_WORD = "move"
 """Typed, not a key, before the arm moves: nobody types it by mistake."""

@@ -8,7 +8,6 @@ from contextlib import AsyncExitStack, asynccontextmanager, suppress
 from pathlib import Path
 from typing import Final
 
-from catseye.app.bench.telemetry import Telemetry
 from catseye.app.engine.handle import RunHandle
 from catseye.app.engine.waiting import cancel
 from catseye.app.service.address import listening
@@ -18,7 +17,8 @@ from catseye.app.service.messages import MAX_LINE_BYTES
 from catseye.app.service.orders import Engine, Orders
 from catseye.app.service.session import Patience, Session
 from catseye.app.service.sparse_log import SparseLog
-from catseye.drivers.clock import Clock
+from catseye.app.service.watching.telemetry import Telemetry
+from catseye.drivers.roles.clock import Clock
 
 _log = logging.getLogger(__name__)
 

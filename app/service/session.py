@@ -20,7 +20,7 @@ from catseye.app.service.messages import (
     encode,
 )
 from catseye.app.service.orders import Orders
-from catseye.drivers.clock import Clock
+from catseye.drivers.roles.clock import Clock
 
 _READING_TURNS: Final = 10
 """Of the event loop."""

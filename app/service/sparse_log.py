@@ -3,7 +3,7 @@
 import logging
 from typing import Final
 
-from catseye.drivers.clock import Clock
+from catseye.drivers.roles.clock import Clock
 
 EVERY_S: Final = 10.0
 """Real s between two lines."""

@@ -6,8 +6,8 @@ import socket
 import sqlite3
 from importlib.metadata import version
 
-from catseye.drivers.clock import Clock
-from catseye.procedures.context import Json
+from catseye.drivers.roles.clock import Clock
+from catseye.procedures.kit.context import Json
 
 
 def software() -> dict[str, Json]:

@@ -6,7 +6,7 @@ from pathlib import Path
 
 from catseye.app.errors import StorageError
 from catseye.app.store.seal import mark_unsealed
-from catseye.drivers.clock import Clock
+from catseye.drivers.roles.clock import Clock
 
 
 def make_directory(root: Path, procedure: str, clock: Clock, reserve_bytes: int) -> Path:

@@ -7,8 +7,8 @@ from io import FileIO
 from pathlib import Path
 
 from catseye.app.store.rows import to_json
-from catseye.drivers.clock import Clock
-from catseye.procedures.context import Json
+from catseye.drivers.roles.clock import Clock
+from catseye.procedures.kit.context import Json
 
 DEFAULT_MAX_BYTES = 64 * 1024 * 1024
 

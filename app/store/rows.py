@@ -7,7 +7,7 @@ import zlib
 from collections.abc import Mapping, Sequence
 from typing import Final
 
-from catseye.procedures.context import Json, Row, Table
+from catseye.procedures.kit.context import Json, Row, Table
 
 _POINTS_REQUIRED = {
     "reflector": str,

@@ -13,9 +13,9 @@ from collections.abc import Callable, Iterable, Mapping
 from concurrent.futures import Future
 from pathlib import Path
 
-from catseye.app.engine.crash_points import crash_point
 from catseye.app.errors import StorageError, UsageError
 from catseye.app.store import seal
+from catseye.app.store.crash_points import crash_point
 from catseye.app.store.describe import clock_anchor, software
 from catseye.app.store.directory import make_directory, require_space
 from catseye.app.store.lines import DEFAULT_MAX_BYTES, JsonLines, WireLog
@@ -23,8 +23,8 @@ from catseye.app.store.lock import RunLock
 from catseye.app.store.reader import Accept, RunReader
 from catseye.app.store.rows import Value, encode, insert, insert_data, to_json
 from catseye.app.store.writer import Writer
-from catseye.drivers.clock import Clock
-from catseye.procedures.context import Json, Row, Table
+from catseye.drivers.roles.clock import Clock
+from catseye.procedures.kit.context import Json, Row, Table
 
 DEFAULT_RESERVE_BYTES = 200 * 1024 * 1024
 

@@ -19,7 +19,7 @@ from catseye.app.store.seal import (
     is_marked_unsealed,
     read_manifest,
 )
-from catseye.drivers.device_text import harmless
+from catseye.drivers.roles.text import harmless
 
 _Stamp = tuple[tuple[str, int, int, int, int], ...]
 

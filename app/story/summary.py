@@ -9,7 +9,7 @@ from catseye.app.store.reader import RunReader
 from catseye.app.store.resumable import why_not_resumable
 from catseye.app.story.timeline import last_signs
 from catseye.app.story.words import between_s, device_text, gap_text
-from catseye.procedures.context import Table
+from catseye.procedures.kit.context import Table
 
 _TABLES: tuple[Table | Literal["steps"], ...] = ("steps", "points", "search", "path", "records")
 _RESULT = "solve"

@@ -5,7 +5,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any, Literal, get_args
 
-from catseye.drivers.registry import load_driver
+from catseye.drivers.roles.registry import load_driver
 from catseye.simulators.config import Option
 from catseye.simulators.registry import emulator_names
 
@@ -20,7 +20,7 @@ METHODS: dict[Kind, tuple[str, ...]] = {
     "tracker": ("locate",),
     "io": ("door_closed", "show"),
 }
-"""What a driver of each kind has besides `connect` and `close`; see procedures/devices.py."""
+"""What a driver of each kind has besides `connect` and `close`; see drivers/roles/protocols.py."""
 
 QUESTIONS: dict[Kind, str] = {
     "robot": "joints",

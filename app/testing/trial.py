@@ -11,8 +11,8 @@ from urllib.parse import urlsplit
 from catseye.app.testing.bench import RunningBench, bench_config, bench_in_thread
 from catseye.app.testing.candidate import QUESTIONS, Candidate
 from catseye.app.testing.proxy import Proxy, ProxyThread
-from catseye.drivers.clock import SystemClock
-from catseye.drivers.errors import DeviceError
+from catseye.drivers.roles.clock import SystemClock
+from catseye.drivers.roles.errors import DeviceError
 from catseye.simulators.config import ArmDynamics, EmulatedDevice
 
 ROBOT = "robot"

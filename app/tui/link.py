@@ -17,7 +17,7 @@ from catseye.app.tui.stopping import StopOp, stop_by_every_way
 if TYPE_CHECKING:
     # The first screen is painted before these are imported.
     from catseye.app.service.client import EngineClient
-    from catseye.drivers.clock import Clock
+    from catseye.drivers.roles.clock import Clock
 
 PROGRAM = "tui"
 

@@ -4,7 +4,7 @@ from collections import deque
 from dataclasses import dataclass, field
 from typing import Any, Final, Literal
 
-from catseye.drivers.device_text import harmless_lines
+from catseye.drivers.roles.text import harmless_lines
 
 Event = dict[str, Any]
 

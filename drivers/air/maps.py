@@ -8,7 +8,7 @@ from typing import Literal
 
 from pydantic import BaseModel, ConfigDict, Field
 
-from catseye.drivers.errors import ProfileError, ProtocolError
+from catseye.drivers.roles.errors import ProfileError, ProtocolError
 
 Kind = Literal["float32", "int16", "uint16", "int32"]
 WordOrder = Literal["big", "little"]

@@ -11,12 +11,12 @@ from catseye.drivers.air.maps import (
     decode,
     resolve,
 )
-from catseye.drivers.clock import Clock
-from catseye.drivers.endpoint import require_stream
-from catseye.drivers.errors import LinkTimeoutError, ProtocolError, RefusedError
+from catseye.drivers.links.endpoint import require_stream
+from catseye.drivers.links.record import Sink
 from catseye.drivers.modbus.client import RegisterClient
-from catseye.drivers.readings import AirSample, Identity
-from catseye.drivers.record import Sink
+from catseye.drivers.roles.clock import Clock
+from catseye.drivers.roles.errors import LinkTimeoutError, ProtocolError, RefusedError
+from catseye.drivers.roles.readings import AirSample, Identity
 
 _BLOCK_REGISTERS = 64
 _ILLEGAL_ADDRESS = 2

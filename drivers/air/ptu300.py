@@ -6,13 +6,13 @@ from typing import Any, ClassVar, Self
 from pydantic import BaseModel, ConfigDict, Field
 
 from catseye.drivers.air.ptu300_codec import FORM, TextDecoder, checked, parse_values
-from catseye.drivers.clock import Clock
-from catseye.drivers.endpoint import open_transport
-from catseye.drivers.errors import LinkError, ProtocolError, WrongDeviceError
-from catseye.drivers.link import RequestLink
-from catseye.drivers.readings import AirSample, Identity
-from catseye.drivers.record import Sink
-from catseye.drivers.transport import Transport
+from catseye.drivers.links.endpoint import open_transport
+from catseye.drivers.links.link import RequestLink
+from catseye.drivers.links.record import Sink
+from catseye.drivers.links.transport import Transport
+from catseye.drivers.roles.clock import Clock
+from catseye.drivers.roles.errors import LinkError, ProtocolError, WrongDeviceError
+from catseye.drivers.roles.readings import AirSample, Identity
 
 _HARMLESS = b"\r\n> "
 

@@ -3,7 +3,7 @@
 import re
 from dataclasses import dataclass
 
-from catseye.drivers.errors import ProtocolError
+from catseye.drivers.roles.errors import ProtocolError
 
 MAX_LINE_BYTES = 512
 

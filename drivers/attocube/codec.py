@@ -6,7 +6,7 @@ import math
 from dataclasses import dataclass
 from typing import Literal
 
-from catseye.drivers.errors import ProtocolError
+from catseye.drivers.roles.errors import ProtocolError
 
 Dialect = Literal["ids", "sen"]
 """`ids`: com.attocube.ids, as in the IDS3010; `sen`: com.attocube.sen, the newer generation."""

@@ -4,7 +4,7 @@ import math
 import re
 
 from catseye.drivers.counter.profile import CounterProfile, Scale, Status
-from catseye.drivers.errors import ProtocolError
+from catseye.drivers.roles.errors import ProtocolError
 
 MAX_LINE_BYTES = 1024
 """Far more than any known counter sends in a line."""

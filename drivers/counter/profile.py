@@ -8,8 +8,8 @@ from typing import Annotated, Any, Literal, Self
 
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field, ValidationError, model_validator
 
-from catseye.drivers.errors import ProfileError
-from catseye.drivers.user_file import read_regular, toml_table
+from catseye.drivers.roles.errors import ProfileError
+from catseye.drivers.roles.user_file import read_regular, toml_table
 
 _BUILT_IN = "catseye.drivers.counter.profiles"
 

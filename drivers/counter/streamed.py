@@ -3,14 +3,20 @@
 import re
 from typing import Literal
 
-from catseye.drivers.clock import Clock
 from catseye.drivers.counter import codec
 from catseye.drivers.counter.profile import CounterProfile
-from catseye.drivers.errors import LinkError, LinkTimeoutError, ProtocolError, RefusedError, WrongDeviceError
-from catseye.drivers.latches import Latches
-from catseye.drivers.readings import CounterReading, CounterStatus, Identity
-from catseye.drivers.stream import StreamLink, ValueHook
-from catseye.drivers.transport import Transport
+from catseye.drivers.links.latches import Latches
+from catseye.drivers.links.stream import StreamLink, ValueHook
+from catseye.drivers.links.transport import Transport
+from catseye.drivers.roles.clock import Clock
+from catseye.drivers.roles.errors import (
+    LinkError,
+    LinkTimeoutError,
+    ProtocolError,
+    RefusedError,
+    WrongDeviceError,
+)
+from catseye.drivers.roles.readings import CounterReading, CounterStatus, Identity
 
 
 class StreamedCounter:

@@ -5,7 +5,7 @@ A command is ESC, a letter, four digits, CR. A reply is STX and lines that end w
 
 import re
 
-from catseye.drivers.errors import ProtocolError
+from catseye.drivers.roles.errors import ProtocolError
 
 ACK = "ACK"
 NAK = "NAK"

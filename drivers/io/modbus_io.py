@@ -4,12 +4,12 @@ from typing import Any, ClassVar, Literal, Protocol, Self
 
 from pydantic import BaseModel, ConfigDict, Field, model_validator
 
-from catseye.drivers.clock import Clock
-from catseye.drivers.endpoint import SerialEndpoint, require_stream
-from catseye.drivers.errors import LinkError, LinkTimeoutError, ProtocolError, RefusedError
+from catseye.drivers.links.endpoint import SerialEndpoint, require_stream
+from catseye.drivers.links.record import Sink
 from catseye.drivers.modbus.client import RegisterClient
-from catseye.drivers.readings import Identity
-from catseye.drivers.record import Sink
+from catseye.drivers.roles.clock import Clock
+from catseye.drivers.roles.errors import LinkError, LinkTimeoutError, ProtocolError, RefusedError
+from catseye.drivers.roles.readings import Identity
 
 Light = Literal["green", "amber", "red", "off"]
 

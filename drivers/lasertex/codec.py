@@ -5,7 +5,7 @@ Commands are 8 bytes, frames 16: AA, a code of two bytes, data, a CRC over all b
 
 from dataclasses import dataclass
 
-from catseye.drivers.errors import ProtocolError
+from catseye.drivers.roles.errors import ProtocolError
 
 START = 0xAA
 FRAME_BYTES = 16

@@ -5,15 +5,15 @@ from typing import Any, ClassVar, Literal, Self
 
 from pydantic import BaseModel, ConfigDict, Field
 
-from catseye.drivers.clock import Clock
-from catseye.drivers.endpoint import open_transport
-from catseye.drivers.errors import LinkTimeoutError, RefusedError, WrongDeviceError
 from catseye.drivers.lasertex import codec
-from catseye.drivers.latches import Latches
-from catseye.drivers.readings import CounterReading, CounterStatus, Identity
-from catseye.drivers.record import Sink
-from catseye.drivers.stream import StreamLink, ValueHook
-from catseye.drivers.transport import Transport
+from catseye.drivers.links.endpoint import open_transport
+from catseye.drivers.links.latches import Latches
+from catseye.drivers.links.record import Sink
+from catseye.drivers.links.stream import StreamLink, ValueHook
+from catseye.drivers.links.transport import Transport
+from catseye.drivers.roles.clock import Clock
+from catseye.drivers.roles.errors import LinkTimeoutError, RefusedError, WrongDeviceError
+from catseye.drivers.roles.readings import CounterReading, CounterStatus, Identity
 
 MODEL = "Lasertex HPI-3D"
 

@@ -2,9 +2,9 @@
 
 from collections.abc import Sequence
 
-from catseye.drivers.errors import LinkError
 from catseye.drivers.melfa.session import Session
 from catseye.drivers.melfa.side import QUESTIONS, Side
+from catseye.drivers.roles.errors import LinkError
 
 
 class Connections:

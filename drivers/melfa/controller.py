@@ -7,13 +7,13 @@ from contextlib import AbstractAsyncContextManager, asynccontextmanager
 from dataclasses import dataclass, field
 from typing import Self, TypeVar
 
-from catseye.drivers.errors import DeviceError, ProtocolError, RefusedError
-from catseye.drivers.healing import Repeat
+from catseye.drivers.links.healing import Repeat
 from catseye.drivers.melfa import codec, texts
 from catseye.drivers.melfa.jog import Direction, Jog, jogging
 from catseye.drivers.melfa.session import Session
 from catseye.drivers.melfa.texts import EncoderReading, LogEntry, ProgramEntry, StopSources, Value
-from catseye.drivers.readings import Joints
+from catseye.drivers.roles.errors import DeviceError, ProtocolError, RefusedError
+from catseye.drivers.roles.readings import Joints
 
 T = TypeVar("T")
 

@@ -2,14 +2,14 @@
 
 import asyncio
 
-from catseye.drivers.clock import Clock
-from catseye.drivers.errors import DeviceError, LinkError
-from catseye.drivers.healing import Repeat
+from catseye.drivers.links.healing import Repeat
 from catseye.drivers.melfa import codec
 from catseye.drivers.melfa.connections import Connections
 from catseye.drivers.melfa.motion import STILL_POLLS, standstill
 from catseye.drivers.melfa.session import Session
 from catseye.drivers.melfa.settings import MelfaSettings
+from catseye.drivers.roles.clock import Clock
+from catseye.drivers.roles.errors import DeviceError, LinkError
 
 PERIOD_S = 0.1
 """Between two STOPs on one connection, real s."""

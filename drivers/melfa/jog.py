@@ -10,11 +10,11 @@ from collections.abc import AsyncIterator, Awaitable, Callable, Mapping
 from contextlib import asynccontextmanager
 from typing import Literal
 
-from catseye.drivers.errors import DeviceError, RefusedError
-from catseye.drivers.healing import Repeat
-from catseye.drivers.link import uninterrupted
+from catseye.drivers.links.healing import Repeat
+from catseye.drivers.links.link import uninterrupted
 from catseye.drivers.melfa.motion import JOINT_NAMES
 from catseye.drivers.melfa.session import Session
+from catseye.drivers.roles.errors import DeviceError, RefusedError
 
 PERIOD_S = 0.05
 """Between two telegrams, real s."""

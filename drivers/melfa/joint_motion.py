@@ -3,17 +3,7 @@
 from collections.abc import Awaitable, Callable
 from functools import partial
 
-from catseye.drivers.clock import Clock
-from catseye.drivers.errors import (
-    AlarmError,
-    DeviceError,
-    LinkError,
-    NotArrivedError,
-    NotSentError,
-    ProtocolError,
-    RefusedError,
-)
-from catseye.drivers.healing import Repeat
+from catseye.drivers.links.healing import Repeat
 from catseye.drivers.melfa.connections import Connections
 from catseye.drivers.melfa.motion import (
     LOOK_WHY,
@@ -25,7 +15,17 @@ from catseye.drivers.melfa.motion import (
     standstill,
 )
 from catseye.drivers.melfa.settings import MelfaSettings
-from catseye.drivers.readings import Joints
+from catseye.drivers.roles.clock import Clock
+from catseye.drivers.roles.errors import (
+    AlarmError,
+    DeviceError,
+    LinkError,
+    NotArrivedError,
+    NotSentError,
+    ProtocolError,
+    RefusedError,
+)
+from catseye.drivers.roles.readings import Joints
 
 _DUPLICATE_DEFINITION = 4350
 

@@ -10,7 +10,7 @@ from catseye.drivers.melfa.controller import MelfaController
 from catseye.drivers.melfa.jog import Direction, Jog
 from catseye.drivers.melfa.robot import MelfaR3
 from catseye.drivers.melfa.settings import MelfaSettings
-from catseye.drivers.readings import Joints, RobotStatus
+from catseye.drivers.roles.readings import Joints, RobotStatus
 
 
 class LedArm(ABC):

@@ -4,8 +4,12 @@ import asyncio
 import contextlib
 from collections.abc import Awaitable, Callable, Iterator
 
-from catseye.drivers.clock import Clock
-from catseye.drivers.errors import (
+from catseye.drivers.links.healing import ATTEMPTS
+from catseye.drivers.melfa.session import Session
+from catseye.drivers.melfa.settings import MelfaSettings
+from catseye.drivers.melfa.side import Side
+from catseye.drivers.roles.clock import Clock
+from catseye.drivers.roles.errors import (
     AlarmError,
     DeviceError,
     LinkError,
@@ -15,11 +19,7 @@ from catseye.drivers.errors import (
     ProtocolError,
     RefusedError,
 )
-from catseye.drivers.healing import ATTEMPTS
-from catseye.drivers.melfa.session import Session
-from catseye.drivers.melfa.settings import MelfaSettings
-from catseye.drivers.melfa.side import Side
-from catseye.drivers.readings import Joints, RobotStatus
+from catseye.drivers.roles.readings import Joints, RobotStatus
 
 VARIABLES = tuple(f"JCATSEY{number}" for number in range(1, 9))
 """Joint variables that may carry the target in the controller. A session takes one of them: what another program

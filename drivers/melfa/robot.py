@@ -15,17 +15,12 @@ from contextlib import AbstractAsyncContextManager
 from functools import partial
 from typing import Any, ClassVar, Self
 
-from catseye.drivers.clock import Clock
-from catseye.drivers.endpoint import open_transport
-from catseye.drivers.errors import (
-    DeviceError,
-    LinkError,
-    NotReadyError,
-    RefusedError,
-)
-from catseye.drivers.guarding import UNGUARDED, LinkGuard, guarded
-from catseye.drivers.healing import Repeat
-from catseye.drivers.link import uninterrupted
+from catseye.drivers.links.endpoint import open_transport
+from catseye.drivers.links.guarding import UNGUARDED, LinkGuard, guarded
+from catseye.drivers.links.healing import Repeat
+from catseye.drivers.links.link import uninterrupted
+from catseye.drivers.links.record import Sink
+from catseye.drivers.links.transport import Transport
 from catseye.drivers.melfa import codec
 from catseye.drivers.melfa.alarms import STOP_IS_ON
 from catseye.drivers.melfa.codec import Answer, Layout
@@ -41,9 +36,9 @@ from catseye.drivers.melfa.settings import MelfaSettings
 from catseye.drivers.melfa.side import Side
 from catseye.drivers.melfa.starting import start_once
 from catseye.drivers.melfa.stops import Stops, StopWatch
-from catseye.drivers.readings import Identity, Joints, RobotStatus
-from catseye.drivers.record import Sink
-from catseye.drivers.transport import Transport
+from catseye.drivers.roles.clock import Clock
+from catseye.drivers.roles.errors import DeviceError, LinkError, NotReadyError, RefusedError
+from catseye.drivers.roles.readings import Identity, Joints, RobotStatus
 
 _CLOSE_TIMEOUT_S = 3.0
 

@@ -2,10 +2,10 @@
 
 import asyncio
 
-from catseye.drivers.clock import Clock
-from catseye.drivers.errors import AlarmError, RefusedError
 from catseye.drivers.melfa.session import Session
 from catseye.drivers.melfa.settings import MelfaSettings
+from catseye.drivers.roles.clock import Clock
+from catseye.drivers.roles.errors import AlarmError, RefusedError
 
 
 async def servo_is(session: Session, clock: Clock, settings: MelfaSettings, *, on: bool) -> None:

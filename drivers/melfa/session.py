@@ -5,8 +5,15 @@ from collections.abc import Awaitable, Callable
 from functools import partial
 from typing import TypeVar
 
-from catseye.drivers.endpoint import SerialEndpoint, parse_endpoint
-from catseye.drivers.errors import (
+from catseye.drivers.links.endpoint import SerialEndpoint, parse_endpoint
+from catseye.drivers.links.healing import Repeat
+from catseye.drivers.links.link import RequestLink
+from catseye.drivers.links.transport import Transport
+from catseye.drivers.melfa import codec
+from catseye.drivers.melfa.alarms import NOT_READY, describe
+from catseye.drivers.melfa.codec import Answer, Layout, Opened, State
+from catseye.drivers.melfa.settings import MelfaSettings
+from catseye.drivers.roles.errors import (
     AlarmError,
     DeviceError,
     LinkError,
@@ -16,14 +23,7 @@ from catseye.drivers.errors import (
     RefusedError,
     WrongDeviceError,
 )
-from catseye.drivers.healing import Repeat
-from catseye.drivers.link import RequestLink
-from catseye.drivers.melfa import codec
-from catseye.drivers.melfa.alarms import NOT_READY, describe
-from catseye.drivers.melfa.codec import Answer, Layout, Opened, State
-from catseye.drivers.melfa.settings import MelfaSettings
-from catseye.drivers.readings import Joints, RobotStatus
-from catseye.drivers.transport import Transport
+from catseye.drivers.roles.readings import Joints, RobotStatus
 
 T = TypeVar("T")
 

@@ -4,10 +4,10 @@ import asyncio
 from collections.abc import Awaitable, Callable
 from typing import TypeVar
 
-from catseye.drivers.errors import DeviceError, LinkError, ProtocolError
 from catseye.drivers.melfa.codec import State
 from catseye.drivers.melfa.session import Session
-from catseye.drivers.readings import Joints, RobotStatus
+from catseye.drivers.roles.errors import DeviceError, LinkError, ProtocolError
+from catseye.drivers.roles.readings import Joints, RobotStatus
 
 T = TypeVar("T")
 

@@ -3,12 +3,12 @@
 from collections.abc import Callable
 from functools import partial
 
-from catseye.drivers.clock import Clock
-from catseye.drivers.errors import LinkError, NotReadyError, NotSentError, ProtocolError
-from catseye.drivers.healing import Repeat
+from catseye.drivers.links.healing import Repeat
 from catseye.drivers.melfa.motion import sent_once, unstarted_polls
 from catseye.drivers.melfa.session import Session
 from catseye.drivers.melfa.settings import MelfaSettings
+from catseye.drivers.roles.clock import Clock
+from catseye.drivers.roles.errors import LinkError, NotReadyError, NotSentError, ProtocolError
 
 _WHILE_RUNNING = 5640
 _LOOKS = unstarted_polls(0.0)

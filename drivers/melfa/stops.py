@@ -3,8 +3,8 @@
 from collections.abc import Iterator
 from contextlib import contextmanager
 
-from catseye.drivers.errors import RefusedError
 from catseye.drivers.melfa.alarms import STOP_IS_ON
+from catseye.drivers.roles.errors import RefusedError
 
 
 class Stops:

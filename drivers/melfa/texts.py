@@ -7,8 +7,8 @@ import math
 import re
 from dataclasses import dataclass
 
-from catseye.drivers.device_text import DeviceText
-from catseye.drivers.errors import ProtocolError
+from catseye.drivers.roles.errors import ProtocolError
+from catseye.drivers.roles.text import DeviceText
 
 _NUMBER = re.compile(r"[+-]?(?:\d+\.?\d*|\.\d+)(?:E[+-]?\d{1,3})?", re.IGNORECASE)
 _POSITION = re.compile(r"\((?P<values>[^()]*)\)(?:\s*\((?P<flags>[^()]*)\))?")

@@ -5,12 +5,12 @@ from collections.abc import Callable
 from functools import partial
 from typing import TypeVar
 
-from catseye.drivers.endpoint import SerialEndpoint, TcpEndpoint, open_transport
-from catseye.drivers.errors import LinkTimeoutError, ProtocolError, RefusedError, WrongDeviceError
-from catseye.drivers.link import RequestLink
+from catseye.drivers.links.endpoint import SerialEndpoint, TcpEndpoint, open_transport
+from catseye.drivers.links.link import RequestLink
+from catseye.drivers.links.record import Sink
+from catseye.drivers.links.serial_line import LineSettings
 from catseye.drivers.modbus import codec
-from catseye.drivers.record import Sink
-from catseye.drivers.serial_line import LineSettings
+from catseye.drivers.roles.errors import LinkTimeoutError, ProtocolError, RefusedError, WrongDeviceError
 
 _EXCEPTIONS = {
     1: "illegal function: set function to 3 or 4 as the device's manual says",

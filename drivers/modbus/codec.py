@@ -3,7 +3,7 @@
 import struct
 from collections.abc import Sequence
 
-from catseye.drivers.errors import ProtocolError
+from catseye.drivers.roles.errors import ProtocolError
 
 READ_COILS, READ_INPUTS = 1, 2
 READ_HOLDING, READ_INPUT_REGISTERS = 3, 4

@@ -7,14 +7,14 @@ from typing import Any, ClassVar, Self
 
 from pydantic import BaseModel, ConfigDict, Field
 
-from catseye.drivers.clock import Clock, SystemClock
-from catseye.drivers.endpoint import open_transport
-from catseye.drivers.errors import DeviceError, LinkError, ProtocolError, WrongDeviceError
-from catseye.drivers.healing import Repeat
-from catseye.drivers.link import RequestLink
-from catseye.drivers.readings import Identity
-from catseye.drivers.record import Sink
-from catseye.drivers.transport import Transport
+from catseye.drivers.links.endpoint import open_transport
+from catseye.drivers.links.healing import Repeat
+from catseye.drivers.links.link import RequestLink
+from catseye.drivers.links.record import Sink
+from catseye.drivers.links.transport import Transport
+from catseye.drivers.roles.clock import Clock, SystemClock
+from catseye.drivers.roles.errors import DeviceError, LinkError, ProtocolError, WrongDeviceError
+from catseye.drivers.roles.readings import Identity
 
 _LONGEST_ANSWER_BYTES = 65536
 

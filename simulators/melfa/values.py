@@ -5,8 +5,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from catseye.calibration.errors import OutOfReachError
-from catseye.calibration.kinematics import Hand, forward, inverse
+from catseye.calibration.scara.errors import OutOfReachError
+from catseye.calibration.scara.planar import Hand, forward, inverse
 from catseye.simulators.config import EmulationConfig, Joints
 from catseye.simulators.melfa import alarms
 from catseye.simulators.melfa.alarms import Refusal

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from catseye.calibration.refractive_index import HE_NE_VACUUM_NM, refractive_index
+from catseye.calibration.air import HE_NE_VACUUM_NM, refractive_index
 from catseye.simulators.config import AirState
 from catseye.simulators.world.counter import SlowDrift
 

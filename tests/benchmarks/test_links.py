@@ -9,14 +9,14 @@ from contextlib import AbstractAsyncContextManager, asynccontextmanager
 
 import pytest
 
-from catseye.drivers.clock import SystemClock
-from catseye.drivers.endpoint import open_transport
-from catseye.drivers.errors import DeviceError
-from catseye.drivers.faulty import FaultyTransport
+from catseye.app.testing.faulty import FaultyTransport
+from catseye.drivers.links.endpoint import open_transport
 from catseye.drivers.melfa import codec
 from catseye.drivers.melfa.robot import MelfaR3
 from catseye.drivers.melfa.session import Session
 from catseye.drivers.melfa.settings import MelfaSettings
+from catseye.drivers.roles.clock import SystemClock
+from catseye.drivers.roles.errors import DeviceError
 from catseye.simulators.config import EmulationConfig, ErrorBudget, ReflectorPlace
 from catseye.simulators.emulated_bench import EmulatedBench
 

@@ -17,7 +17,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from catseye.drivers.clock import SystemClock
+from catseye.drivers.roles.clock import SystemClock
 from catseye.drivers.umd.display import TimedSample, UmdDisplay
 from tests.benchmarks.stream_peers import RATE_HZ
 

@@ -6,7 +6,7 @@ CATSEYE_WAYS sets how many ways (default 2000), CATSEYE_SEED the seed; both are 
 import os
 import time
 
-from catseye.procedures.motion.clear_way import legs_refusal
+from catseye.procedures.kit.motion.clear_way import legs_refusal
 from tests.unit.procedures.collision_trial import tried
 
 

@@ -18,8 +18,8 @@ import pytest
 from scipy.stats import chi2
 
 from catseye.app.cell.load import load_cell
-from catseye.app.emulation import emulation_config
-from catseye.calibration.types import Floats
+from catseye.app.service.emulation import emulation_config
+from catseye.calibration.core.types import Floats
 from catseye.simulators.config import EmulationConfig, ErrorBudget
 from catseye.simulators.world.scara.axis_errors import RadialError
 from tests.campaigns.test_whole_plan import run

@@ -17,11 +17,11 @@ from typing import Literal, get_args
 import pytest
 
 from catseye.app.testing.proxy import Proxy, ProxyThread
-from catseye.drivers.clock import SystemClock
-from catseye.drivers.endpoint import TcpEndpoint, parse_endpoint
-from catseye.drivers.errors import DeviceError, LinkError
+from catseye.drivers.links.endpoint import TcpEndpoint, parse_endpoint
+from catseye.drivers.links.record import Direction
 from catseye.drivers.melfa.robot import MelfaR3
-from catseye.drivers.record import Direction
+from catseye.drivers.roles.clock import SystemClock
+from catseye.drivers.roles.errors import DeviceError, LinkError
 from catseye.simulators.config import EmulatedDevice, EmulationConfig, ErrorBudget, ReflectorPlace
 from catseye.simulators.emulated_bench import EmulatedBench
 

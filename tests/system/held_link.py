@@ -10,8 +10,8 @@ import time
 from pathlib import Path
 
 from catseye.app.guard.client import ArmGuard
-from catseye.drivers.endpoint import open_transport
-from catseye.drivers.guarding import GuardedTransport
+from catseye.drivers.links.endpoint import open_transport
+from catseye.drivers.links.guarding import GuardedTransport
 
 STOP = b"\r1;1;STOP\r"
 CHILD_S = 5.0

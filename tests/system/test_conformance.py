@@ -15,7 +15,7 @@ import pytest
 from catseye.app.testing.candidate import KINDS, Candidate, candidate_of
 from catseye.app.testing.checks.catalogue import ALL, applicable
 from catseye.app.testing.checks.check import run_check
-from catseye.drivers.registry import driver_names
+from catseye.drivers.roles.registry import driver_names
 from catseye.simulators.config import Option
 from tests.left_behind import nothing_left, warnings_fail
 from tests.patience import HANG_S

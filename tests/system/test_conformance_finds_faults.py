@@ -15,10 +15,10 @@ from catseye.app.testing.checks.check import run_check
 from catseye.app.testing.trial import NotConformingError
 from catseye.drivers.air.modbus_air import ModbusAir
 from catseye.drivers.counter.counter import LineCounter
-from catseye.drivers.errors import DeviceError, LinkTimeoutError
-from catseye.drivers.latches import Latches
+from catseye.drivers.links.latches import Latches
 from catseye.drivers.melfa.robot import MelfaR3
-from catseye.drivers.readings import AirSample, CounterReading, CounterStatus, Identity, Joints
+from catseye.drivers.roles.errors import DeviceError, LinkTimeoutError
+from catseye.drivers.roles.readings import AirSample, CounterReading, CounterStatus, Identity, Joints
 from tests.system.quick import TIMEOUT_S, short_timeouts
 
 

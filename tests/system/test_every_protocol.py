@@ -3,7 +3,7 @@
 import json
 from pathlib import Path
 
-from catseye.drivers.registry import driver_names
+from catseye.drivers.roles.registry import driver_names
 from catseye.simulators.registry import emulator_names
 from tests.system.command import catseye, emulated
 

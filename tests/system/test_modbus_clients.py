@@ -11,10 +11,10 @@ from pymodbus.client import ModbusSerialClient, ModbusTcpClient
 
 from catseye.drivers.air.modbus_air import ModbusAir
 from catseye.drivers.air.ptu300 import VaisalaAscii
-from catseye.drivers.clock import SystemClock
-from catseye.drivers.endpoint import SerialEndpoint
 from catseye.drivers.io.modbus_io import ModbusIo
+from catseye.drivers.links.endpoint import SerialEndpoint
 from catseye.drivers.modbus.client import RegisterClient
+from catseye.drivers.roles.clock import SystemClock
 from tests.system.command import catseye
 from tests.system.modbus_cell import ModbusCell, modbus_cell
 

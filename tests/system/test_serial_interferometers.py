@@ -5,8 +5,8 @@ from typing import Any
 
 import pytest
 
-from catseye.drivers.clock import SystemClock
-from catseye.drivers.registry import load_driver
+from catseye.drivers.roles.clock import SystemClock
+from catseye.drivers.roles.registry import load_driver
 from catseye.simulators.config import EmulatedDevice, EmulationConfig, ErrorBudget
 from catseye.simulators.emulated_bench import EmulatedBench
 from tests.unit.simulators.benches import P2, aimed

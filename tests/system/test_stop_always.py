@@ -9,11 +9,11 @@ from dataclasses import replace
 import pytest
 
 from catseye.app.testing.proxy import Proxy
-from catseye.drivers.clock import SystemClock
-from catseye.drivers.endpoint import TcpEndpoint, parse_endpoint
-from catseye.drivers.errors import DeviceError, LinkError
-from catseye.drivers.inbox import TURN_BYTES
+from catseye.drivers.links.endpoint import TcpEndpoint, parse_endpoint
+from catseye.drivers.links.inbox import TURN_BYTES
 from catseye.drivers.melfa.robot import MelfaR3
+from catseye.drivers.roles.clock import SystemClock
+from catseye.drivers.roles.errors import DeviceError, LinkError
 from catseye.simulators.config import EmulatedDevice, EmulationConfig, ErrorBudget, Option, ReflectorPlace
 from catseye.simulators.emulated_bench import EmulatedBench
 

@@ -7,11 +7,11 @@ from dataclasses import replace
 
 import pytest
 
-from catseye.drivers.clock import SystemClock
-from catseye.drivers.errors import AlarmError, DeviceError, NotReadyError
 from catseye.drivers.melfa.datalink.robot import MelfaDatalink
 from catseye.drivers.melfa.mxt.robot import MelfaMxt
-from catseye.drivers.readings import Joints
+from catseye.drivers.roles.clock import SystemClock
+from catseye.drivers.roles.errors import AlarmError, DeviceError, NotReadyError
+from catseye.drivers.roles.readings import Joints
 from catseye.simulators.config import EmulatedDevice
 from catseye.simulators.emulated_bench import EmulatedBench
 from tests.patience import HANG_S

@@ -8,11 +8,11 @@ from importlib.resources import files
 
 import pytest
 
-from catseye.drivers.clock import SystemClock
-from catseye.drivers.errors import AlarmError, RefusedError
 from catseye.drivers.melfa.controller import ProgramText
 from catseye.drivers.melfa.jog import Direction
 from catseye.drivers.melfa.robot import MelfaR3
+from catseye.drivers.roles.clock import SystemClock
+from catseye.drivers.roles.errors import AlarmError, RefusedError
 from catseye.simulators.config import EmulatedDevice
 from catseye.simulators.emulated_bench import EmulatedBench
 from tests.patience import HANG_S

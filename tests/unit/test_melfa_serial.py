@@ -10,11 +10,11 @@ from dataclasses import replace
 
 import pytest
 
-from catseye.drivers.clock import SystemClock
-from catseye.drivers.errors import RefusedError
 from catseye.drivers.melfa.motion import unstarted_polls
 from catseye.drivers.melfa.robot import MelfaR3
 from catseye.drivers.melfa.session import byte_time_s
+from catseye.drivers.roles.clock import SystemClock
+from catseye.drivers.roles.errors import RefusedError
 from catseye.simulators.config import EmulatedDevice
 from catseye.simulators.emulated_bench import EmulatedBench
 from tests.unit.simulators.benches import QUIET

@@ -16,14 +16,14 @@ from catseye.drivers.air.ptu300_codec import TextDecoder
 from catseye.drivers.attocube.codec import AnswerDecoder as IdsDecoder
 from catseye.drivers.counter.codec import LineDecoder, StreamDecoder
 from catseye.drivers.counter.profile import load_profile
-from catseye.drivers.errors import ProtocolError
 from catseye.drivers.heidenhain.codec import ReplyDecoder
 from catseye.drivers.lasertex.codec import FrameDecoder as HpiDecoder
-from catseye.drivers.link import Decoder
+from catseye.drivers.links.link import Decoder
+from catseye.drivers.links.stream import FrameDecoder
 from catseye.drivers.melfa import codec as melfa
 from catseye.drivers.melfa.datalink.codec import RecordDecoder
 from catseye.drivers.melfa.mxt.codec import decode as decode_mxt
-from catseye.drivers.stream import FrameDecoder
+from catseye.drivers.roles.errors import ProtocolError
 from catseye.drivers.tracker.bench_tracker import ObjectDecoder
 from catseye.drivers.umd.codec import SampleDecoder
 from catseye.simulators.config import EmulatedDevice

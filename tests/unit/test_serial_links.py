@@ -2,9 +2,9 @@
 
 from dataclasses import replace
 
-from catseye.drivers.clock import SystemClock
 from catseye.drivers.counter.counter import LineCounter
 from catseye.drivers.melfa.robot import MelfaR3
+from catseye.drivers.roles.clock import SystemClock
 from catseye.simulators.config import EmulatedDevice
 from catseye.simulators.emulated_bench import EmulatedBench
 from tests.unit.simulators.benches import QUIET, aimed

@@ -9,7 +9,7 @@ from typing import Any, Final, Literal, Union, get_args, get_origin
 from pydantic.fields import FieldInfo
 
 from catseye.app.cell.wizard.question import Choice, Question, text_of
-from catseye.drivers.registry import driver_names, load_driver
+from catseye.drivers.roles.registry import driver_names, load_driver
 
 Role = Literal["robot", "interferometer", "environment", "io", "tracker"]
 

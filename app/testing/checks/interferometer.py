@@ -8,7 +8,7 @@ from typing import Any
 from catseye.app.testing.candidate import Kind
 from catseye.app.testing.checks.check import Check
 from catseye.app.testing.trial import Trial, expect
-from catseye.drivers.errors import DeviceError
+from catseye.drivers.roles.errors import DeviceError
 
 _KINDS: tuple[Kind, ...] = ("interferometer",)
 _SHIFT_MM = 0.5

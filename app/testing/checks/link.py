@@ -10,7 +10,7 @@ from typing import Any
 
 from catseye.app.testing.checks.check import Check
 from catseye.app.testing.trial import NotConformingError, Trial, expect
-from catseye.drivers.errors import DeviceError, LinkError, LinkTimeoutError
+from catseye.drivers.roles.errors import DeviceError, LinkError, LinkTimeoutError
 
 _IN_FLIGHT_S = 0.05
 _LONGEST_BLOCK_S = 0.5

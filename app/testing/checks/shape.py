@@ -9,8 +9,8 @@ from pydantic import BaseModel, ValidationError
 from catseye.app.testing.candidate import METHODS
 from catseye.app.testing.checks.check import Check
 from catseye.app.testing.trial import Trial, expect
-from catseye.drivers.clock import SystemClock
-from catseye.drivers.errors import DeviceError
+from catseye.drivers.roles.clock import SystemClock
+from catseye.drivers.roles.errors import DeviceError
 
 _UNITS = "s|ms|us|mm|um|nm|pm|m|deg|mdeg|rad|mm_s|deg_s|mm_s2|deg_s2|hz|khz|c|k|hpa|pa|kpa|percent|permille|ppm|v|a|w"
 _WITH_UNIT = re.compile(rf"(?:^|_)(?:{_UNITS})$")

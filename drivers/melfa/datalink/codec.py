@@ -8,8 +8,8 @@ import math
 import re
 from dataclasses import dataclass
 
-from catseye.drivers.errors import ProtocolError
-from catseye.drivers.readings import Joints
+from catseye.drivers.roles.errors import ProtocolError
+from catseye.drivers.roles.readings import Joints
 
 ADD, DRIVE, TELL, FORGET, WHO, SPEED, FINISH = range(1, 8)
 UNKNOWN, REFUSED = -1, -2

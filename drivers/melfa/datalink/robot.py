@@ -12,9 +12,19 @@ from typing import Any, ClassVar, Self
 
 from pydantic import Field
 
-from catseye.drivers.clock import Clock
-from catseye.drivers.endpoint import open_transport
-from catseye.drivers.errors import (
+from catseye.drivers.links.endpoint import open_transport
+from catseye.drivers.links.healing import Repeat, reopened
+from catseye.drivers.links.link import RequestLink, uninterrupted
+from catseye.drivers.links.record import Sink
+from catseye.drivers.links.transport import Transport
+from catseye.drivers.melfa.datalink import codec
+from catseye.drivers.melfa.datalink.codec import Record, RecordDecoder
+from catseye.drivers.melfa.led import LedArm, parted, require_way
+from catseye.drivers.melfa.motion import LOOK_WHY, STILL_LOOKS, asking_under_way, off_target, sent_once
+from catseye.drivers.melfa.robot import MelfaR3
+from catseye.drivers.melfa.settings import MelfaSettings
+from catseye.drivers.roles.clock import Clock
+from catseye.drivers.roles.errors import (
     AlarmError,
     LinkError,
     NotArrivedError,
@@ -23,17 +33,7 @@ from catseye.drivers.errors import (
     RefusedError,
     WrongDeviceError,
 )
-from catseye.drivers.healing import Repeat, reopened
-from catseye.drivers.link import RequestLink, uninterrupted
-from catseye.drivers.melfa.datalink import codec
-from catseye.drivers.melfa.datalink.codec import Record, RecordDecoder
-from catseye.drivers.melfa.led import LedArm, parted, require_way
-from catseye.drivers.melfa.motion import LOOK_WHY, STILL_LOOKS, asking_under_way, off_target, sent_once
-from catseye.drivers.melfa.robot import MelfaR3
-from catseye.drivers.melfa.settings import MelfaSettings
-from catseye.drivers.readings import Identity, Joints
-from catseye.drivers.record import Sink
-from catseye.drivers.transport import Transport
+from catseye.drivers.roles.readings import Identity, Joints
 
 _VERSION = 1
 _LOOK_S = 0.2

@@ -8,8 +8,8 @@ import struct
 from dataclasses import dataclass
 from enum import IntEnum
 
-from catseye.drivers.errors import ProtocolError
-from catseye.drivers.readings import Joints
+from catseye.drivers.roles.errors import ProtocolError
+from catseye.drivers.roles.readings import Joints
 
 PACKET_BYTES = 196
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from catseye.drivers.readings import Joints
+from catseye.drivers.roles.readings import Joints
 
 Floats = NDArray[np.float64]
 

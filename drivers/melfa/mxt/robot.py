@@ -11,19 +11,10 @@ import contextlib
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from typing import Any, ClassVar, Self
 
-from catseye.drivers.clock import Clock
-from catseye.drivers.endpoint import open_transport
-from catseye.drivers.errors import (
-    DeviceError,
-    LinkError,
-    LinkTimeoutError,
-    NotArrivedError,
-    NotReadyError,
-    ProtocolError,
-    RefusedError,
-)
-from catseye.drivers.guarding import LinkGuard, guarded
-from catseye.drivers.link import uninterrupted
+from catseye.drivers.links.endpoint import open_transport
+from catseye.drivers.links.guarding import LinkGuard, guarded
+from catseye.drivers.links.link import uninterrupted
+from catseye.drivers.links.record import Sink
 from catseye.drivers.melfa.codec import parse_number
 from catseye.drivers.melfa.led import LedArm, parted, require_way
 from catseye.drivers.melfa.motion import LOOK_WHY, off_target
@@ -33,8 +24,17 @@ from catseye.drivers.melfa.mxt.profile import Bounds, WayProfile
 from catseye.drivers.melfa.mxt.settings import MxtSettings
 from catseye.drivers.melfa.mxt.stream import SetPointStream
 from catseye.drivers.melfa.robot import MelfaR3
-from catseye.drivers.readings import Identity, Joints
-from catseye.drivers.record import Sink
+from catseye.drivers.roles.clock import Clock
+from catseye.drivers.roles.errors import (
+    DeviceError,
+    LinkError,
+    LinkTimeoutError,
+    NotArrivedError,
+    NotReadyError,
+    ProtocolError,
+    RefusedError,
+)
+from catseye.drivers.roles.readings import Identity, Joints
 
 LONGEST_TIMEOUT_S = 0.5
 """A real arm that gets no set point any more ends the control by itself after so long at most."""

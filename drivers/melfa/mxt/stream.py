@@ -3,13 +3,13 @@
 import asyncio
 from collections.abc import Iterable
 
-from catseye.drivers.clock import Clock
-from catseye.drivers.errors import LinkError, LinkTimeoutError, ProtocolError, WrongDeviceError
+from catseye.drivers.links.transport import Transport
 from catseye.drivers.melfa.mxt import codec
 from catseye.drivers.melfa.mxt.codec import Command, Kind, Reply
 from catseye.drivers.melfa.mxt.settings import MxtSettings
-from catseye.drivers.readings import Joints
-from catseye.drivers.transport import Transport
+from catseye.drivers.roles.clock import Clock
+from catseye.drivers.roles.errors import LinkError, LinkTimeoutError, ProtocolError, WrongDeviceError
+from catseye.drivers.roles.readings import Joints
 
 _TIMED_CYCLES = 8
 _SHORTEST = 0.75

@@ -6,9 +6,10 @@ import pytest
 
 from catseye.app import errors
 from catseye.app.errors import exit_code_of, text_of
-from catseye.calibration.errors import ConvergenceError, OutOfReachError
-from catseye.drivers.errors import AlarmError, LinkTimeoutError, ProfileError
-from catseye.procedures.errors import BeamLostError, PlanError, PlanLimitError
+from catseye.calibration.core.errors import ConvergenceError
+from catseye.calibration.scara.errors import OutOfReachError
+from catseye.drivers.roles.errors import AlarmError, LinkTimeoutError, ProfileError
+from catseye.procedures.kit.errors import BeamLostError, PlanError, PlanLimitError
 
 
 @pytest.mark.parametrize(

@@ -8,7 +8,7 @@ from contextlib import AbstractAsyncContextManager
 
 import pytest
 
-from catseye.drivers.errors import LinkError
+from catseye.drivers.roles.errors import LinkError
 from catseye.simulators.modbus.rtu import crc16
 from tests.unit.drivers.peers import FarEnd, loopback
 

@@ -9,8 +9,8 @@ from datetime import UTC, datetime
 from types import TracebackType
 from typing import Self
 
-from catseye.drivers.errors import LinkError
-from catseye.drivers.memory import MemoryTransport, pipe
+from catseye.app.testing.memory import MemoryTransport, pipe
+from catseye.drivers.roles.errors import LinkError
 
 Answer = Callable[[bytes], Iterable[bytes]]
 

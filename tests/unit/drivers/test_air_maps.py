@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 from pydantic import ValidationError
 
 from catseye.drivers.air.maps import AirSettings, Quantity, RegisterMap, check_plausible, decode, resolve
-from catseye.drivers.errors import ProfileError, ProtocolError
+from catseye.drivers.roles.errors import ProfileError, ProtocolError
 
 
 def resolved(**settings: object) -> RegisterMap:

@@ -8,8 +8,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from catseye.drivers.clock import SystemClock
-from catseye.drivers.errors import LinkTimeoutError, ProtocolError, WrongDeviceError
+from catseye.drivers.roles.clock import SystemClock
+from catseye.drivers.roles.errors import LinkTimeoutError, ProtocolError, WrongDeviceError
 from catseye.drivers.tracker.bench_tracker import (
     BenchTracker,
     BenchTrackerSettings,

@@ -8,12 +8,12 @@ from contextlib import asynccontextmanager
 
 import pytest
 
-from catseye.drivers.channel import Channel
-from catseye.drivers.errors import LinkError
-from catseye.drivers.inbox import TURN_BYTES, TURN_S, Inbox
-from catseye.drivers.memory import pipe
-from catseye.drivers.record import RecordingTransport
-from catseye.drivers.tcp import TcpTransport
+from catseye.app.testing.memory import pipe
+from catseye.drivers.links.channel import Channel
+from catseye.drivers.links.inbox import TURN_BYTES, TURN_S, Inbox
+from catseye.drivers.links.record import RecordingTransport
+from catseye.drivers.links.tcp import TcpTransport
+from catseye.drivers.roles.errors import LinkError
 
 STOP = b"1;1;STOP\r"
 

@@ -1,6 +1,6 @@
 """The scaled clock."""
 
-from catseye.drivers.clock import SystemClock
+from catseye.drivers.roles.clock import SystemClock
 
 
 async def test_bench_time_runs_faster_by_the_factor() -> None:

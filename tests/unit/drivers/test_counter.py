@@ -8,7 +8,7 @@ import pytest
 
 from catseye.drivers.counter.counter import LineCounter
 from catseye.drivers.counter.profile import CounterProfile, load_profile
-from catseye.drivers.errors import (
+from catseye.drivers.roles.errors import (
     LinkTimeoutError,
     ProfileError,
     ProtocolError,

@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from catseye.drivers.counter import codec
 from catseye.drivers.counter.codec import LineDecoder
 from catseye.drivers.counter.profile import CounterProfile, Scale, Status, load_profile
-from catseye.drivers.errors import ProtocolError
+from catseye.drivers.roles.errors import ProtocolError
 
 DEFAULT = load_profile("default")
 

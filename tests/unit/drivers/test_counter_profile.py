@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 
 from catseye.drivers.counter.profile import built_in_profiles, load_profile, parse_profile
-from catseye.drivers.errors import ProfileError
+from catseye.drivers.roles.errors import ProfileError
 
 GOOD = """
 format = "catseye-counter/1"

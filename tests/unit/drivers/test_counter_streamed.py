@@ -15,7 +15,7 @@ from catseye.drivers.counter import codec
 from catseye.drivers.counter.counter import LineCounter
 from catseye.drivers.counter.profile import CounterProfile, load_profile, parse_profile
 from catseye.drivers.counter.streamed import StreamedCounter
-from catseye.drivers.errors import LinkTimeoutError, ProfileError, RefusedError, WrongDeviceError
+from catseye.drivers.roles.errors import LinkTimeoutError, ProfileError, RefusedError, WrongDeviceError
 from tests.unit.drivers.peers import Peer, StepClock
 
 T = TypeVar("T")

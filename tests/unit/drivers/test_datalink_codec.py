@@ -6,9 +6,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from catseye.drivers.errors import ProtocolError
 from catseye.drivers.melfa.datalink import codec
 from catseye.drivers.melfa.datalink.codec import Record, RecordDecoder
+from catseye.drivers.roles.errors import ProtocolError
 
 
 def test_a_request_is_six_numbers_and_a_cr() -> None:

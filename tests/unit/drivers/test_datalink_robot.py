@@ -8,7 +8,11 @@ from dataclasses import dataclass
 
 import pytest
 
-from catseye.drivers.errors import (
+from catseye.drivers.links.guarding import Unguarded
+from catseye.drivers.melfa.datalink.robot import DatalinkSettings, MelfaDatalink
+from catseye.drivers.melfa.robot import MelfaR3
+from catseye.drivers.melfa.settings import MelfaSettings
+from catseye.drivers.roles.errors import (
     LinkError,
     NotArrivedError,
     NotReadyError,
@@ -16,12 +20,8 @@ from catseye.drivers.errors import (
     RefusedError,
     WrongDeviceError,
 )
-from catseye.drivers.guarding import Unguarded
-from catseye.drivers.melfa.datalink.robot import DatalinkSettings, MelfaDatalink
-from catseye.drivers.melfa.robot import MelfaR3
-from catseye.drivers.melfa.settings import MelfaSettings
-from catseye.drivers.readings import Joints
-from catseye.procedures.devices import JogRobot
+from catseye.drivers.roles.protocols import JogRobot
+from catseye.drivers.roles.readings import Joints
 from tests.patience import HANG_S, until
 from tests.unit.drivers.melfa_bench import JPOS, STATE, Controller
 from tests.unit.drivers.peers import Peer, StepClock

@@ -6,10 +6,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from catseye.drivers.device_text import LONGEST, harmless, harmless_lines
-from catseye.drivers.errors import AlarmError, DeviceError, LinkError, ProtocolError, RefusedError
 from catseye.drivers.melfa.texts import LogEntry, ProgramEntry
-from catseye.drivers.readings import CounterReading, CounterStatus, Identity, RobotStatus
+from catseye.drivers.roles.errors import AlarmError, DeviceError, LinkError, ProtocolError, RefusedError
+from catseye.drivers.roles.readings import CounterReading, CounterStatus, Identity, RobotStatus
+from catseye.drivers.roles.text import LONGEST, harmless, harmless_lines
 
 HOSTILE = "\x1b]0;owned\x07\x9b31m\u202eesrever\u2028two\n\r\x00\x7f\ud800\u200b"
 

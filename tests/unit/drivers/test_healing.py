@@ -5,11 +5,11 @@ from collections.abc import Callable, Iterable, Iterator
 
 import pytest
 
-from catseye.drivers.errors import LinkError, LinkTimeoutError, ProtocolError, UnreachableError
-from catseye.drivers.healing import ATTEMPTS, Losses, Repeat, repeated
-from catseye.drivers.link import RequestLink
-from catseye.drivers.stream import MOST_BYTES_A_SECOND, StreamLink
-from catseye.drivers.transport import Transport
+from catseye.drivers.links.healing import ATTEMPTS, Losses, Repeat, repeated
+from catseye.drivers.links.link import RequestLink
+from catseye.drivers.links.stream import MOST_BYTES_A_SECOND, StreamLink
+from catseye.drivers.links.transport import Transport
+from catseye.drivers.roles.errors import LinkError, LinkTimeoutError, ProtocolError, UnreachableError
 from tests.unit.drivers.peers import Peer, StepClock
 from tests.unit.drivers.test_link import Line
 

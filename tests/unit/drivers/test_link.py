@@ -5,10 +5,10 @@ from collections.abc import Iterable
 
 import pytest
 
-from catseye.drivers.errors import LinkError, LinkTimeoutError, ProtocolError
-from catseye.drivers.healing import Repeat
-from catseye.drivers.link import RequestLink, uninterrupted
-from catseye.drivers.transport import Transport
+from catseye.drivers.links.healing import Repeat
+from catseye.drivers.links.link import RequestLink, uninterrupted
+from catseye.drivers.links.transport import Transport
+from catseye.drivers.roles.errors import LinkError, LinkTimeoutError, ProtocolError
 from tests.patience import until
 from tests.unit.drivers.peers import Peer
 

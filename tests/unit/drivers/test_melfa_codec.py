@@ -7,9 +7,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from catseye.drivers.errors import ProtocolError
 from catseye.drivers.melfa import codec
 from catseye.drivers.melfa.codec import Answer, AnswerDecoder, Layout
+from catseye.drivers.roles.errors import ProtocolError
 
 # Sheet 1.8, first capture; the copyright text is left open there.
 OPEN_RV1A = (

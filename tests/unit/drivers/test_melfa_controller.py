@@ -10,12 +10,12 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from catseye.drivers.errors import NotReadyError, ProtocolError, RefusedError
 from catseye.drivers.melfa import codec, texts
 from catseye.drivers.melfa.codec import AnswerDecoder
 from catseye.drivers.melfa.controller import MelfaController, ProgramText
 from catseye.drivers.melfa.jog import DEAD_MAN_S, PERIOD_S, telegram
 from catseye.drivers.melfa.texts import EncoderReading, LogEntry, PositionValue, ProgramEntry, StopSources
+from catseye.drivers.roles.errors import NotReadyError, ProtocolError, RefusedError
 from tests.patience import until
 from tests.transcripts import melfa_r3 as sheet
 from tests.transcripts.melfa_r3 import Exchange

@@ -5,7 +5,10 @@ from collections.abc import Iterable, Iterator
 
 import pytest
 
-from catseye.drivers.errors import (
+from catseye.drivers.links.healing import ATTEMPTS
+from catseye.drivers.melfa.robot import MelfaR3
+from catseye.drivers.melfa.settings import MelfaSettings
+from catseye.drivers.roles.errors import (
     AlarmError,
     LinkError,
     LinkTimeoutError,
@@ -13,10 +16,7 @@ from catseye.drivers.errors import (
     NotReadyError,
     RefusedError,
 )
-from catseye.drivers.healing import ATTEMPTS
-from catseye.drivers.melfa.robot import MelfaR3
-from catseye.drivers.melfa.settings import MelfaSettings
-from catseye.drivers.readings import RobotStatus
+from catseye.drivers.roles.readings import RobotStatus
 from tests.patience import until
 from tests.unit.drivers.melfa_bench import JPOS, QUICK, START, STATE, TARGET, Controller, bench
 from tests.unit.drivers.peers import Peer

@@ -6,7 +6,9 @@ from collections.abc import Awaitable, Callable
 import pytest
 from pydantic import ValidationError
 
-from catseye.drivers.errors import (
+from catseye.drivers.melfa.robot import MelfaR3
+from catseye.drivers.melfa.settings import MelfaSettings
+from catseye.drivers.roles.errors import (
     AlarmError,
     LinkError,
     LinkTimeoutError,
@@ -15,8 +17,6 @@ from catseye.drivers.errors import (
     RefusedError,
     WrongDeviceError,
 )
-from catseye.drivers.melfa.robot import MelfaR3
-from catseye.drivers.melfa.settings import MelfaSettings
 from tests.patience import until
 from tests.unit.drivers.melfa_bench import STATE, TARGET, Controller, bench
 from tests.unit.drivers.peers import StepClock

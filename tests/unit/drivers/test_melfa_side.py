@@ -7,11 +7,11 @@ from dataclasses import dataclass
 
 import pytest
 
-from catseye.drivers.errors import LinkError
 from catseye.drivers.melfa.motion import LOOK_S, VARIABLES
 from catseye.drivers.melfa.robot import MelfaR3
 from catseye.drivers.melfa.settings import MelfaSettings
 from catseye.drivers.melfa.side import HEAL_PERIOD_S, PATIENCE_S
+from catseye.drivers.roles.errors import LinkError
 from tests.patience import until
 from tests.unit.drivers.melfa_bench import QUICK, START, TARGET, Controller
 from tests.unit.drivers.peers import Peer

@@ -4,7 +4,12 @@ import asyncio
 
 import pytest
 
-from catseye.drivers.errors import (
+from catseye.app.testing.memory import MemoryTransport
+from catseye.drivers.links.healing import ATTEMPTS
+from catseye.drivers.links.record import RecordingTransport
+from catseye.drivers.melfa.robot import MelfaR3
+from catseye.drivers.melfa.settings import MelfaSettings
+from catseye.drivers.roles.errors import (
     LinkError,
     LinkTimeoutError,
     NotArrivedError,
@@ -12,11 +17,6 @@ from catseye.drivers.errors import (
     RefusedError,
     WrongDeviceError,
 )
-from catseye.drivers.healing import ATTEMPTS
-from catseye.drivers.melfa.robot import MelfaR3
-from catseye.drivers.melfa.settings import MelfaSettings
-from catseye.drivers.memory import MemoryTransport
-from catseye.drivers.record import RecordingTransport
 from tests.patience import until
 from tests.unit.drivers.melfa_bench import JPOS, OPEN, QUICK, START, STATE, TARGET, Controller, bench
 from tests.unit.drivers.peers import Peer, StepClock

@@ -2,11 +2,11 @@
 
 import pytest
 
-from catseye.drivers.errors import ProtocolError
 from catseye.drivers.melfa.datalink import codec as records
 from catseye.drivers.melfa.datalink.codec import Record, RecordDecoder
 from catseye.drivers.melfa.mxt import codec as datagrams
 from catseye.drivers.melfa.mxt.codec import Command, Kind
+from catseye.drivers.roles.errors import ProtocolError
 from tests.transcripts import melfa_datalink, melfa_mxt
 
 

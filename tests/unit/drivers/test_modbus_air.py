@@ -7,7 +7,7 @@ import pytest
 
 from catseye.drivers.air.maps import AirSettings, resolve
 from catseye.drivers.air.modbus_air import ModbusAir
-from catseye.drivers.errors import LinkError, ProtocolError, RefusedError
+from catseye.drivers.roles.errors import LinkError, ProtocolError, RefusedError
 from tests.unit.drivers.modbus_peers import modbus_server, registers_of_the_sheet
 from tests.unit.drivers.peers import StepClock
 

@@ -4,16 +4,16 @@ import asyncio
 
 import pytest
 
-from catseye.drivers.endpoint import TcpEndpoint
-from catseye.drivers.errors import (
+from catseye.drivers.links.endpoint import TcpEndpoint
+from catseye.drivers.links.inbox import TURN_BYTES
+from catseye.drivers.modbus.client import RegisterClient
+from catseye.drivers.roles.errors import (
     LinkTimeoutError,
     ProtocolError,
     RefusedError,
     UnreachableError,
     WrongDeviceError,
 )
-from catseye.drivers.inbox import TURN_BYTES
-from catseye.drivers.modbus.client import RegisterClient
 from tests.patience import until
 from tests.unit.drivers.modbus_peers import frame, modbus_server, registers_of_the_sheet
 from tests.unit.drivers.peers import loopback

@@ -17,8 +17,8 @@ from pymodbus.pdu.bit_message import (
 from pymodbus.pdu.mei_message import ReadDeviceInformationRequest, ReadDeviceInformationResponse
 from pymodbus.pdu.register_message import ReadHoldingRegistersRequest, ReadHoldingRegistersResponse
 
-from catseye.drivers.errors import ProtocolError
 from catseye.drivers.modbus import codec
+from catseye.drivers.roles.errors import ProtocolError
 
 UNIT, NUMBER = 17, 258
 FRAMES = [(codec.TcpDecoder, FramerSocket), (codec.RtuDecoder, FramerRTU)]

@@ -3,8 +3,8 @@
 import pytest
 from pydantic import ValidationError
 
-from catseye.drivers.errors import LinkError, LinkTimeoutError, RefusedError
 from catseye.drivers.io.modbus_io import IoSettings, ModbusIo
+from catseye.drivers.roles.errors import LinkError, LinkTimeoutError, RefusedError
 from tests.unit.drivers.modbus_peers import RtuDevice
 from tests.unit.drivers.peers import StepClock
 from tests.unit.drivers.virtual_time import run

@@ -6,10 +6,10 @@ from itertools import pairwise
 
 import pytest
 
-from catseye.drivers.endpoint import SerialEndpoint
-from catseye.drivers.errors import LinkTimeoutError, ProtocolError, UnreachableError, WrongDeviceError
 from catseye.drivers.io.modbus_io import ModbusIo
+from catseye.drivers.links.endpoint import SerialEndpoint
 from catseye.drivers.modbus.client import RegisterClient
+from catseye.drivers.roles.errors import LinkTimeoutError, ProtocolError, UnreachableError, WrongDeviceError
 from tests.unit.drivers.modbus_peers import RtuDevice, TimedAnswer, flipped, rtu_frame
 from tests.unit.drivers.virtual_time import VirtualClock, run
 

@@ -7,9 +7,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from catseye.drivers.errors import ProtocolError
 from catseye.drivers.melfa.mxt import codec
 from catseye.drivers.melfa.mxt.codec import Command, Kind
+from catseye.drivers.roles.errors import ProtocolError
 
 TARGET = (10.0, -20.0, 75.5, 181.25)
 

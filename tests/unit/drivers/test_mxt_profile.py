@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from catseye.drivers.melfa.mxt.profile import Bounds, WayProfile
-from catseye.drivers.readings import Joints
+from catseye.drivers.roles.readings import Joints
 
 CYCLE_S = 0.0071
 BOUNDS = Bounds((20.0, 20.0, 50.0, 20.0), (200.0, 200.0, 500.0, 200.0))

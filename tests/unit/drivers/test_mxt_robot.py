@@ -11,7 +11,13 @@ from dataclasses import dataclass, field
 import pytest
 from pydantic import ValidationError
 
-from catseye.drivers.errors import (
+from catseye.app.testing.memory import MemoryTransport
+from catseye.drivers.melfa.mxt.robot import MelfaMxt
+from catseye.drivers.melfa.mxt.settings import MxtSettings
+from catseye.drivers.melfa.mxt.stream import SetPointStream
+from catseye.drivers.melfa.robot import MelfaR3
+from catseye.drivers.melfa.settings import MelfaSettings
+from catseye.drivers.roles.errors import (
     AlarmError,
     LinkError,
     LinkTimeoutError,
@@ -20,13 +26,7 @@ from catseye.drivers.errors import (
     RefusedError,
     WrongDeviceError,
 )
-from catseye.drivers.melfa.mxt.robot import MelfaMxt
-from catseye.drivers.melfa.mxt.settings import MxtSettings
-from catseye.drivers.melfa.mxt.stream import SetPointStream
-from catseye.drivers.melfa.robot import MelfaR3
-from catseye.drivers.melfa.settings import MelfaSettings
-from catseye.drivers.memory import MemoryTransport
-from catseye.drivers.readings import Joints
+from catseye.drivers.roles.readings import Joints
 from tests.patience import until
 from tests.unit.drivers.melfa_bench import Controller
 from tests.unit.drivers.peers import Peer, StepClock

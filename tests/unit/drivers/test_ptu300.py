@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 
 from catseye.drivers.air.ptu300 import PtuSettings, VaisalaAscii
 from catseye.drivers.air.ptu300_codec import TextDecoder, checked, parse_values
-from catseye.drivers.errors import LinkError, ProtocolError, WrongDeviceError
+from catseye.drivers.roles.errors import LinkError, ProtocolError, WrongDeviceError
 from tests.transcripts.vaisala_ptu300 import DEFAULT_LINE, FORMATS, READINGS
 from tests.unit.drivers.peers import Peer, StepClock
 

@@ -5,8 +5,8 @@ from typing import Any
 
 import pytest
 
-from catseye.drivers import registry
 from catseye.drivers.melfa.robot import MelfaR3
+from catseye.drivers.roles import registry
 
 ENTRIES = metadata.EntryPoints(
     [

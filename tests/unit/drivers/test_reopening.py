@@ -5,11 +5,11 @@ from collections.abc import Awaitable, Callable
 
 import pytest
 
-from catseye.drivers.errors import LinkError, UnreachableError
-from catseye.drivers.healing import REOPEN_S, Repeat
-from catseye.drivers.link import RequestLink
-from catseye.drivers.memory import MemoryTransport
-from catseye.drivers.stream import StreamLink
+from catseye.app.testing.memory import MemoryTransport
+from catseye.drivers.links.healing import REOPEN_S, Repeat
+from catseye.drivers.links.link import RequestLink
+from catseye.drivers.links.stream import StreamLink
+from catseye.drivers.roles.errors import LinkError, UnreachableError
 from tests.unit.drivers.peers import Peer, StepClock
 from tests.unit.drivers.test_healing import Bytes, link_to, scripted
 from tests.unit.drivers.test_link import Line

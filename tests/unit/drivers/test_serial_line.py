@@ -9,10 +9,10 @@ from dataclasses import dataclass
 
 import pytest
 
-from catseye.drivers.endpoint import open_transport
-from catseye.drivers.errors import LinkError
-from catseye.drivers.inbox import Inbox
-from catseye.drivers.serial_line import LineSettings, SerialTransport
+from catseye.drivers.links.endpoint import open_transport
+from catseye.drivers.links.inbox import Inbox
+from catseye.drivers.links.serial_line import LineSettings, SerialTransport
+from catseye.drivers.roles.errors import LinkError
 
 
 @dataclass

@@ -6,7 +6,8 @@ from contextlib import AbstractAsyncContextManager
 
 import pytest
 
-from catseye.drivers.endpoint import (
+from catseye.app.testing.memory import pipe
+from catseye.drivers.links.endpoint import (
     Endpoint,
     SerialEndpoint,
     TcpEndpoint,
@@ -14,10 +15,9 @@ from catseye.drivers.endpoint import (
     open_transport,
     parse_endpoint,
 )
-from catseye.drivers.errors import LinkError
-from catseye.drivers.memory import pipe
-from catseye.drivers.record import RecordingTransport
-from catseye.drivers.tcp import TcpTransport
+from catseye.drivers.links.record import RecordingTransport
+from catseye.drivers.links.tcp import TcpTransport
+from catseye.drivers.roles.errors import LinkError
 from tests.free_ports import free_port
 from tests.unit.drivers.peers import loopback
 

@@ -5,9 +5,9 @@ import socket
 
 import pytest
 
-from catseye.drivers.endpoint import open_transport
-from catseye.drivers.errors import LinkError
-from catseye.drivers.udp import UdpTransport
+from catseye.drivers.links.endpoint import open_transport
+from catseye.drivers.links.udp import UdpTransport
+from catseye.drivers.roles.errors import LinkError
 from tests.patience import HANG_S, until
 
 

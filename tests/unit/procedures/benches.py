@@ -10,10 +10,19 @@ from numpy.typing import NDArray
 
 from catseye.calibration.kinematics.bodies import Capsule
 from catseye.calibration.kinematics.chain import Chain, Joint
-from catseye.procedures.bench import Arm, Bench, Optics, Reflector, Timing, Workspace
-from catseye.procedures.context import Json, Live, Location, MeasuredPoint, Measurement, Prompt, Row, Table
-from catseye.procedures.devices import Joints
-from catseye.procedures.errors import MeasuredFileError
+from catseye.drivers.roles.protocols import Joints
+from catseye.procedures.kit.bench import Arm, Bench, Optics, Reflector, Timing, Workspace
+from catseye.procedures.kit.context import (
+    Json,
+    Live,
+    Location,
+    MeasuredPoint,
+    Measurement,
+    Prompt,
+    Row,
+    Table,
+)
+from catseye.procedures.kit.errors import MeasuredFileError
 
 LINK1_MM, LINK2_MM = 325.0, 225.0
 NODES1_DEG = tuple(-140.0 + 20.0 * i for i in range(11))

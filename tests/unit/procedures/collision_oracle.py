@@ -13,8 +13,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from catseye.calibration.kinematics.bodies import Box, Capsule
-from catseye.procedures.bench import Bench, Following, Reflector, Workspace
-from catseye.procedures.devices import Joints
+from catseye.drivers.roles.protocols import Joints
+from catseye.procedures.kit.bench import Bench, Following, Reflector, Workspace
 from tests.unit.procedures.benches import LINK1_MM, LINK2_MM, WORKSPACE, bench
 
 Floats = NDArray[np.float64]

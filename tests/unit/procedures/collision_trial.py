@@ -6,8 +6,8 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from catseye.procedures.bench import Bench
-from catseye.procedures.devices import Joints
+from catseye.drivers.roles.protocols import Joints
+from catseye.procedures.kit.bench import Bench
 from tests.unit.procedures.collision_oracle import (
     generated,
     judged,

@@ -7,8 +7,8 @@ from typing import Any
 
 import numpy as np
 
-from catseye.procedures.bench import Alignment, Bench
-from catseye.procedures.context import Live, Measurement, Prompt
+from catseye.procedures.kit.bench import Alignment, Bench
+from catseye.procedures.kit.context import Live, Measurement, Prompt
 from tests.unit.procedures.benches import IdealContext, StillAir, arm_xy, bench
 
 

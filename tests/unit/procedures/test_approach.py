@@ -7,8 +7,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from catseye.procedures.errors import PlanLimitError
-from catseye.procedures.motion.approach import (
+from catseye.procedures.kit.errors import PlanLimitError
+from catseye.procedures.scara.motion.approach import (
     Command,
     Waypoint,
     bidirectional_sequence,

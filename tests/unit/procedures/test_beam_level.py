@@ -6,9 +6,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from catseye.procedures.alignment.beam_level import BeamLevel, BeamLevelParams, BeamLevelPlan
-from catseye.procedures.bench import Bench
-from catseye.procedures.errors import AlignmentError, BeamLostError, PlanError
+from catseye.procedures.kit.bench import Bench
+from catseye.procedures.kit.errors import AlignmentError, BeamLostError, PlanError
+from catseye.procedures.scara.alignment.beam_level import BeamLevel, BeamLevelParams, BeamLevelPlan
 from tests.unit.procedures.benches import NODES1_DEG, NODES2_DEG, PLACES, arm_xy, bench
 from tests.unit.procedures.mounts import MountContext, mounted_bench
 

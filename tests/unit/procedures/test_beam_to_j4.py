@@ -7,10 +7,8 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from catseye.procedures.alignment.beam_to_j4 import BeamToJ4, BeamToJ4Params, BeamToJ4Plan
-from catseye.procedures.alignment.screws import Observed, Screw, respond
-from catseye.procedures.bench import Bench, Reflector
-from catseye.procedures.errors import (
+from catseye.procedures.kit.bench import Bench, Reflector
+from catseye.procedures.kit.errors import (
     AlignmentError,
     BeamLostError,
     NoBeamError,
@@ -18,6 +16,8 @@ from catseye.procedures.errors import (
     PlanLimitError,
     ReflectorNotFoundError,
 )
+from catseye.procedures.scara.alignment.beam_to_j4 import BeamToJ4, BeamToJ4Params, BeamToJ4Plan
+from catseye.procedures.scara.alignment.screws import Observed, Screw, respond
 from tests.unit.procedures.benches import PLACES, arm_xy, bench, with_optics
 from tests.unit.procedures.mounts import MountContext, mounted_bench
 

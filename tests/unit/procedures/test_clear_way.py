@@ -8,12 +8,12 @@ import numpy as np
 import pytest
 
 from catseye.calibration.kinematics.bodies import Box
-from catseye.procedures.bench import Bench
-from catseye.procedures.devices import Joints
-from catseye.procedures.errors import PlanError
-from catseye.procedures.motion.clear_way import clear_part, legs_refusal, require_clear_way, way_refusal
-from catseye.procedures.open_loop.open_loop_plan import plan_open_loop
-from catseye.procedures.path.path_plan import plan_path
+from catseye.drivers.roles.protocols import Joints
+from catseye.procedures.kit.bench import Bench
+from catseye.procedures.kit.errors import PlanError
+from catseye.procedures.kit.motion.clear_way import clear_part, legs_refusal, require_clear_way, way_refusal
+from catseye.procedures.scara.open_loop.open_loop_plan import plan_open_loop
+from catseye.procedures.scara.path.path_plan import plan_path
 from tests.unit.procedures.benches import arm_xy, bench
 from tests.unit.procedures.collision_trial import tried
 

@@ -6,12 +6,12 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from catseye.procedures.beam.re_aim import AimCorrection
-from catseye.procedures.devices import Joints
-from catseye.procedures.errors import WayBlockedError
-from catseye.procedures.motion.entry import approach, stands_at, way_in
-from catseye.procedures.open_loop.open_loop import OpenLoop
-from catseye.procedures.open_loop.open_loop_plan import plan_open_loop
+from catseye.drivers.roles.protocols import Joints
+from catseye.procedures.kit.errors import WayBlockedError
+from catseye.procedures.scara.beam.re_aim import AimCorrection
+from catseye.procedures.scara.motion.entry import approach, stands_at, way_in
+from catseye.procedures.scara.open_loop.open_loop import OpenLoop
+from catseye.procedures.scara.open_loop.open_loop_plan import plan_open_loop
 from tests.unit.procedures.benches import PLACES, arm_xy, bench, miss_along
 from tests.unit.procedures.troubles import TroubledContext
 

@@ -6,10 +6,10 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from catseye.procedures.bench import Bench, Following
-from catseye.procedures.motion.motion_time import way_time_s
-from catseye.procedures.motion.visits import Visit
-from catseye.procedures.open_loop.open_loop_plan import plan_open_loop
+from catseye.procedures.kit.bench import Bench, Following
+from catseye.procedures.kit.motion.motion_time import way_time_s
+from catseye.procedures.scara.motion.visits import Visit
+from catseye.procedures.scara.open_loop.open_loop_plan import plan_open_loop
 from tests.unit.procedures.benches import PLACES, bench, miss_along
 
 

@@ -5,8 +5,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from catseye.procedures.errors import PlanError, PlanLimitError
-from catseye.procedures.path.validation_path import PathParams, ValidationPath
+from catseye.procedures.kit.errors import PlanError, PlanLimitError
+from catseye.procedures.scara.path.validation_path import PathParams, ValidationPath
 from tests.unit.procedures.benches import IdealContext, bench
 
 ROWS = [

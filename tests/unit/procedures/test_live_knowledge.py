@@ -7,11 +7,11 @@ from typing import Any
 
 import pytest
 
-from catseye.calibration.live_map import MapKnowledge
-from catseye.procedures.context import Row
-from catseye.procedures.errors import BeamLostError
-from catseye.procedures.open_loop.open_loop import OpenLoop
-from catseye.procedures.open_loop.open_loop_plan import OpenLoopPlan, plan_open_loop
+from catseye.calibration.scara.live_map import MapKnowledge
+from catseye.procedures.kit.context import Row
+from catseye.procedures.kit.errors import BeamLostError
+from catseye.procedures.scara.open_loop.open_loop import OpenLoop
+from catseye.procedures.scara.open_loop.open_loop_plan import OpenLoopPlan, plan_open_loop
 from tests.unit.procedures.benches import bench, with_optics
 from tests.unit.procedures.troubles import TroubledContext
 
@@ -59,7 +59,9 @@ async def test_nothing_is_known_of_the_map_before_it_is_determined() -> None:
 async def test_a_map_that_is_only_formally_determined_has_no_number(monkeypatch: pytest.MonkeyPatch) -> None:
     # Rounding of real distances may separate on paper what the points leave free by tens of degrees.
     on_paper = MapKnowledge(math.radians(24.8), math.radians(0.9), "")
-    monkeypatch.setattr("catseye.procedures.open_loop.live_knowledge.LiveMap.known", lambda _self: on_paper)
+    monkeypatch.setattr(
+        "catseye.procedures.scara.open_loop.live_knowledge.LiveMap.known", lambda _self: on_paper
+    )
     context = await ran(stopping_at(plan_of("P1"), 100.0))
     assert {data["u_theta1_mdeg"] for data in known(context)} == {None}
     assert {data["text"] for data in known(context)} == {

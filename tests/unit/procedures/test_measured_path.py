@@ -7,11 +7,11 @@ from dataclasses import replace
 
 import pytest
 
-from catseye.procedures.context import MeasuredPoint
-from catseye.procedures.errors import MeasuredFileError
-from catseye.procedures.path.measured_path import matched_rows
-from catseye.procedures.path.path_plan import plan_path
-from catseye.procedures.path.tracked_path import PathPoint
+from catseye.procedures.kit.context import MeasuredPoint
+from catseye.procedures.kit.errors import MeasuredFileError
+from catseye.procedures.scara.path.measured_path import matched_rows
+from catseye.procedures.scara.path.path_plan import plan_path
+from catseye.procedures.scara.path.tracked_path import PathPoint
 from tests.unit.procedures.benches import bench
 
 POINTS = plan_path(bench(), y_from_mm=-300.0, y_to_mm=300.0, step_mm=50.0).points

@@ -1,7 +1,7 @@
 """A reflector that somebody moves during an open-loop measurement."""
 
-from catseye.procedures.open_loop.open_loop import OpenLoop
-from catseye.procedures.open_loop.open_loop_plan import plan_open_loop
+from catseye.procedures.scara.open_loop.open_loop import OpenLoop
+from catseye.procedures.scara.open_loop.open_loop_plan import plan_open_loop
 from tests.unit.procedures.benches import bench
 from tests.unit.procedures.troubles import TroubledContext
 

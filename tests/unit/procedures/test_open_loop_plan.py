@@ -9,11 +9,11 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from catseye.procedures.bench import Bench, Reflector
-from catseye.procedures.devices import Joints
-from catseye.procedures.errors import PlanError, PlanLimitError
-from catseye.procedures.open_loop.open_loop import OpenLoop, OpenLoopParams
-from catseye.procedures.open_loop.open_loop_plan import OpenLoopPlan, ReflectorPlan, plan_open_loop
+from catseye.drivers.roles.protocols import Joints
+from catseye.procedures.kit.bench import Bench, Reflector
+from catseye.procedures.kit.errors import PlanError, PlanLimitError
+from catseye.procedures.scara.open_loop.open_loop import OpenLoop, OpenLoopParams
+from catseye.procedures.scara.open_loop.open_loop_plan import OpenLoopPlan, ReflectorPlan, plan_open_loop
 from tests.unit.procedures.benches import (
     PLACES,
     arm_xy,

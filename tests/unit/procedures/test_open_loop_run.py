@@ -5,9 +5,9 @@ from dataclasses import replace
 
 import pytest
 
-from catseye.procedures.context import Row
-from catseye.procedures.open_loop.open_loop import OpenLoop, OpenLoopParams
-from catseye.procedures.open_loop.open_loop_plan import OpenLoopPlan, plan_open_loop
+from catseye.procedures.kit.context import Row
+from catseye.procedures.scara.open_loop.open_loop import OpenLoop, OpenLoopParams
+from catseye.procedures.scara.open_loop.open_loop_plan import OpenLoopPlan, plan_open_loop
 from tests.unit.procedures.benches import PLACES, IdealContext, arm_xy, bench
 
 NODES = (-40.0, -20.0), (20.0, 40.0, 60.0)

@@ -8,13 +8,13 @@ from typing import Any
 
 import pytest
 
-from catseye.procedures.beam.beam_geometry import look_around_deg
-from catseye.procedures.beam.diagnosis import hidden
-from catseye.procedures.context import Prompt, Row
-from catseye.procedures.devices import Joints
-from catseye.procedures.errors import BeamLostError
-from catseye.procedures.open_loop.open_loop import OpenLoop
-from catseye.procedures.open_loop.open_loop_plan import OpenLoopPlan, plan_open_loop
+from catseye.drivers.roles.protocols import Joints
+from catseye.procedures.kit.context import Prompt, Row
+from catseye.procedures.kit.errors import BeamLostError
+from catseye.procedures.scara.beam.beam_geometry import look_around_deg
+from catseye.procedures.scara.beam.diagnosis import hidden
+from catseye.procedures.scara.open_loop.open_loop import OpenLoop
+from catseye.procedures.scara.open_loop.open_loop_plan import OpenLoopPlan, plan_open_loop
 from tests.unit.procedures.benches import PLACES, arm_xy, bench, clearance_mm, with_optics
 from tests.unit.procedures.troubles import TroubledContext
 

@@ -9,13 +9,13 @@ from typing import Any
 import numpy as np
 import pytest
 
-from catseye.calibration.errors import InsufficientPointsError
-from catseye.procedures.bench import Bench
-from catseye.procedures.context import Measurement, Prompt
-from catseye.procedures.devices import Joints
-from catseye.procedures.errors import BeamLostError, PlanError, ReflectorNotFoundError
-from catseye.procedures.repeats.repeatability import Repeatability, RepeatabilityParams
-from catseye.procedures.repeats.repeatability_plan import RepeatabilityPlan
+from catseye.calibration.core.errors import InsufficientPointsError
+from catseye.drivers.roles.protocols import Joints
+from catseye.procedures.kit.bench import Bench
+from catseye.procedures.kit.context import Measurement, Prompt
+from catseye.procedures.kit.errors import BeamLostError, PlanError, ReflectorNotFoundError
+from catseye.procedures.scara.repeats.repeatability import Repeatability, RepeatabilityParams
+from catseye.procedures.scara.repeats.repeatability_plan import RepeatabilityPlan
 from tests.unit.procedures.benches import PLACES, IdealContext, arm_xy, bench, miss_along, with_optics
 
 POSES = [[-40.0, 60.0], [20.0, 100.0]]

@@ -7,12 +7,12 @@ from itertools import combinations
 import numpy as np
 import pytest
 
-from catseye.procedures.beam.beam_scan import find_return, half_window_deg, scan_offsets_deg
-from catseye.procedures.bench import Bench
-from catseye.procedures.devices import Joints
-from catseye.procedures.errors import PlanError, ReflectorNotFoundError
-from catseye.procedures.search.reflector_search import ReflectorSearch, SearchParams
-from catseye.procedures.search.search_plan import SearchPlan, plan_search
+from catseye.drivers.roles.protocols import Joints
+from catseye.procedures.kit.bench import Bench
+from catseye.procedures.kit.errors import PlanError, ReflectorNotFoundError
+from catseye.procedures.scara.beam.beam_scan import find_return, half_window_deg, scan_offsets_deg
+from catseye.procedures.scara.search.reflector_search import ReflectorSearch, SearchParams
+from catseye.procedures.scara.search.search_plan import SearchPlan, plan_search
 from tests.unit.procedures.benches import IdealContext, arm_xy, bench, clearance_mm, with_optics
 
 TRUE_PLACES = {"P1": (657.0, -409.0), "P2": (669.0, 12.0), "P3": (646.0, 391.0)}

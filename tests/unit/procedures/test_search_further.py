@@ -8,11 +8,11 @@ from typing import TypeVar
 import numpy as np
 import pytest
 
-from catseye.procedures.context import Prompt
-from catseye.procedures.devices import Joints
-from catseye.procedures.errors import PlanError, ReflectorNotFoundError
-from catseye.procedures.search.reflector_search import ReflectorSearch, SearchParams
-from catseye.procedures.search.search_plan import SearchPlan, plan_search
+from catseye.drivers.roles.protocols import Joints
+from catseye.procedures.kit.context import Prompt
+from catseye.procedures.kit.errors import PlanError, ReflectorNotFoundError
+from catseye.procedures.scara.search.reflector_search import ReflectorSearch, SearchParams
+from catseye.procedures.scara.search.search_plan import SearchPlan, plan_search
 from tests.unit.procedures.benches import IdealContext, arm_xy, bench, with_optics
 
 JOLT_DEG = 0.05

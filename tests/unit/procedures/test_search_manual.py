@@ -6,10 +6,10 @@ from typing import Any
 
 import pytest
 
-from catseye.procedures.bench import Bench
-from catseye.procedures.context import Live, Prompt
-from catseye.procedures.errors import ReflectorNotFoundError
-from catseye.procedures.search.reflector_search import ReflectorSearch, SearchParams
+from catseye.procedures.kit.bench import Bench
+from catseye.procedures.kit.context import Live, Prompt
+from catseye.procedures.kit.errors import ReflectorNotFoundError
+from catseye.procedures.scara.search.reflector_search import ReflectorSearch, SearchParams
 from tests.unit.procedures.benches import IdealContext, arm_xy, bench, with_optics
 
 TRUE_PLACES = {"P1": (657.0, -409.0), "P2": (669.0, 12.0), "P3": (646.0, 391.0)}

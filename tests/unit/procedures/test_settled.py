@@ -4,9 +4,9 @@ from dataclasses import dataclass, field, replace
 
 import pytest
 
-from catseye.procedures.beam.settled import settled_measurement
-from catseye.procedures.bench import Timing
-from catseye.procedures.context import Measurement
+from catseye.procedures.kit.beam.settled import settled_measurement
+from catseye.procedures.kit.bench import Timing
+from catseye.procedures.kit.context import Measurement
 from tests.unit.procedures.benches import BeamState, IdealContext
 
 TIMING = Timing(settle_time_s=0.5, dwell_time_s=0.25, readings=4, spread_limit_mm=0.005)

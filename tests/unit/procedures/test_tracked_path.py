@@ -6,10 +6,10 @@ from functools import partial
 
 import pytest
 
-from catseye.procedures.context import Row
-from catseye.procedures.errors import BeamLostError, PlanError, PlanLimitError
-from catseye.procedures.path.path_plan import PathPlan, plan_path
-from catseye.procedures.path.validation_path import ValidationPath
+from catseye.procedures.kit.context import Row
+from catseye.procedures.kit.errors import BeamLostError, PlanError, PlanLimitError
+from catseye.procedures.scara.path.path_plan import PathPlan, plan_path
+from catseye.procedures.scara.path.validation_path import ValidationPath
 from tests.unit.procedures.benches import (
     PLACES,
     IdealContext,

@@ -9,13 +9,13 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from catseye.calibration.errors import OutOfReachError
-from catseye.procedures.bench import Bench
-from catseye.procedures.context import Location, MeasuredPoint, Prompt, Row, Table
-from catseye.procedures.errors import ArmMovedError, MeasuredFileError, PlanError, PlanLimitError
-from catseye.procedures.motion.motion_time import move_time_s
-from catseye.procedures.path.path_plan import PathPlan, plan_path, states_of_approach
-from catseye.procedures.path.validation_path import PathParams, ValidationPath
+from catseye.calibration.scara.errors import OutOfReachError
+from catseye.procedures.kit.bench import Bench
+from catseye.procedures.kit.context import Location, MeasuredPoint, Prompt, Row, Table
+from catseye.procedures.kit.errors import ArmMovedError, MeasuredFileError, PlanError, PlanLimitError
+from catseye.procedures.kit.motion.motion_time import move_time_s
+from catseye.procedures.scara.path.path_plan import PathPlan, plan_path, states_of_approach
+from catseye.procedures.scara.path.validation_path import PathParams, ValidationPath
 from tests.unit.procedures.benches import IdealContext, arm_xy, bench
 
 

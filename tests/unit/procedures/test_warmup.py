@@ -9,12 +9,12 @@ from typing import Any
 
 import pytest
 
-from catseye.procedures.bench import Bench
-from catseye.procedures.context import Measurement
-from catseye.procedures.devices import Joints
-from catseye.procedures.errors import BeamLostError, NotWarmError, PlanError
-from catseye.procedures.warming.warmup import Warmup, WarmupParams
-from catseye.procedures.warming.warmup_plan import WarmupPlan
+from catseye.drivers.roles.protocols import Joints
+from catseye.procedures.kit.bench import Bench
+from catseye.procedures.kit.context import Measurement
+from catseye.procedures.kit.errors import BeamLostError, NotWarmError, PlanError
+from catseye.procedures.scara.warming.warmup import Warmup, WarmupParams
+from catseye.procedures.scara.warming.warmup_plan import WarmupPlan
 from tests.unit.procedures.benches import PLACES, IdealContext, bench, miss_along, with_optics
 
 TAU_S = 1500.0

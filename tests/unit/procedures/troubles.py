@@ -4,9 +4,9 @@ import math
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 
-from catseye.procedures.context import Measurement
-from catseye.procedures.devices import Joints
-from catseye.procedures.errors import ArmMovedError, NoBeamError
+from catseye.drivers.roles.protocols import Joints
+from catseye.procedures.kit.context import Measurement
+from catseye.procedures.kit.errors import ArmMovedError, NoBeamError
 from tests.unit.procedures.benches import BeamState, IdealContext, arm_xy
 
 

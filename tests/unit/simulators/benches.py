@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from catseye.calibration.error_map import BidirectionalMap
+from catseye.calibration.scara.error_map import BidirectionalMap
 from catseye.simulators.config import EmulationConfig, ErrorBudget, Joints, ReflectorPlace
 from catseye.simulators.world.bench import Bench
 from catseye.simulators.world.scara.axis_errors import JointMap

@@ -3,7 +3,7 @@
 import re
 from dataclasses import dataclass
 
-from catseye.drivers.errors import ProtocolError
+from catseye.drivers.roles.errors import ProtocolError
 
 IDENTITY, POSITION, STATUS, ZERO = "ID", "1TP", "1TS", "1ZR"
 

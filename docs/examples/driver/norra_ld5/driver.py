@@ -5,15 +5,15 @@ from typing import Any, ClassVar, Literal, Self, TypeVar
 
 from pydantic import BaseModel, ConfigDict, Field
 
-from catseye.drivers.clock import Clock
-from catseye.drivers.endpoint import open_transport
-from catseye.drivers.errors import ProtocolError, RefusedError, WrongDeviceError
-from catseye.drivers.healing import Repeat
-from catseye.drivers.latches import Latches
-from catseye.drivers.link import RequestLink
-from catseye.drivers.readings import CounterReading, CounterStatus, Identity
-from catseye.drivers.record import Sink
-from catseye.drivers.transport import Transport
+from catseye.drivers.links.endpoint import open_transport
+from catseye.drivers.links.healing import Repeat
+from catseye.drivers.links.latches import Latches
+from catseye.drivers.links.link import RequestLink
+from catseye.drivers.links.record import Sink
+from catseye.drivers.links.transport import Transport
+from catseye.drivers.roles.clock import Clock
+from catseye.drivers.roles.errors import ProtocolError, RefusedError, WrongDeviceError
+from catseye.drivers.roles.readings import CounterReading, CounterStatus, Identity
 from norra_ld5 import codec
 
 T = TypeVar("T")

@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 from norra_ld5 import codec
 from transcript import IDENTITY, POSITION, STATUS, STATUS_LOST, ZERO
 
-from catseye.drivers.errors import ProtocolError
+from catseye.drivers.roles.errors import ProtocolError
 
 COMMANDS = {codec.IDENTITY: IDENTITY, codec.POSITION: POSITION, codec.STATUS: STATUS, codec.ZERO: ZERO}
 

@@ -7,8 +7,8 @@ import pytest
 from norra_ld5.driver import NorraLd5
 from norra_ld5.emulator import Display, listen
 
-from catseye.drivers.clock import SystemClock
-from catseye.drivers.errors import RefusedError
+from catseye.drivers.roles.clock import SystemClock
+from catseye.drivers.roles.errors import RefusedError
 
 
 @asynccontextmanager

@@ -12,7 +12,7 @@ from catseye.app.cell.plausible import implausible
 from catseye.app.cell.template import TEMPLATE
 from catseye.app.errors import ConfigError
 from catseye.app.store.reader import RunReader
-from catseye.procedures.context import Json
+from catseye.procedures.kit.context import Json
 from tests.unit.procedures.benches import WORKSPACE
 
 BODY = """

@@ -12,9 +12,16 @@ from catseye.app.engine.devices import Devices, WireRecorder
 from catseye.app.engine.gate import JointLimits
 from catseye.app.engine.halt import HaltLimits
 from catseye.app.engine.request import RunRequest
-from catseye.drivers.errors import DeviceError
-from catseye.drivers.readings import AirSample, CounterReading, CounterStatus, Identity, Joints, RobotStatus
-from catseye.procedures.context import Context, Json, Row
+from catseye.drivers.roles.errors import DeviceError
+from catseye.drivers.roles.readings import (
+    AirSample,
+    CounterReading,
+    CounterStatus,
+    Identity,
+    Joints,
+    RobotStatus,
+)
+from catseye.procedures.kit.context import Context, Json, Row
 
 LIMITS = JointLimits(j1_deg=(-170.0, 170.0), j2_deg=(-145.0, 145.0), j4_deg=(-360.0, 360.0))
 HOME: Joints = (0.0, 0.0, 0.0, 0.0)

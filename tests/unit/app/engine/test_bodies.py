@@ -12,9 +12,9 @@ from catseye.app.engine.dry_run import DryRunContext
 from catseye.app.engine.gate import MotionGate
 from catseye.app.errors import LimitError
 from catseye.app.exitcode import ExitCode
-from catseye.drivers.errors import RefusedError
-from catseye.procedures.devices import Joints
-from catseye.procedures.motion.clear_way import way_check
+from catseye.drivers.roles.errors import RefusedError
+from catseye.drivers.roles.protocols import Joints
+from catseye.procedures.kit.motion.clear_way import way_check
 from tests.unit.app.engine.fakes import HOME, LIMITS, FakeBench, FakeRobot, ManualClock
 from tests.unit.app.engine.runs import measuring, run
 from tests.unit.procedures.benches import arm_xy, bench

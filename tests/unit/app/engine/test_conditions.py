@@ -8,7 +8,8 @@ from typing import Any
 
 import pytest
 
-from catseye.app.engine.conditions import AirInRange, AirLimits, Condition, Watchman
+from catseye.app.cell.air import AirLimits
+from catseye.app.engine.conditions import AirInRange, Condition, Watchman
 from catseye.app.engine.control import RunControl
 from catseye.app.engine.gate import require_ready
 from catseye.app.engine.halt import HaltLimits
@@ -16,9 +17,9 @@ from catseye.app.engine.measuring import AirCache
 from catseye.app.engine.states import State
 from catseye.app.engine.waiting import cancel
 from catseye.app.errors import InterruptionError, SafetyError
-from catseye.drivers.errors import LinkError
-from catseye.drivers.readings import AirSample, RobotStatus
-from catseye.procedures.devices import ControllerStatus
+from catseye.drivers.roles.errors import LinkError
+from catseye.drivers.roles.protocols import ControllerStatus
+from catseye.drivers.roles.readings import AirSample, RobotStatus
 from tests.unit.app.engine.fakes import FakeAir, FakeRobot, ManualClock
 
 LIMITS = AirLimits({"temperature_c": (15.0, 25.0), "pressure_hpa": (800.0, 1100.0)})

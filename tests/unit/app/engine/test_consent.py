@@ -10,7 +10,7 @@ import pytest
 from catseye import app, procedures
 from catseye.app.engine.operator import Answer, Operator
 from catseye.app.errors import PromptUnansweredError
-from catseye.procedures.context import Prompt
+from catseye.procedures.kit.context import Prompt
 from tests.unit.app.engine.fakes import ManualClock
 
 _ROOMS = [Path(str(room.__file__)).parent for room in (app, procedures)]
@@ -41,23 +41,25 @@ QUESTIONS: dict[tuple[str, str], Asked] = {
     ("app/engine/acknowledging.py", "_asked_once"): _YES,
     ("app/engine/reentry.py", "clear"): _YES,
     ("app/engine/reentry.py", "ask_for_reflectors"): Asked("choice", ("untouched",), ("moved",)),
-    ("procedures/alignment/screws.py", "_freed"): _RETRY,
-    ("procedures/alignment/screws.py", "_ask_sense"): Asked(
+    ("procedures/scara/alignment/screws.py", "_freed"): _RETRY,
+    ("procedures/scara/alignment/screws.py", "_ask_sense"): Asked(
         "choice", (), ("reversed", "turned the wrong way"), "reversed"
     ),
-    ("procedures/alignment/screws.py", "_ask_to_turn"): _YES,
-    ("procedures/beam/recovery.py", "_asked"): Asked("choice", ("retry", "skip"), ("stop",), "stop"),
-    ("procedures/beam/nests.py", "place"): _YES,
+    ("procedures/scara/alignment/screws.py", "_ask_to_turn"): _YES,
+    ("procedures/scara/following/recovery.py", "_asked"): Asked(
+        "choice", ("retry", "skip"), ("stop",), "stop"
+    ),
+    ("procedures/scara/beam/nests.py", "place"): _YES,
     # The run drives on in any case, as it would have without the question.
-    ("procedures/beam/settled.py", "_prompt"): Asked("choice", ("again", "take", "skip"), (), "skip"),
-    ("procedures/search/sighting.py", "_prompt"): Asked("text", ("1.5", "here", "skip"), (), "skip"),
-    ("procedures/motion/rounds.py", "_ask"): _RETRY,
-    ("procedures/path/validation_path.py", "_point_prompt"): _YES,
+    ("procedures/kit/beam/settled.py", "_prompt"): Asked("choice", ("again", "take", "skip"), (), "skip"),
+    ("procedures/scara/search/sighting.py", "_prompt"): Asked("text", ("1.5", "here", "skip"), (), "skip"),
+    ("procedures/scara/following/rounds.py", "_ask"): _RETRY,
+    ("procedures/scara/path/validation_path.py", "_point_prompt"): _YES,
     # Why the arm may be driven where it was not walked.
-    ("app/walk/rule.py", "_asked"): Asked("text", ("it was walked yesterday",), ("no",)),
+    ("app/engine/walked/rule.py", "_asked"): Asked("text", ("it was walked yesterday",), ("no",)),
     # The whole path is driven by then.
-    ("procedures/path/validation_path.py", "_file_prompt"): Asked("text", (), ("measured.csv",)),
-    ("procedures/open_loop/campaign.py", "_place"): _YES,
+    ("procedures/scara/path/validation_path.py", "_file_prompt"): Asked("text", (), ("measured.csv",)),
+    ("procedures/scara/open_loop/campaign.py", "_place"): _YES,
 }
 
 _ANSWERS = [(place, answer) for place, asked in QUESTIONS.items() for answer in asked.moves + asked.rests]
@@ -92,6 +94,7 @@ def _found() -> dict[tuple[str, str], Prompt]:
                     found[path.relative_to(_ROOT).as_posix(), function.name] = _prompt(call)
     # Read back from an event for a front end; it asks nothing of its own.
     del found["app/service/questions.py", "prompt_of"]
+    del found["app/protocol/prompts.py", "prompt"]
     return found
 
 

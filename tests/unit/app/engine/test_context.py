@@ -13,9 +13,9 @@ from catseye.app.engine.context import RunContext
 from catseye.app.engine.control import RunControl
 from catseye.app.engine.devices import Devices
 from catseye.app.engine.gate import JointLimits, MotionGate
-from catseye.app.engine.hands import Hands
 from catseye.app.engine.host import run_procedure
 from catseye.app.engine.operator import Answer, Operator
+from catseye.app.engine.simulated_operator import Hands
 from catseye.app.engine.states import State
 from catseye.app.errors import (
     ConfigError,
@@ -29,9 +29,9 @@ from catseye.app.errors import (
 from catseye.app.exitcode import ExitCode
 from catseye.app.store.reader import RunReader
 from catseye.app.store.run_store import RunStore
-from catseye.drivers.readings import CounterStatus, Joints, RobotStatus
-from catseye.procedures.context import Context, Json, Live, Prompt, Row
-from catseye.procedures.errors import MeasuredFileError
+from catseye.drivers.roles.readings import CounterStatus, Joints, RobotStatus
+from catseye.procedures.kit.context import Context, Json, Live, Prompt, Row
+from catseye.procedures.kit.errors import MeasuredFileError
 from tests.unit.app.engine.fakes import AWAY, HOME, LIMITS, FakeBench, FakeRobot, Script, free_way, point
 
 READY = RobotStatus(True, False, True, False, False, 20.0, 0, "")

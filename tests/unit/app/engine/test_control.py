@@ -12,8 +12,8 @@ from catseye.app.engine.control import RunControl
 from catseye.app.engine.halt import HaltLimits, HaltReport
 from catseye.app.engine.states import State
 from catseye.app.errors import InterruptedRunError, SafetyError, TerminatedRunError
-from catseye.drivers.errors import LinkError, RefusedError
-from catseye.drivers.readings import Joints, RobotStatus
+from catseye.drivers.roles.errors import LinkError, RefusedError
+from catseye.drivers.roles.readings import Joints, RobotStatus
 from tests.unit.app.engine.fakes import AWAY, FakeRobot, ManualClock
 
 

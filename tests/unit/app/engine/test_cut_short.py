@@ -5,7 +5,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from catseye.app.engine.cut_short import rest_of_way
-from catseye.procedures.devices import Joints
+from catseye.drivers.roles.protocols import Joints
 
 START: Joints = (0.0, 0.0, 0.0, 0.0)
 WAY: tuple[Joints, ...] = ((10.0, 20.0, 0.0, 40.0), (10.0, -20.0, 0.0, 40.0), (30.0, -20.0, 5.0, 0.0))

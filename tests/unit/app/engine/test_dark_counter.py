@@ -5,8 +5,8 @@ from dataclasses import replace
 import pytest
 
 from catseye.app.engine.measuring import unless_dark
-from catseye.drivers.errors import RefusedError
-from catseye.procedures.errors import NoBeamError
+from catseye.drivers.roles.errors import RefusedError
+from catseye.procedures.kit.errors import NoBeamError
 from tests.unit.app.engine.fakes import FakeCounter, ManualClock
 
 

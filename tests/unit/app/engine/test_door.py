@@ -13,10 +13,10 @@ from catseye.app.engine.operator import Answer
 from catseye.app.engine.request import RunOutcome
 from catseye.app.engine.waiting import cancel
 from catseye.app.exitcode import ExitCode
-from catseye.drivers.errors import LinkError
-from catseye.procedures.context import Context, Prompt
-from catseye.procedures.devices import Joints
-from catseye.procedures.errors import ArmMovedError
+from catseye.drivers.roles.errors import LinkError
+from catseye.drivers.roles.protocols import Joints
+from catseye.procedures.kit.context import Context, Prompt
+from catseye.procedures.kit.errors import ArmMovedError
 from tests.unit.app.engine.fakes import AWAY, HOME, FakeRobot, Script
 from tests.unit.app.engine.test_interlock import Block, GuardedBench
 

@@ -9,7 +9,7 @@ from catseye.app.engine.door_watch import TICK_S, DoorWatch
 from catseye.app.engine.gate import MotionGate
 from catseye.app.engine.waiting import cancel
 from catseye.app.errors import InterruptionError
-from catseye.drivers.errors import LinkError
+from catseye.drivers.roles.errors import LinkError
 from tests.unit.app.engine.fakes import HOME, LIMITS, FakeRobot, ManualClock, free_way
 from tests.unit.app.engine.test_interlock import Block
 

@@ -9,9 +9,9 @@ import pytest
 from catseye.app.engine.arm_model import ArmModel
 from catseye.app.engine.dry_run import DryRunContext
 from catseye.app.errors import LimitError, MeasurementRejectedError
-from catseye.procedures.bench import Arm, Bench, Following
-from catseye.procedures.context import Context, Prompt, Row
-from catseye.procedures.devices import Joints
+from catseye.drivers.roles.protocols import Joints
+from catseye.procedures.kit.bench import Arm, Bench, Following
+from catseye.procedures.kit.context import Context, Prompt, Row
 from tests.unit.app.engine.fakes import HOME, LIMITS, point
 from tests.unit.procedures.benches import bench
 

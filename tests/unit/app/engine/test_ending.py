@@ -3,7 +3,7 @@
 from catseye.app.engine.control import RunControl
 from catseye.app.engine.ending import ending_of
 from catseye.app.engine.halt import HaltReport
-from catseye.drivers.errors import LinkError
+from catseye.drivers.roles.errors import LinkError
 from tests.unit.app.engine.fakes import ManualClock
 
 CAUSE = "robot at tcp://192.168.0.20:10001: the connection broke: check cable and power"

@@ -6,7 +6,7 @@ import pytest
 
 from catseye.app.engine.first_motion import PATIENCE_S, REST_S, require_rest
 from catseye.app.errors import SafetyError
-from catseye.procedures.devices import Joints
+from catseye.drivers.roles.protocols import Joints
 from tests.unit.app.engine.fakes import HOME, FakeRobot, ManualClock
 
 

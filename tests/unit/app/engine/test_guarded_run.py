@@ -11,8 +11,8 @@ from catseye.app.engine.host import run_procedure
 from catseye.app.engine.operator import Answer
 from catseye.app.errors import ArmInUseError
 from catseye.app.exitcode import ExitCode
-from catseye.procedures.context import Context, Prompt
-from catseye.procedures.devices import Joints
+from catseye.drivers.roles.protocols import Joints
+from catseye.procedures.kit.context import Context, Prompt
 from tests.unit.app.engine.fakes import AWAY, FakeBench, FakeRobot, Script
 from tests.unit.app.guard.fakes import FakeGuard
 

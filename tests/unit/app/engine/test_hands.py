@@ -6,10 +6,10 @@ from dataclasses import replace
 
 import pytest
 
-from catseye.app.engine.hands import Hands
 from catseye.app.engine.operator import Answer, Operator, says_done
+from catseye.app.engine.simulated_operator import Hands
 from catseye.app.errors import ConfigError, LinkFailedError
-from catseye.procedures.context import Json, Prompt
+from catseye.procedures.kit.context import Json, Prompt
 from catseye.simulators.config import Screws
 from catseye.simulators.emulated_bench import EmulatedBench
 from tests.unit.app.engine.fakes import ManualClock

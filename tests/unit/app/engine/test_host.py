@@ -19,8 +19,8 @@ from catseye.app.errors import StorageError, UsageError
 from catseye.app.exitcode import ExitCode
 from catseye.app.store.reader import RunReader
 from catseye.app.store.verify import verify
-from catseye.drivers.errors import AlarmError, LinkError
-from catseye.procedures.context import Context, Json, Row
+from catseye.drivers.roles.errors import AlarmError, LinkError
+from catseye.procedures.kit.context import Context, Json, Row
 from tests.patience import HANG_S
 from tests.unit.app.engine.fakes import FakeBench, Script
 from tests.unit.app.engine.runs import measuring, run

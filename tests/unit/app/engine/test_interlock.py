@@ -9,9 +9,9 @@ from catseye.app.engine.devices import Devices, WireRecorder
 from catseye.app.engine.host import run_procedure
 from catseye.app.engine.interlock import Light, StackLight
 from catseye.app.exitcode import ExitCode
-from catseye.drivers.errors import LinkTimeoutError
-from catseye.drivers.readings import Identity
-from catseye.procedures.context import Context
+from catseye.drivers.roles.errors import LinkTimeoutError
+from catseye.drivers.roles.readings import Identity
+from catseye.procedures.kit.context import Context
 from tests.unit.app.engine.fakes import AWAY, FakeBench, Script, identity
 
 

@@ -5,7 +5,7 @@ from pathlib import Path
 from catseye.app.engine.devices import Devices, WireRecorder
 from catseye.app.engine.host import run_procedure
 from catseye.app.store.reader import RunReader
-from catseye.procedures.context import Context
+from catseye.procedures.kit.context import Context
 from tests.unit.app.engine.fakes import FakeAir, FakeBench, Script
 
 

@@ -15,9 +15,9 @@ from catseye.app.engine.gate import MotionGate
 from catseye.app.engine.operator import Operator
 from catseye.app.engine.states import State
 from catseye.app.store.run_store import RunStore
-from catseye.procedures.context import Live, Prompt
-from catseye.procedures.devices import Joints
-from catseye.procedures.errors import ArmMovedError
+from catseye.drivers.roles.protocols import Joints
+from catseye.procedures.kit.context import Live, Prompt
+from catseye.procedures.kit.errors import ArmMovedError
 from tests.patience import until
 from tests.unit.app.engine.fakes import LIMITS, FakeBench, free_way
 

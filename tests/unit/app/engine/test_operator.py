@@ -6,7 +6,7 @@ import pytest
 
 from catseye.app.engine.operator import Answer, Answerer, Operator, fault_of
 from catseye.app.errors import ConfigError, PromptUnansweredError
-from catseye.procedures.context import Prompt
+from catseye.procedures.kit.context import Prompt
 from tests.unit.app.engine.fakes import ManualClock
 
 CLEAR = Prompt("clear", "confirm", "Confirm that the cell is clear.", motion=True)

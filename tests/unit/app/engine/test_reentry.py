@@ -12,9 +12,9 @@ from catseye.app.engine.request import RunOutcome
 from catseye.app.exitcode import ExitCode
 from catseye.app.store.reader import RunReader
 from catseye.app.store.run_store import RunStore
-from catseye.drivers.errors import AlarmError
-from catseye.drivers.readings import Identity
-from catseye.procedures.context import Context, Prompt, Row
+from catseye.drivers.roles.errors import AlarmError
+from catseye.drivers.roles.readings import Identity
+from catseye.procedures.kit.context import Context, Prompt, Row
 from tests.unit.app.engine.fakes import AWAY, FakeAir, FakeBench, FakeRobot, Script
 
 CAUSE = "alarm 1: look under the arm"

@@ -6,7 +6,7 @@ import pytest
 
 from catseye.app.errors import UsageError
 from catseye.app.files.measured_csv import read_measured_csv
-from catseye.procedures.context import MeasuredPoint
+from catseye.procedures.kit.context import MeasuredPoint
 
 JOINT = "theta1_deg,theta2_deg,direction1,direction2,x_meas_mm,y_meas_mm"
 PLACE = "x_mm,y_mm,x_meas_mm,y_meas_mm"

@@ -11,8 +11,8 @@ from catseye.app.errors import UsageError
 from catseye.app.files.compensated_path import Origin
 from catseye.app.files.melfa_program import MelfaSettings, melfa_program
 from catseye.app.files.path_csv import CommandPath, cartesian_commands
-from catseye.calibration.identification import IdentifiedArm
-from catseye.calibration.layout import Layout
+from catseye.calibration.scara.identification import IdentifiedArm
+from catseye.calibration.scara.layout import Layout
 from catseye.simulators.world.scara.axis_errors import JointMap
 from catseye.simulators.world.scara.bench import scara_bench
 from catseye.simulators.world.scara.truth import TrueArm

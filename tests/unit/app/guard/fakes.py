@@ -6,7 +6,7 @@ from pathlib import Path
 
 from catseye.app.errors import CatseyeError
 from catseye.app.guard.client import ArmGuard
-from catseye.drivers.guarding import GuardError
+from catseye.drivers.links.guarding import GuardError
 
 
 class FakeGuard(ArmGuard):

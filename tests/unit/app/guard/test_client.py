@@ -12,7 +12,7 @@ import pytest
 from catseye.app.guard import client, guard, lock, process
 from catseye.app.guard.client import LOG_NAME, ArmGuard
 from catseye.app.guard.lock import lock_path
-from catseye.drivers.guarding import GuardError
+from catseye.drivers.links.guarding import GuardError
 from tests.system.guarded import guards_of
 
 STOP = b"\r1;1;STOP\r"

@@ -18,7 +18,7 @@ from catseye.app.service.client import EngineClient, over
 from catseye.app.service.hub import Hub
 from catseye.app.service.messages import MAX_LINE_BYTES, Message
 from catseye.app.service.server import Server
-from catseye.procedures.context import Json
+from catseye.procedures.kit.context import Json
 from tests.patience import HANG_S
 from tests.unit.app.engine.fakes import LIMITS, FakeRobot, ManualClock, free_way
 

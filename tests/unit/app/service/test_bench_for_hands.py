@@ -5,14 +5,14 @@ from typing import Any, cast
 
 import pytest
 
-from catseye.app.bench.lending import HandBench
 from catseye.app.cell.template import TEMPLATE
 from catseye.app.engine.devices import Devices
 from catseye.app.service.engine_bench import EngineBench
 from catseye.app.service.errors import RefusedError
 from catseye.app.service.hub import Hub
-from catseye.drivers.errors import LinkError
-from catseye.drivers.readings import Identity
+from catseye.app.service.manual.device_loan import HandBench
+from catseye.drivers.roles.errors import LinkError
+from catseye.drivers.roles.readings import Identity
 from tests.unit.app.engine.fakes import ManualClock
 
 ROBOT = Identity("emulated", "1.0", "7", True)

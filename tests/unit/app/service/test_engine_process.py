@@ -13,7 +13,6 @@ from typing import Any
 
 import pytest
 
-from catseye.app.bench.drives import RestingDrives
 from catseye.app.cell.load import load_cell
 from catseye.app.engine.host import run_procedure
 from catseye.app.engine.waiting import cancel
@@ -24,10 +23,11 @@ from catseye.app.service.address import find_socket
 from catseye.app.service.client import EngineClient, connect
 from catseye.app.service.engine_process import EngineProcess
 from catseye.app.service.errors import RefusedError
+from catseye.app.service.manual.drives import RestingDrives
 from catseye.app.service.messages import Start, decode_request
 from catseye.app.store.reader import RunReader
 from catseye.app.store.run_store import RunStore
-from catseye.procedures.context import Context, Prompt
+from catseye.procedures.kit.context import Context, Prompt
 from tests.patience import HANG_S
 from tests.unit.app.engine.fakes import FakeBench, Script
 from tests.unit.app.service.benches import event_of

@@ -6,10 +6,10 @@ from typing import Any
 from hypothesis import given
 from hypothesis import strategies as st
 
-from catseye.app.bench.columns import MOST_COLUMNS
-from catseye.app.bench.traffic import MOST_LINES
 from catseye.app.service.mailbox import Mailbox
 from catseye.app.service.messages import Message
+from catseye.app.service.watching.columns import MOST_COLUMNS
+from catseye.app.service.watching.traffic import MOST_LINES
 
 
 def delivered(messages: list[Message], reads: list[bool]) -> list[dict[str, Any]]:

@@ -15,7 +15,7 @@ from catseye.app.service.prompt_desk import PromptDesk
 from catseye.app.service.questions import answer_of, hint, prompt_of
 from catseye.app.service.run_service import RunService
 from catseye.app.store.reader import RunReader
-from catseye.procedures.context import Context, Json, Prompt
+from catseye.procedures.kit.context import Context, Json, Prompt
 from tests.unit.app.engine.fakes import FakeBench, Script
 from tests.unit.app.service.benches import ServiceBench, settled
 

@@ -6,16 +6,16 @@ from pathlib import Path
 
 import pytest
 
-from catseye.app.bench.facts import facts_of
-from catseye.app.bench.telemetry import Telemetry
 from catseye.app.engine.waiting import cancel
 from catseye.app.service.errors import RefusedError
 from catseye.app.service.hub import Hub, Member
 from catseye.app.service.mailbox import Mailbox
 from catseye.app.service.messages import Message, Watch, decode_request, encode
 from catseye.app.service.orders import Orders
-from tests.unit.app.bench.benches import bench_from_template, cell_from_template
-from tests.unit.app.bench.kept import disk
+from catseye.app.service.watching.bench_facts import facts_of
+from catseye.app.service.watching.telemetry import Telemetry
+from tests.unit.app.service.manual.benches import bench_from_template, cell_from_template
+from tests.unit.app.service.watching.pulled_devices import disk
 from tests.unit.drivers.virtual_time import VirtualClock, run
 
 

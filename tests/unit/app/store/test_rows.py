@@ -3,7 +3,7 @@
 import pytest
 
 from catseye.app.store.rows import encode
-from catseye.procedures.context import Json, Table
+from catseye.procedures.kit.context import Json, Table
 from tests.unit.app.store.fakes import PATH_ROW, SEARCH_ROW
 
 

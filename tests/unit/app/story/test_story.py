@@ -9,7 +9,7 @@ from catseye.app.store.run_store import RunStore
 from catseye.app.story.summary import summary
 from catseye.app.story.timeline import timeline
 from catseye.app.story.words import event_text
-from catseye.procedures.context import Json, Row, Table
+from catseye.procedures.kit.context import Json, Row, Table
 from tests.unit.app.engine.fakes import ManualClock, point
 
 DEVICES: dict[str, Json] = {

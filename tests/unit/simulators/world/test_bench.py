@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from catseye.calibration.refractive_index import refractive_index
+from catseye.calibration.air import refractive_index
 from catseye.simulators.config import AirState, EmulationConfig, ErrorBudget, Joints
 from catseye.simulators.errors import BenchError
 from catseye.simulators.world.bench import Bench

@@ -7,9 +7,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from catseye.calibration.identification import identify
-from catseye.calibration.points import Commands, Points
-from catseye.calibration.types import Floats
+from catseye.calibration.core.types import Floats
+from catseye.calibration.scara.identification import identify
+from catseye.calibration.scara.points import Commands, Points
 from catseye.simulators.world.scara.axis_errors import JointMap
 from catseye.simulators.world.scara.bench import scara_bench
 from catseye.simulators.world.scara.truth import TrueArm

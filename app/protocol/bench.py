@@ -1,0 +1,228 @@
+"""The bench as a client that watches sees it."""
+
+from typing import Literal
+
+from pydantic import Field
+
+from catseye.app.protocol.message import Message, absent
+
+LinkState = Literal["connecting", "ok", "lost", "closed", "raw"]
+
+
+class Identity(Message):
+    """Who answers behind an endpoint."""
+
+    model: str
+    firmware: str
+    serial: str
+    simulated: bool
+
+
+class DeviceStatus(Message):
+    """A device of the cell file and how its link fares.
+
+    Attributes:
+        name: in the cell file.
+        endpoint: where it is.
+        driver: that talks to it.
+        moves_arm: bytes that are sent to it may move an arm; its driver declares that.
+        link: "raw" is taken from its driver by hand.
+        identity: who answered last; None before anybody did.
+        error: why the link was lost, until the device answers.
+        age_s: of the last answer when this was sent, s.
+    """
+
+    name: str
+    endpoint: str
+    driver: str
+    moves_arm: bool = False
+    link: LinkState
+    identity: Identity | None
+    error: str | None
+    age_s: float | None
+
+
+class RobotStatus(Message):
+    """The controller.
+
+    Attributes:
+        joints: in the order of the axes; None where they are not known.
+        servo_on: the drives are on.
+        override_percent: now; None for what is no number.
+        override_cap_percent: of the cell.
+        alarm_number: 0 for none.
+        alarm_text: with its remedy.
+        emergency_stop: it is pressed.
+        teach_mode: the key stands on TEACH.
+        moving: the arm moves.
+        age_s: of the oldest part, s.
+    """
+
+    joints: tuple[float | None, ...] | None
+    servo_on: bool
+    override_percent: float | None
+    override_cap_percent: float
+    alarm_number: int
+    alarm_text: str
+    emergency_stop: bool
+    teach_mode: bool
+    moving: bool
+    age_s: float
+
+    @property
+    def known_joints(self) -> tuple[float, ...] | None:
+        """The joints where every one is known, in the order of the axes."""
+        if self.joints is None:
+            return None
+        known = tuple(value for value in self.joints if value is not None)
+        return known if len(known) == len(self.joints) else None
+
+
+class BeamStatus(Message):
+    """The interferometer.
+
+    Attributes:
+        signal: level of the returning beam, 0…1.
+        signal_native: the same as the instrument says it.
+        beam_ok: it returns.
+        beam_lost: it was lost since the zero.
+        overspeed: the length changed faster than the counter counts.
+        laser_ready: the laser is locked.
+        displacement_mm: since the last zero.
+        mean_mm: of the last second.
+        spread_um: standard deviation of the last second.
+        age_s: of the oldest part, s.
+    """
+
+    signal: float | None
+    signal_native: str
+    beam_ok: bool
+    beam_lost: bool
+    overspeed: bool
+    laser_ready: bool
+    displacement_mm: float | None
+    mean_mm: float | None
+    spread_um: float | None
+    age_s: float
+
+
+class AirStatus(Message):
+    """The air, and the refractive index that follows from it by a formula."""
+
+    temperature_c: float | None
+    pressure_hpa: float | None
+    humidity_percent: float | None
+    refractive_index: float | None
+    formula: str
+    age_s: float
+
+
+class ReflectorPlace(Message):
+    """A reflector as cell file or search have it."""
+
+    name: str
+    x_mm: float
+    y_mm: float
+    facing_deg: float
+    field_half_angle_deg: float
+
+
+class Layout(Message):
+    """The bench from above: a SCARA's, until arm descriptions bring their own.
+
+    Attributes:
+        link1_mm: length of link 1.
+        link2_mm: length of link 2.
+        column_radius_mm: of the robot's column.
+        theta40_deg: direction of the beam at J4 = 0.
+        limits_deg: lowest and highest angle, by axis.
+        reflectors: all.
+        aim: name of the one that the beam is meant for; None when it passes all.
+    """
+
+    link1_mm: float
+    link2_mm: float
+    column_radius_mm: float
+    theta40_deg: float
+    limits_deg: dict[str, tuple[float, float]]
+    reflectors: tuple[ReflectorPlace, ...]
+    aim: str | None
+
+    @property
+    def aimed(self) -> ReflectorPlace | None:
+        """The reflector that the beam is meant for."""
+        return self.reflector(self.aim)
+
+    def reflector(self, name: str | None) -> ReflectorPlace | None:
+        """Return a reflector by its name; None where there is none."""
+        return next((each for each in self.reflectors if each.name == name), None)
+
+
+class BenchStatus(Message):
+    """The bench. What nobody knows yet is None.
+
+    Attributes:
+        cell: name of the cell.
+        simulated: all devices that are known are emulated; None when none is known.
+        disk_free_bytes: of the disk that runs are stored on.
+        devices: all of the cell file, in its order.
+        robot: the controller.
+        beam: the interferometer.
+        air: the air.
+        door_closed: as the interlock says.
+        layout: from above.
+        missed: messages of this kind that this one replaced for a slow client.
+    """
+
+    cell: str
+    simulated: bool | None
+    disk_free_bytes: int | None
+    devices: tuple[DeviceStatus, ...]
+    robot: RobotStatus | None
+    beam: BeamStatus | None
+    air: AirStatus | None
+    door_closed: bool | None
+    layout: Layout
+    missed: int = 0
+
+    def device(self, name: str) -> DeviceStatus | None:
+        """Return a device by its name; None where there is none."""
+        return next((device for device in self.devices if device.name == name), None)
+
+
+class Samples(Message):
+    """Samples folded into columns of equal duration, oldest first; None where a column has no sample.
+
+    Attributes:
+        quantity: what was sampled.
+        period_s: duration of a column.
+        low: smallest sample of each column.
+        high: largest sample of each column.
+        count: samples of each column.
+        missed: older columns that are left out.
+    """
+
+    quantity: str
+    period_s: float
+    low: tuple[float | None, ...]
+    high: tuple[float | None, ...]
+    count: tuple[int, ...]
+    missed: int
+
+
+class WireLine(Message):
+    """What passed a link at once.
+
+    Attributes:
+        t: ISO 8601 UTC time.
+        device: its name in the cell file.
+        dir: "tx" is sent, "rx" is received.
+        hex: the bytes, the first 256 of them.
+        bytes: how many they were, where they are more than those.
+    """
+
+    t: str
+    device: str
+    dir: Literal["tx", "rx"]
+    hex: str
+    bytes: int | None = Field(default=None, exclude_if=absent)

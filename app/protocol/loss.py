@@ -1,0 +1,30 @@
+"""What becomes of a run whose front end is lost: the client with control, or the reader of the headless events."""
+
+from typing import Literal
+
+from catseye.app.protocol.state import BEFORE_MOTION, ENDED, ENDING, HELD, ControlState
+
+LossPolicy = Literal["continue", "hold", "stop"]
+"""`[engine] on_client_lost`; for a lost reader of the headless events "hold": no cell file says anything of it."""
+
+Consequence = Literal["nothing", "warn", "hold", "hold-before-motion", "stop"]
+
+
+def after_loss(policy: LossPolicy, state: ControlState) -> Consequence:
+    """Return what is done about a lost front end.
+
+    Args:
+        policy: of the run.
+        state: of the run.
+    """
+    if state in ENDED | ENDING:
+        return "nothing"
+    match policy:
+        case "continue":
+            return "warn"
+        case "stop":
+            return "stop"
+        case "hold" if state in BEFORE_MOTION:
+            return "hold-before-motion"
+        case "hold":
+            return "nothing" if state in HELD else "hold"

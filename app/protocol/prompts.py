@@ -1,0 +1,103 @@
+"""A prompt on the wire: the question as the procedures' kit has it, and the motion that follows on the answer."""
+
+from typing import Any, Literal, Self
+
+from pydantic import JsonValue, SerializerFunctionWrapHandler, model_serializer
+
+from catseye.app.protocol.message import Message
+from catseye.procedures.kit.context import Prompt
+
+_OF_A_MOTION = ("rests_after", "target", "override_percent", "speed_deg_s")
+
+
+class MotionAfter(Message):
+    """How the arm moves after an answer that lets it.
+
+    Attributes:
+        override_percent: speed override now.
+        speed_deg_s: what the joints can reach at that override, in the order of the arm description's speeds; None
+            where that is not known.
+    """
+
+    override_percent: float
+    speed_deg_s: tuple[float, ...] | None
+
+
+class PromptFields(Message):
+    """What the event `prompt` carries beside time and run; flat, as scripts read it.
+
+    Attributes:
+        id: stable within the run; answers name it.
+        kind: what an answer may be.
+        text: one imperative sentence.
+        choices: for kind "choice".
+        unit: for kind "number".
+        timeout_s: how long the question stays open, bench seconds; None for ever.
+        task: what hands have to do on the bench before the answer.
+        safe_answer: taken when the time is over.
+        motion: the arm moves after an answer that `Prompt.moves_after` says so of.
+        rests_after: answers after which the arm does not move; like the rest below there only with `motion`.
+        target: where it goes, in the order of the axes; None where the procedure does not know yet.
+        override_percent: see `MotionAfter`.
+        speed_deg_s: see `MotionAfter`.
+    """
+
+    id: str
+    kind: Literal["confirm", "choice", "number", "text"]
+    text: str
+    choices: tuple[str, ...] = ()
+    unit: str = ""
+    timeout_s: float | None = None
+    task: dict[str, JsonValue] | None = None
+    safe_answer: str | None = None
+    motion: bool = False
+    rests_after: tuple[str, ...] | None = None
+    target: tuple[float, ...] | None = None
+    override_percent: float | None = None
+    speed_deg_s: tuple[float, ...] | None = None
+
+    @classmethod
+    def of(cls, prompt: Prompt, motion: MotionAfter) -> Self:
+        """Return a prompt as the wire has it.
+
+        Args:
+            prompt: the question.
+            motion: as it would be now; left out where no answer moves the arm.
+        """
+        after: dict[str, Any] = {}
+        if prompt.motion:
+            after = {"rests_after": prompt.resting_answers, "target": prompt.target, **dict(motion)}
+        return cls(
+            id=prompt.id,
+            kind=prompt.kind,
+            text=prompt.text,
+            choices=prompt.choices,
+            unit=prompt.unit,
+            timeout_s=prompt.timeout_s,
+            task=None if prompt.task is None else dict(prompt.task),
+            safe_answer=prompt.safe_answer,
+            motion=prompt.motion,
+            **after,
+        )
+
+    @property
+    def prompt(self) -> Prompt:
+        """The question as the kit has it; whether only a person answers it is the engine's business."""
+        return Prompt(
+            id=self.id,
+            kind=self.kind,
+            text=self.text,
+            choices=self.choices,
+            unit=self.unit,
+            timeout_s=self.timeout_s,
+            safe_answer=self.safe_answer,
+            task=self.task,
+            motion=self.motion,
+            rests_after=self.rests_after,
+            target=self.target,  # type: ignore[arg-type]  # a pose of n joints, once the kit has one
+        )
+
+    @model_serializer(mode="wrap")
+    def _without_motion(self, as_usual: SerializerFunctionWrapHandler) -> dict[str, Any]:
+        fields: dict[str, Any] = as_usual(self)
+        return fields if self.motion else {name: fields[name] for name in fields if name not in _OF_A_MOTION}

@@ -1,0 +1,1 @@
+"""Links to devices: TCP, UDP, serial lines; requests and streams; recording and healing."""

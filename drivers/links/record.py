@@ -1,0 +1,65 @@
+"""A transport that shows every byte that passes."""
+
+from collections.abc import Callable
+from typing import Literal
+
+from catseye.drivers.links.transport import Transport, WrappedTransport
+
+Direction = Literal["tx", "rx"]
+"""Seen from the program: tx is sent, rx is received."""
+
+Sink = Callable[[Direction, bytes], None]
+"""Takes the direction and the bytes; must neither block nor raise."""
+
+
+class RecordingTransport(WrappedTransport):
+    """Hands what passes through a transport to a sink.
+
+    Args:
+        inner: the transport that does the work.
+        sink: is called with direction and bytes: sent ones before they are sent, since a transcript
+            must hold what a failed write may have put on the wire.
+    """
+
+    def __init__(self, inner: Transport, sink: Sink) -> None:
+        super().__init__(inner)
+        self._sink = sink
+
+    async def write(self, data: bytes) -> None:
+        """Send all bytes.
+
+        Raises:
+            LinkError: the link is closed.
+        """
+        self._sink("tx", data)
+        await self._inner.write(data)
+
+    def send_urgent(self, data: bytes, *, cut: bytes = b"") -> None:
+        """Send bytes past what waits.
+
+        Raises:
+            LinkError: the link is closed or takes no bytes.
+        """
+        self._sink("tx", data)
+        self._inner.send_urgent(data, cut=cut)
+
+    async def read(self) -> bytes:
+        """Return the next chunk, at least one byte.
+
+        Raises:
+            LinkError: the other side has closed the link.
+        """
+        data = await self._inner.read()
+        self._sink("rx", data)
+        return data
+
+    def waiting(self) -> bytes:
+        """Return a chunk that has come, empty bytes when nothing has.
+
+        Raises:
+            LinkError: the other side has closed the link.
+        """
+        data = self._inner.waiting()
+        if data:
+            self._sink("rx", data)
+        return data

@@ -1,0 +1,1 @@
+"""What every procedure is made of: context, records, motion, prompts."""

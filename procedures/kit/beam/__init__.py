@@ -1,0 +1,1 @@
+"""What every measurement with a beam needs."""

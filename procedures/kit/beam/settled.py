@@ -1,0 +1,90 @@
+"""A distance that has settled, or the operator's word about it."""
+
+from dataclasses import replace
+
+from catseye.procedures.kit.bench import Timing
+from catseye.procedures.kit.context import Context, Live, Measurement, Prompt
+
+_LASER = (
+    "the laser is not ready: it warms up or has lost its lock, and the count is worthless; look at the laser's lamp. "
+    "The run goes on by itself when it is ready"
+)
+
+_TRIES = 3
+"""Each further try settles twice as long as the one before."""
+
+
+async def settled_measurement(ctx: Context, timing: Timing, where: str) -> Measurement | None:
+    """Measure at standstill; readings that scatter too much are taken again, then the operator is asked.
+
+    A laser that is not ready suspends the run. Its count is lost meanwhile, so the measurement is not ok then.
+
+    Args:
+        ctx: the bench.
+        timing: settling, dwell and the largest spread.
+        where: what is measured, unique in the run; part of the question's id.
+
+    Returns:
+        The measurement; `beam_ok` is for the caller to look at. None when the operator leaves the point out.
+    """
+    question = 0
+    while True:
+        measured = await _tried(ctx, timing)
+        if not measured.laser_ready:
+            await ctx.wait_until(_LASER, lambda: _laser_ready(ctx))
+            return measured
+        # Readings of a lost beam say nothing about settling.
+        if measured.spread_mm <= timing.spread_limit_mm or not measured.beam_ok:
+            return measured
+        question += 1
+        answer = await ctx.ask(_prompt(measured, timing, f"unsettled/{where}/{question}", where))
+        if answer == "take":
+            await ctx.event("unsettled", where=where, spread_mm=measured.spread_mm, answer=answer)
+            return measured
+        if answer == "skip":
+            await ctx.event("unsettled", where=where, spread_mm=measured.spread_mm, answer=answer)
+            return None
+
+
+async def _tried(ctx: Context, timing: Timing) -> Measurement:
+    """Measure until the readings have settled, at most three times."""
+    for number in range(_TRIES):
+        waiting = replace(timing, settle_time_s=timing.settle_time_s * 2**number)
+        measured = await ctx.measure(waiting.settle_time_s, waiting.dwell_time_s, waiting.readings)
+        settled = measured.spread_mm <= timing.spread_limit_mm
+        if settled or not measured.beam_ok or not measured.laser_ready:
+            break
+        ctx.show(_spread(measured, timing))
+    return measured
+
+
+def _spread(measured: Measurement, timing: Timing) -> Live:
+    return Live(
+        "spread of the readings",
+        measured.spread_mm * 1e3,
+        "µm",
+        high=timing.spread_limit_mm * 1e3,
+        text="wait: the readings have not settled",
+    )
+
+
+def _prompt(measured: Measurement, timing: Timing, prompt_id: str, where: str) -> Prompt:
+    spread_um, limit_um = measured.spread_mm * 1e3, timing.spread_limit_mm * 1e3
+    text = (
+        f"Find what shakes arm, reflector or laser: at {where} the readings scatter by {spread_um:.1f} µm after "
+        f"{_TRIES} tries, spread_limit_um is {limit_um:g}. Measure again, take it, or skip it?"
+    )
+    return Prompt(
+        prompt_id,
+        "choice",
+        text,
+        choices=("again", "take", "skip"),
+        safe_answer="skip",
+        motion=True,
+        # The run drives on after any of them.
+        rests_after=(),
+    )
+
+
+async def _laser_ready(ctx: Context) -> bool:
+    return (await ctx.beam()).laser_ready

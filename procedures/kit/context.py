@@ -1,0 +1,315 @@
+"""What a procedure may do: the only door between a procedure and the world."""
+
+from collections.abc import Awaitable, Callable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Literal, Protocol
+
+from catseye.drivers.roles.protocols import Air, BeamStatus, Joints
+
+Json = None | bool | int | float | str | list["Json"] | dict[str, "Json"]
+"""Anything that JSON can carry."""
+
+Row = Mapping[str, Json]
+"""One record: names with units, plain values."""
+
+
+@dataclass(frozen=True)
+class AirCorrection:
+    """How a distance was corrected for the air. All but the raw reading are None when the instrument corrects.
+
+    Attributes:
+        raw_displacement_mm: mean of the readings as the instrument gave them.
+        refractive_index: of the air during the readings.
+        zero_refractive_index: the same at the last zero.
+        dead_path_mm: length of the beam at the last zero.
+        formula: of the index.
+    """
+
+    raw_displacement_mm: float
+    refractive_index: float | None = None
+    zero_refractive_index: float | None = None
+    dead_path_mm: float | None = None
+    formula: str | None = None
+
+
+@dataclass(frozen=True)
+class Measurement:
+    """A distance measured at standstill.
+
+    Attributes:
+        displacement_mm: mean of the readings, corrected for the air.
+        spread_mm: standard deviation of the readings, 0 for a single one.
+        readings: how many.
+        signal: level of the returning beam, 0...1.
+        beam_ok: the beam returns, and nothing was lost or miscounted since the last zero.
+        reported: joints reported by the controller.
+        air: state of the air.
+        time_utc: ISO 8601 UTC time of the first reading.
+        duration_s: from the first to the last reading, s.
+        material_c: temperature of the links, °C; None without a sensor.
+        correction: raw reading and what was used to correct it; None for an ideal distance.
+        overspeed: the length changed faster than the counter counts.
+        laser_ready: the laser is locked.
+        clock_s: bench seconds at the first reading; they count from an origin of their own in every process.
+    """
+
+    displacement_mm: float
+    spread_mm: float
+    readings: int
+    signal: float
+    beam_ok: bool
+    reported: Joints
+    air: Air
+    time_utc: str
+    duration_s: float
+    material_c: float | None = None
+    correction: AirCorrection | None = None
+    overspeed: bool = False
+    laser_ready: bool = True
+    clock_s: float = 0.0
+
+
+@dataclass(frozen=True)
+class Location:
+    """A position measured by an independent instrument, in that instrument's own frame.
+
+    Attributes:
+        x_mm: position along x.
+        y_mm: position along y.
+        u_mm: standard uncertainty of each coordinate.
+    """
+
+    x_mm: float
+    y_mm: float
+    u_mm: float
+
+
+@dataclass(frozen=True)
+class MeasuredPoint:
+    """A row of a file of positions that an independent instrument has measured.
+
+    Attributes:
+        line: of the file, from 1.
+        theta_deg: commands of J1 and J2, deg; None in a file of Cartesian commands.
+        directions: states of approach of J1 and J2, 1 or -1; None in a file of Cartesian commands.
+        command_mm: x and y of the command, mm; None in a file of joint commands.
+        x_meas_mm: measured position along x, in the instrument's own frame.
+        y_meas_mm: measured position along y.
+        u_mm: standard uncertainty of each coordinate; None when it is not stated.
+    """
+
+    line: int
+    theta_deg: tuple[float, float] | None
+    directions: tuple[int, int] | None
+    command_mm: tuple[float, float] | None
+    x_meas_mm: float
+    y_meas_mm: float
+    u_mm: float | None
+
+
+Table = Literal["points", "search", "path", "records"]
+"""Where a row is kept: distances, sightings of reflectors, points of a path, and anything else that was observed."""
+
+
+@dataclass(frozen=True)
+class Live:
+    """A value that a technician watches while it changes.
+
+    Attributes:
+        name: of the quantity.
+        value: now.
+        unit: of the value and its band.
+        low: smallest accepted value; None for no lower limit.
+        high: largest accepted value; None for no upper limit.
+        text: what to do about it, one sentence; empty when there is nothing to do.
+    """
+
+    name: str
+    value: float
+    unit: str
+    low: float | None = None
+    high: float | None = None
+    text: str = ""
+
+    @property
+    def accepted(self) -> bool:
+        """The value lies inside its band."""
+        return (self.low is None or self.value >= self.low) and (self.high is None or self.value <= self.high)
+
+
+@dataclass(frozen=True)
+class Prompt:
+    """A question to the operator, as data.
+
+    Attributes:
+        id: stable within the run; answers name it.
+        kind: what an answer may be.
+        text: one imperative sentence.
+        choices: for kind "choice".
+        unit: for kind "number".
+        timeout_s: how long the question stays open; None for ever.
+        safe_answer: taken when the time is over; None leaves the prompt unanswered (an error).
+        task: what hands have to do on the bench before the answer, as data: `{"do": "turn-screw", "screw": "stage",
+            "turns": 0.86}` (clockwise is positive) or `{"do": "place-reflector", "reflector": "P2"}`; None for a mere
+            question. "yes", or the first of the choices, says that it is done; an emulated bench has it done then.
+        motion: the arm moves after "yes", after every choice but those of `rests_after`, after what is typed: front
+            ends take such an answer by a key of its own.
+        rests_after: answers after which the arm does not move; None for the safe choice alone.
+        by_person: no emulated operator answers it.
+        target: where it goes then, J1, J2, deg, J3, mm, J4, deg; None where the procedure does not know yet.
+    """
+
+    id: str
+    kind: Literal["confirm", "choice", "number", "text"]
+    text: str
+    choices: tuple[str, ...] = ()
+    unit: str = ""
+    timeout_s: float | None = None
+    safe_answer: str | None = None
+    task: Mapping[str, Json] | None = None
+    motion: bool = False
+    rests_after: tuple[str, ...] | None = None
+    by_person: bool = False
+    target: Joints | None = None
+
+    @property
+    def resting_answers(self) -> tuple[str, ...]:
+        """Answers after which the arm does not move; of a confirmation everything but "yes" is one."""
+        if self.kind != "choice":
+            return self.rests_after or ()
+        resting = (self.safe_answer,) if self.rests_after is None else self.rests_after
+        return tuple(choice for choice in resting if choice in self.choices)
+
+    def moves_after(self, answer: str) -> bool:
+        """Return whether the arm moves after an answer."""
+        if self.kind == "confirm":
+            return self.motion and answer == "yes"
+        return self.motion and answer not in self.resting_answers
+
+
+class Context(Protocol):
+    """The engine as a procedure sees it. Every call is a checkpoint of the stop ladder."""
+
+    @property
+    def resumed(self) -> bool:
+        """The run goes on after an interruption: arm and beam are not where the last stored step left them."""
+        ...
+
+    async def step(self, step_id: str, title: str, action: Callable[[], Awaitable[Row]]) -> Row:
+        """Run a step once.
+
+        A step that is done already returns its stored result and the action does not run. Rows recorded
+        during the action and the completion of the step are stored in one transaction.
+        """
+        ...
+
+    def record(self, table: Table, row: Row) -> None:
+        """Keep a row of data; it becomes durable with the step that is under way.
+
+        Raises:
+            RuntimeError: no step is under way.
+        """
+        ...
+
+    async def checkpoint(self) -> None:
+        """Let a hold or a stop take effect here."""
+        ...
+
+    async def move(self, target: Joints) -> None:
+        """Interpolate the joints to a target through the limit gate and wait for standstill.
+
+        Raises:
+            ArmMovedError: somebody moved the arm while the run was held or suspended; nothing is driven.
+        """
+        ...
+
+    async def follow(self, way: Sequence[Joints]) -> None:
+        """Move through joint targets and wait for standstill at the last one.
+
+        The robot stands still at each target, passes it or is led through it, as its driver can.
+
+        Raises:
+            ArmMovedError: somebody moved the arm while the run was held or suspended; the rest is not driven.
+        """
+        ...
+
+    async def joints(self) -> Joints:
+        """Return the reported joints."""
+        ...
+
+    async def measure(self, settle_time_s: float, dwell_time_s: float, readings: int) -> Measurement:
+        """Settle, then average readings over the dwell time; read beam state, joints and air.
+
+        Raises:
+            NoBeamError: the instrument gives no value without a beam.
+        """
+        ...
+
+    async def beam(self) -> BeamStatus:
+        """Return the state of the beam now."""
+        ...
+
+    async def zero(self, dead_path_mm: float) -> None:
+        """Zero the count: a new dead path begins.
+
+        Args:
+            dead_path_mm: length of the beam here, mm.
+
+        Raises:
+            NoBeamError: no beam returns, and the instrument does not zero without one.
+        """
+        ...
+
+    async def locate(self, settle_time_s: float) -> Location:
+        """Return where an independent instrument (a laser tracker) sees the J4 axis after settling."""
+        ...
+
+    async def pause(self, duration_s: float) -> None:
+        """Let the arm stand still for a time, s."""
+        ...
+
+    async def load_path(self, file: str, driven_mm: Sequence[tuple[float, float]]) -> Sequence[MeasuredPoint]:
+        """Return what an independent instrument measured along a path, from a measured CSV.
+
+        Args:
+            file: its path, as an operator types it.
+            driven_mm: x and y of the commands; in a rehearsal, which has no file, they are what is measured.
+
+        Raises:
+            MeasuredFileError: the file cannot be read or used; the text names file, line and remedy.
+        """
+        ...
+
+    async def ask(self, prompt: Prompt, watch: Callable[[], Awaitable[Live]] | None = None) -> str:
+        """Put a question to the operator and wait for the answer.
+
+        Args:
+            prompt: the question.
+            watch: reads a value that is shown again and again until the answer is there; it must not move the robot.
+        """
+        ...
+
+    def show(self, live: Live) -> None:
+        """Show a value with its acceptance band now."""
+        ...
+
+    async def wait_until(self, reason: str, back: Callable[[], Awaitable[bool]]) -> None:
+        """Suspend the run until a condition is back: nothing moves meanwhile.
+
+        Args:
+            reason: what is wrong and what to do about it.
+            back: looks whether the condition is back; it must not move the robot.
+        """
+        ...
+
+    async def event(self, kind: str, **data: Json) -> None:
+        """Store and publish something that happened."""
+        ...
+
+    async def warn(self, text: str, **data: Json) -> None:
+        """Store and publish a warning with its remedy."""
+        ...
+
+    def progress(self, done: float, total: float, text: str = "") -> None:
+        """Publish how far the run is; done and total in expected bench seconds."""
+        ...

@@ -1,0 +1,46 @@
+"""How far a run is, in expected bench seconds."""
+
+from catseye.procedures.kit.context import Context
+
+
+class BenchTime:
+    """Tells the progress of a plan.
+
+    Steps that were stored before count as done, but the pace counts from the first step that runs now. What a
+    recovery takes is done and to do at once, so the end of the run moves by as much and the pace stays honest.
+
+    Args:
+        ctx: the bench.
+        total_s: expected time of the whole plan, s.
+    """
+
+    def __init__(self, ctx: Context, total_s: float) -> None:
+        self._ctx = ctx
+        self._total_s = total_s
+        self._done_s = 0.0
+        self._extra_s = 0.0
+        self._begun = False
+
+    def begin(self) -> None:
+        """Take note that a step really runs."""
+        if not self._begun:
+            self._begun = True
+            self._ctx.progress(self._done_s, self._total_s)
+
+    def passed(self, planned_s: float, extra_s: float, text: str) -> None:
+        """Take note of a step that is done.
+
+        Args:
+            planned_s: what the plan expected.
+            extra_s: what it took beyond that.
+            text: what was done.
+        """
+        self._done_s += planned_s
+        self._extra_s += extra_s
+        if self._begun:
+            self._ctx.progress(self._done_s + self._extra_s, self._total_s + self._extra_s, text)
+
+    def cut_short(self, text: str) -> None:
+        """Take note that nothing more is to be done."""
+        done_s = self._done_s + self._extra_s
+        self._ctx.progress(done_s, done_s, text)

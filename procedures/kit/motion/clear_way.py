@@ -1,0 +1,223 @@
+"""No body of the arm may come near another one, or what stands around the arm, at the targets or between them.
+
+Plans, the gate of every motion, the jog and the rehearsal ask here.
+"""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
+from functools import lru_cache
+from itertools import pairwise
+
+import numpy as np
+
+from catseye.calibration.kinematics.bodies import Box, Capsule, Gaps, Scene, Table
+from catseye.calibration.kinematics.sweep import Contact, first_contact
+from catseye.drivers.roles.protocols import Joints
+from catseye.procedures.kit.bench import Bench, Reflector, Workspace
+from catseye.procedures.kit.errors import PlanError
+
+_LARGEST = 3600.0
+"""Of a joint, deg or mm: beyond is no place of an arm, and a way from there could not be looked at in time."""
+
+_MOST_REMEMBERED = 100_000
+"""Clear legs of one scene: more than any plan has."""
+
+_STUCK = (
+    "the way begins too near it: if the arm stands there, move it away with the controller's teach pendant; if not, "
+    "begin elsewhere"
+)
+
+
+def require_clear_way(way: Sequence[Joints], bench: Bench) -> None:
+    """Refuse a way on which bodies come nearer to each other than the clearance.
+
+    All reflectors stand on the bench while any one is measured.
+
+    Args:
+        way: targets in order, the first one where the way begins; straight joint moves lie between them.
+        bench: the arm, its bodies, its surroundings.
+
+    Raises:
+        PlanError: names both bodies, how near they come, on the way to which target, and the remedy.
+    """
+    if (refusal := way_refusal(way, bench)) is not None:
+        raise PlanError(refusal)
+
+
+def require_clear_legs(start: Joints, legs: Sequence[Sequence[Joints]], bench: Bench) -> None:
+    """Refuse legs, at whose ends the arm stands still, as `require_clear_way` refuses a way.
+
+    Args:
+        start: where the first leg begins.
+        legs: targets of each.
+        bench: the arm, its bodies, its surroundings.
+
+    Raises:
+        PlanError: as `require_clear_way`.
+    """
+    if (refusal := legs_refusal(start, legs, bench)) is not None:
+        raise PlanError(refusal)
+
+
+def legs_refusal(start: Joints, legs: Sequence[Sequence[Joints]], bench: Bench) -> str | None:
+    """Return why legs, at whose ends the arm stands still, are not clear; None when they are."""
+    way = [start, *(target for leg in legs for target in leg)]
+    passed = [False, *(number + 1 < len(leg) for leg in legs for number in range(len(leg)))]
+    contact = _contact(way, bench, passed)
+    return None if contact is None else _refusal(contact, way, bench)
+
+
+def way_check(bench: Bench) -> Callable[[Sequence[Joints]], str | None]:
+    """Return what tells why a way is not clear whose targets before the last one are passed; None when it is.
+
+    A gate asks before each motion: the scene is looked up once.
+    """
+    known = _known(bench)
+
+    def refusal(way: Sequence[Joints]) -> str | None:
+        passed = [0 < number < len(way) - 1 for number in range(len(way))]
+        contact = _contact(way, bench, passed, known)
+        return None if contact is None else _refusal(contact, way, bench)
+
+    return refusal
+
+
+def way_refusal(way: Sequence[Joints], bench: Bench) -> str | None:
+    """Return why a way is not clear; None when it is. See `require_clear_way`."""
+    contact = _contact(way, bench)
+    return None if contact is None else _refusal(contact, way, bench)
+
+
+def refused_target(way: Sequence[Joints], bench: Bench) -> tuple[int, str] | None:
+    """Return the target, from 0, to which a way is not clear, and what is in the way there; None when it is.
+
+    Target 0 is where the way begins: one that begins too near something is refused there. The remedy is the caller's.
+    """
+    if (contact := _contact(way[:1], bench)) is not None:
+        return 0, _obstacle(contact, bench)
+    if (contact := _contact(way, bench)) is not None:
+        return _target(contact, way), _obstacle(contact, bench)
+    return None
+
+
+def clear_part(here: Joints, target: Joints, bench: Bench) -> tuple[Joints, str | None]:
+    """Return how far a straight joint move may go, and why not farther; None when its target can be reached.
+
+    Args:
+        here: where the move begins.
+        target: where it is to end.
+        bench: the arm, its bodies, its surroundings.
+    """
+    way = (here, target)
+    contact = _contact(way, bench)
+    if contact is None:
+        return target, None
+    one, two, three, four = (a + contact.clear_share * (b - a) for a, b in zip(here, target, strict=True))
+    return (one, two, three, four), _refusal(contact, way, bench)
+
+
+def _contact(
+    way: Sequence[Joints], bench: Bench, passed: Sequence[bool] = (), known: "_KnownScene | None" = None
+) -> Contact | None:
+    _require_places(way)
+    known = known or _known(bench)
+    corners = np.array(passed) if passed and bench.arm.following == "blended" else None
+    # Where corners are cut, a leg depends on its neighbours.
+    legs = set(pairwise(map(_hashable, way))) if corners is None else set()
+    if legs and legs <= known.clear:
+        return None
+    contact = first_contact(known.gaps, np.array(way), bench.workspace.clearance_mm, corners)
+    if contact is None and len(known.clear) + len(legs) <= _MOST_REMEMBERED:
+        known.clear.update(legs)
+    return contact
+
+
+def _hashable(place: Joints) -> Joints:
+    """Return joints as a tuple: a driver of somebody else may report them as a list."""
+    one, two, three, four = place
+    return one, two, three, four
+
+
+def _require_places(way: Sequence[Joints]) -> None:
+    """Refuse joints that no arm has: distances from there would mean nothing."""
+    # Written so that what is not a number is refused too.
+    wrong = [place for place in way if not all(abs(joint) <= _LARGEST for joint in place)]
+    if wrong:
+        raise PlanError(
+            f"{_place(wrong[0])} is no place of an arm, so nothing can be said of a way there: see what the "
+            "controller reports, or correct the target"
+        )
+
+
+@dataclass(frozen=True)
+class _KnownScene:
+    """The bodies of an arm and what stands around it.
+
+    Attributes:
+        gaps: their distances.
+        clear: legs that were found clear: the gate meets exactly those of the plan again.
+    """
+
+    gaps: Gaps
+    clear: set[tuple[Joints, Joints]] = field(default_factory=set)
+
+
+def _known(bench: Bench) -> _KnownScene:
+    return _known_scene(bench.workspace, bench.reflectors, bench.arm.j3_mm)
+
+
+@lru_cache(maxsize=16)
+def _known_scene(workspace: Workspace, reflectors: tuple[Reflector, ...], j3_mm: float) -> _KnownScene:
+    boxes = (_named("keep-out box", workspace.keep_out), _named("wall of the keep-in box", workspace.keep_in))
+    stands = tuple(_stand(reflector, workspace, j3_mm) for reflector in reflectors)
+    table = Table("table", workspace.table_z_mm)
+    return _KnownScene(Gaps(Scene(workspace.chain, workspace.bodies, stands, table, *boxes)))
+
+
+def _stand(reflector: Reflector, workspace: Workspace, j3_mm: float) -> Capsule:
+    """Return a reflector with its stand: it reaches to the flange, and the beam is below that."""
+    rest = np.array([[0.0, 0.0, j3_mm, 0.0]])
+    top_mm = float(workspace.chain.frames(rest)[-1, 0, 2, 3])
+    foot, top = ((reflector.x_mm, reflector.y_mm, z_mm) for z_mm in (workspace.table_z_mm, top_mm))
+    return Capsule(f"stand of reflector {reflector.name}", 0, foot, top, workspace.stand_radius_mm)
+
+
+def _named(what: str, boxes: tuple[Box, ...]) -> tuple[Box, ...]:
+    return tuple(Box(f"{what} {box.name}", box.low_mm, box.high_mm) for box in boxes)
+
+
+def _refusal(contact: Contact, way: Sequence[Joints], bench: Bench) -> str:
+    target = _target(contact, way)
+    remedy = _STUCK if _begins_blocked(contact) else _remedy(contact.pair[1])
+    return (
+        f"{_obstacle(contact, bench)}, on the way to target {target} of "
+        f"{max(len(way) - 1, 1)}, {_place(way[target])}: {remedy}"
+    )
+
+
+def _obstacle(contact: Contact, bench: Bench) -> str:
+    moving, other = contact.pair
+    near = f"comes within {contact.distance_mm:.1f} mm" if contact.distance_mm > 0.0 else "runs into it"
+    return (
+        f"the {other} stands in the arm's way: the {moving} {near} ({bench.workspace.clearance_mm:g} mm are kept "
+        f"free) near {_place(contact.pose)}"
+    )
+
+
+def _begins_blocked(contact: Contact) -> bool:
+    return contact.leg == 0 and contact.clear_share == 0.0
+
+
+def _target(contact: Contact, way: Sequence[Joints]) -> int:
+    return min(contact.leg + 1, len(way) - 1)
+
+
+def _place(pose: Sequence[float]) -> str:
+    one, two, three, four = pose
+    return f"J1 = {one:.1f}°, J2 = {two:.1f}°, J3 = {three:.1f} mm, J4 = {four:.1f}°"
+
+
+def _remedy(other: str) -> str:
+    if other.startswith("stand of"):
+        return "put the reflector out of the arm's reach, or take nodes near it out of [measurement]"
+    return "choose targets that keep away from it, or correct its dimensions in the cell file ([[body]], [workspace])"

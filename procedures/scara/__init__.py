@@ -1,0 +1,1 @@
+"""Procedures of a SCARA that carries an interferometer and aims its beam itself."""

@@ -1,0 +1,359 @@
+"""The beam parallel to the XY plane: heights of J3 at which it meets a reflector from near and far tell its pitch."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from pydantic import BaseModel, ConfigDict, Field
+
+from catseye.calibration.scara.alignment import PitchFit, fit_pitch
+from catseye.drivers.roles.protocols import Joints
+from catseye.procedures.kit.bench import Bench
+from catseye.procedures.kit.context import Context, Live, Row
+from catseye.procedures.kit.errors import AlignmentError, BeamLostError, PlanError
+from catseye.procedures.kit.motion.clear_way import way_refusal
+from catseye.procedures.kit.stored import numbers_of
+from catseye.procedures.scara.alignment.beam_to_j4 import named_reflectors
+from catseye.procedures.scara.alignment.screws import GuidedScrew, Screw
+from catseye.procedures.scara.beam.beam_scan import (
+    find_height,
+    find_return,
+    half_window_deg,
+    scan_offsets_deg,
+    signal_live,
+)
+from catseye.procedures.scara.beam.nests import Nests
+from catseye.procedures.scara.motion.arrival import Arrival
+from catseye.procedures.scara.search.search_plan import SearchPose, looking_poses, measured_distances_mm
+
+_ROUGH_MM = 30.0
+"""What a rough place may be wrong by; the poses keep this much more than the shortest beam."""
+
+_NEAR_MM = 200.0
+"""Nearer than this the rough place leaves too much doubt about the direction."""
+
+_LEAST_BASE_MM = 100.0
+"""Distances have to differ by this much to tell a pitch."""
+
+_U_HEIGHT_MM = 0.01
+"""The middle of a return window in height: resolution of its edges and of J3."""
+
+
+class BeamLevelParams(BaseModel):
+    """What may be chosen for the levelling of the beam."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid", strict=True)
+
+    reflector: str = Field(
+        "",
+        description="name of the reflector to aim at; the one with the widest range of distances when empty",
+    )
+    poses: int = Field(3, ge=2, le=6, description="distances at which the height is measured")
+    max_rounds: int = Field(8, ge=2, le=50, description="most measurements before it is given up")
+    half_range_deg: float = Field(15.0, gt=0.0, le=45.0, description="first scan of J4 to either side, deg")
+
+
+@dataclass(frozen=True)
+class BeamLevelPlan:
+    """From where the heights are measured.
+
+    Attributes:
+        bench: what it was made from.
+        poses: from near to far.
+        j3_range_mm: where J3 may go.
+        distances_mm: shortest and longest beam of the measurement that is to come.
+        params: what was chosen.
+    """
+
+    bench: Bench
+    poses: tuple[SearchPose, ...]
+    j3_range_mm: tuple[float, float]
+    distances_mm: tuple[float, float]
+    params: BeamLevelParams
+
+
+class BeamLevel:
+    """Measures the beam's pitch and guides the vertical screw until the beam is level."""
+
+    name = "beam-level"
+    title = "Levelling of the beam"
+    needs_aim = False
+    needs_tracker = False
+    params_type = BeamLevelParams
+
+    def __init__(self) -> None:
+        self._away_from_mm: float | None = None
+
+    def plan(self, bench: Bench, params: BeamLevelParams) -> BeamLevelPlan:
+        """Choose poses at different distances to one reflector.
+
+        Raises:
+            PlanError: J3 has no range, or the reflector is not seen from different enough distances.
+        """
+        if bench.arm.j3_range_mm is None:
+            raise PlanError(
+                "levelling lifts J3 and the cell file gives it no range: set j3_range_mm in [robot] to heights that "
+                "are free at every pose, for instance j3_range_mm = "
+                f"[{bench.arm.j3_mm - 10:g}, {bench.arm.j3_mm + 10:g}]"
+            )
+        poses = _poses(bench, params)
+        return BeamLevelPlan(bench, poses, bench.arm.j3_range_mm, measured_distances_mm(bench), params)
+
+    async def run(self, ctx: Context, plan: BeamLevelPlan) -> None:
+        """Measure and instruct until the pitch is within its tolerance.
+
+        Args:
+            ctx: the bench.
+            plan: what plan() returned.
+
+        Raises:
+            AlignmentError: the pitch did not come within its tolerance, or J3's range is too small.
+            BeamLostError: the reflector does not return the beam.
+        """
+        self._away_from_mm = plan.bench.arm.j3_mm
+        rounds = _Rounds(ctx, plan)
+        guided = GuidedScrew(
+            ctx, level_screw(plan.bench), rounds.measure, rounds.watch, plan.params.max_rounds, rounds.start
+        )
+        row = await guided.align()
+        await ctx.step("result", "height at which everything is measured", lambda: _result(ctx, plan, row))
+        await ctx.step("height", "J3 back at the height of the cell file", lambda: _back(ctx, plan))
+        self._away_from_mm = None
+
+    async def teardown(self, ctx: Context) -> None:
+        """Leave the arm where it stands, and say so when J3 was not brought back."""
+        if self._away_from_mm is not None:
+            await ctx.warn(
+                f"J3 stands where the levelling left it, not at j3_mm = {self._away_from_mm:g}: the next procedure "
+                "brings it there first, or move it yourself"
+            )
+
+
+async def _back(ctx: Context, plan: BeamLevelPlan) -> Row:
+    one, two, _, four = await ctx.joints()
+    await ctx.move((one, two, plan.bench.arm.j3_mm, four))
+    return {"j3_mm": plan.bench.arm.j3_mm}
+
+
+def level_screw(bench: Bench) -> Screw:
+    """Return the vertical screw as the cell file describes it."""
+    alignment = bench.alignment
+    sense = 1.0 if alignment.level_clockwise == "up" else -1.0
+    return Screw(
+        name="level",
+        label="tilt the beam",
+        quantity="pitch of the beam",
+        unit="mrad",
+        per_turn=sense * alignment.level_mrad_per_turn,
+        plus="up",
+        minus="down",
+        sense_key="level_clockwise",
+        sense_words=("up", "down"),
+        pitch_key="level_mrad_per_turn",
+        tolerance=alignment.level_tolerance_mrad,
+    )
+
+
+def _poses(bench: Bench, params: BeamLevelParams) -> tuple[SearchPose, ...]:
+    reflectors = named_reflectors(bench, params.reflector)
+    chains = [
+        _spaced(
+            looking_poses(bench, reflector, params.half_range_deg), params.half_range_deg, bench, params.poses
+        )
+        for reflector in reflectors
+    ]
+    best = max(chains, key=_base_mm)
+    if _base_mm(best) < _LEAST_BASE_MM:
+        names = ", ".join(reflector.name for reflector in reflectors)
+        raise PlanError(
+            f"{names} cannot be seen alone from {params.poses} distances that lie {_LEAST_BASE_MM:g} mm or more "
+            f"apart, with J4 turning by ±{params.half_range_deg:g}° and a free way between: choose another "
+            "reflector, or lower half_range_deg"
+        )
+    return best
+
+
+def _base_mm(poses: Sequence[SearchPose]) -> float:
+    return poses[-1].beam_mm - poses[0].beam_mm if poses else 0.0
+
+
+def _spaced(
+    seen: Sequence[SearchPose], half_range_deg: float, bench: Bench, count: int
+) -> tuple[SearchPose, ...]:
+    """Return poses from near to far whose distances are spread evenly and whose ways are free."""
+    least = max(_NEAR_MM, bench.optics.beam_min_mm + _ROUGH_MM)
+    usable = sorted((pose for pose in seen if pose.beam_mm >= least), key=lambda pose: pose.beam_mm)
+    if not usable:
+        return ()
+    chosen = [usable[0]]
+    for wanted in np.linspace(usable[0].beam_mm, usable[-1].beam_mm, count)[1:]:
+        farther = [pose for pose in usable if pose.beam_mm > chosen[-1].beam_mm]
+        farther.sort(key=lambda pose: abs(pose.beam_mm - wanted))
+        # After the farthest one the arm returns to the nearest.
+        free = (pose for pose in farther if _free((chosen[-1], pose, chosen[0]), half_range_deg, bench))
+        following = next(free, None)
+        if following is None:
+            return ()
+        chosen.append(following)
+    return tuple(chosen)
+
+
+def _free(poses: Sequence[SearchPose], half_range_deg: float, bench: Bench) -> bool:
+    """Return whether ways between poses are clear, with J4 and J3 anywhere in the ranges that are scanned."""
+    heights = bench.arm.j3_range_mm or (bench.arm.j3_mm,)
+    way: list[Joints] = []
+    for pose in poses:
+        ends = pose.turned(half_range_deg, bench)
+        way += [(one, two, height, four) for height in heights for one, two, _, four in ends]
+        way.append(ends[1])
+    return way_refusal(way, bench) is None
+
+
+@dataclass(frozen=True)
+class _Found:
+    """Where the beam meets the reflector from one pose.
+
+    Attributes:
+        j4_deg: middle of the return in J4.
+        j3_mm: middle of the return in height.
+    """
+
+    j4_deg: float
+    j3_mm: float
+
+
+class _Rounds:
+    """Measures the pitch; knows where the beam came back from each pose in the last round."""
+
+    def __init__(self, ctx: Context, plan: BeamLevelPlan) -> None:
+        self._ctx = ctx
+        self._plan = plan
+        self._nests = Nests(ctx, plan.bench)
+        self._arrival = Arrival(ctx, plan.bench)
+
+    @property
+    def start(self) -> Joints:
+        """Where each round begins."""
+        first = self._plan.poses[0]
+        return (first.theta1_deg, first.theta2_deg, self._plan.bench.arm.j3_mm, first.j4_deg)
+
+    async def watch(self) -> Live:
+        """Return the signal, for hands that turn a screw."""
+        return signal_live((await self._ctx.beam()).signal, self._plan.bench.optics.signal_min)
+
+    async def measure(self, number: int, expected: float | None, last: Row | None) -> Row:
+        """Find the heights from near to far and fit the pitch."""
+        del number
+        poses = self._plan.poses
+        await self._nests.place(poses[0].reflector, target=self.start)
+        await self._arrival.at(self.start)
+        found: list[_Found] = []
+        for place, pose in enumerate(poses):
+            before = (
+                None
+                if last is None
+                else _Found(numbers_of(last, "j4_deg")[place], numbers_of(last, "j3_mm")[place])
+            )
+            found.append(await self._find(pose, found, before, expected or 0.0))
+        fit = self._fit(found)
+        return {
+            "value": fit.pitch_rad * 1e3,
+            "u": fit.u_pitch_rad * 1e3,
+            "u_repeat": fit.u_pitch_rad * 1e3,
+            "distance_mm": [pose.beam_mm for pose in poses],
+            "j3_mm": [place.j3_mm for place in found],
+            "j4_deg": [place.j4_deg for place in found],
+            "axis_height_mm": fit.axis_height_mm,
+        }
+
+    def _fit(self, found: Sequence[_Found]) -> PitchFit:
+        distance = np.array([pose.beam_mm for pose in self._plan.poses[: len(found)]])
+        return fit_pitch(distance, np.array([place.j3_mm for place in found]), _U_HEIGHT_MM)
+
+    async def _find(
+        self, pose: SearchPose, nearer: list[_Found], before: _Found | None, change_mrad: float
+    ) -> _Found:
+        """Find the return from a pose in J4 and in height, from the likeliest height outwards."""
+        optics, (low, high) = self._plan.bench.optics, self._plan.j3_range_mm
+        around_deg, half_range_deg = self._direction(pose, nearer, before)
+        likely = min(max(self._likely_mm(pose, nearer, before, change_mrad), low), high)
+        for offset in scan_offsets_deg(high - low, 1.4 * optics.acceptance_mm):
+            if not low <= likely + offset <= high:
+                continue
+            start = (pose.theta1_deg, pose.theta2_deg, likely + offset, around_deg)
+            half_window = half_window_deg(optics.acceptance_mm, pose.beam_mm)
+            limits = self._plan.bench.arm.j4_limits_deg
+            window = await find_return(
+                self._ctx, start, half_range_deg, half_window, limits, optics.signal_min
+            )
+            if window is not None:
+                return await self._centred(pose, (*start[:3], window.centre_deg))
+        raise BeamLostError(
+            f"reflector {pose.reflector.name} does not return the beam at θ1 = {pose.theta1_deg:g}°, "
+            f"θ2 = {pose.theta2_deg:g}° ({pose.beam_mm:.0f} mm away) at any height of J3 from {low:g} to {high:g} "
+            "mm: check that the beam is free, the rough place, theta40_deg and j3_range_mm, "
+            "turn the level screw back if it was turned the wrong way, or raise half_range_deg"
+        )
+
+    def _direction(
+        self, pose: SearchPose, nearer: list[_Found], before: _Found | None
+    ) -> tuple[float, float]:
+        """Return J4 and how far to scan about it."""
+        full_deg = self._plan.params.half_range_deg
+        if before is not None:
+            window = half_window_deg(self._plan.bench.optics.acceptance_mm, pose.beam_mm)
+            return before.j4_deg, min(full_deg, 3.0 * window)
+        if not nearer:
+            return pose.j4_deg, full_deg
+        first = self._plan.poses[0]
+        doubt_deg = float(np.rad2deg(_ROUGH_MM * (1.0 / first.beam_mm + 1.0 / pose.beam_mm)))
+        return pose.j4_deg + nearer[0].j4_deg - first.j4_deg, min(full_deg, doubt_deg)
+
+    def _likely_mm(
+        self, pose: SearchPose, nearer: list[_Found], before: _Found | None, change_mrad: float
+    ) -> float:
+        """Return the height to begin with."""
+        if before is not None:
+            return before.j3_mm - change_mrad * 1e-3 * pose.beam_mm
+        if len(nearer) > 1:
+            return self._fit(nearer).height_mm(pose.beam_mm)
+        return nearer[0].j3_mm if nearer else self._plan.bench.arm.j3_mm
+
+    async def _centred(self, pose: SearchPose, at: Joints) -> _Found:
+        optics, (low, high) = self._plan.bench.optics, self._plan.j3_range_mm
+        window = await find_height(self._ctx, at, 0.0, optics.acceptance_mm, (low, high), optics.signal_min)
+        if window is None:
+            raise BeamLostError(
+                f"the beam to reflector {pose.reflector.name} was lost while J3 stood at {at[2]:.2f} mm: keep it free"
+            )
+        if isinstance(window, str):
+            end = f"below {low:g} mm" if window == "lower" else f"above {high:g} mm"
+            raise AlignmentError(
+                f"the beam still returns from reflector {pose.reflector.name} {end}, the {window} end of J3's range: "
+                "its middle cannot be known; widen j3_range_mm in [robot], or set mount or reflector higher or lower"
+            )
+        return _Found(at[3], window.centre_mm)
+
+
+async def _result(ctx: Context, plan: BeamLevelPlan, row: Row) -> Row:
+    distances = np.array(numbers_of(row, "distance_mm"))
+    heights = np.array(numbers_of(row, "j3_mm"))
+    fit = fit_pitch(distances, heights, _U_HEIGHT_MM)
+    nearest, farthest = plan.distances_mm
+    middle_mm = 0.5 * (nearest + farthest)
+    j3_mm = round(fit.height_mm(middle_mm), 2)
+    left_mm = abs(fit.pitch_rad) * 0.5 * (farthest - nearest)
+    told = (
+        f"set j3_mm = {j3_mm:g} in [robot]: there the beam meets the reflectors' height over beams of {nearest:.0f} "
+        f"to {farthest:.0f} mm within {left_mm:.2f} mm; the cell file has {plan.bench.arm.j3_mm:g}"
+    )
+    await ctx.event("height", j3_mm=j3_mm, u_j3_mm=fit.u_height_mm(middle_mm), left_mm=left_mm, text=told)
+    if abs(j3_mm - plan.bench.arm.j3_mm) > 0.1 * plan.bench.optics.acceptance_mm:
+        await ctx.warn(told)
+    return {
+        "pitch_mrad": row["value"],
+        "u_pitch_mrad": row["u"],
+        "j3_mm": j3_mm,
+        "u_j3_mm": fit.u_height_mm(middle_mm),
+        "left_mm": left_mm,
+    }

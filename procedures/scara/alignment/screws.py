@@ -1,0 +1,386 @@
+"""Guided turning of a screw until a measured quantity is small enough: measure, say what to turn, measure again."""
+
+import math
+from collections.abc import Awaitable, Callable
+from dataclasses import dataclass, replace
+from typing import Final, Literal
+
+from catseye.drivers.roles.protocols import Joints
+from catseye.procedures.kit.context import Context, Live, Prompt, Row
+from catseye.procedures.kit.errors import AlignmentError, BeamLostError
+from catseye.procedures.kit.stored import number_of
+
+_ROUND_S: Final = 60.0
+"""Expected time of a round, hands included; the run's own pace corrects it."""
+
+_MOST_QUESTIONS = 3
+"""So often a run asks for a free beam: an answers file must not keep an arm moving for ever."""
+
+_CLEAR = 3.0
+"""A change is judged where it exceeds this many of its standard uncertainties."""
+
+_HARDLY = 0.2
+"""A change below this share of what was asked for means that the screw was not turned."""
+
+_FACTOR = 0.25
+"""A change that is off by more than this share means another pitch of the screw."""
+
+
+@dataclass(frozen=True)
+class Screw:
+    """A screw, and what it does to a quantity that has to become zero.
+
+    Attributes:
+        name: as in the tasks for hands.
+        label: in sentences.
+        quantity: what it changes.
+        unit: of the quantity.
+        per_turn: change of the quantity in one turn clockwise, signed; as the cell file says, or as observed.
+        plus: where the beam goes when the quantity grows.
+        minus: where the beam goes when it shrinks.
+        sense_key: key of the cell file with the side to which a clockwise turn moves.
+        sense_words: values of that key for a quantity that grows and shrinks with clockwise turns.
+        pitch_key: key of the cell file with the change in one turn.
+        tolerance: largest accepted size of the quantity.
+    """
+
+    name: Literal["stage", "level"]
+    label: str
+    quantity: str
+    unit: str
+    per_turn: float
+    plus: str
+    minus: str
+    sense_key: str
+    sense_words: tuple[str, str]
+    pitch_key: str
+    tolerance: float
+
+    def turns(self, change: float) -> float:
+        """Return the turns, clockwise positive, that change the quantity; in hundredths, as they are told."""
+        return round(change / self.per_turn, 2)
+
+    def instruction(self, value: float) -> str:
+        """Return what brings the quantity to zero, as an imperative without its full stop."""
+        side = self.minus if value > 0.0 else self.plus
+        turns = self.turns(-value)
+        way = "clockwise" if turns > 0.0 else "anticlockwise"
+        return f"{self.label} {abs(value):.2f} {self.unit} {side}, {abs(turns):.2f} turns {way}"
+
+    def sense_word(self) -> str:
+        """Return the value of the cell file's key for the present sense."""
+        grows, shrinks = self.sense_words
+        return grows if self.per_turn > 0.0 else shrinks
+
+
+@dataclass(frozen=True)
+class Observed:
+    """The quantity as one round measured it.
+
+    Attributes:
+        value: in the screw's unit.
+        u: its standard uncertainty.
+        u_repeat: the part of it that differs from round to round; changes are judged by it.
+    """
+
+    value: float
+    u: float
+    u_repeat: float
+
+
+Verdict = Literal["expected", "unclear", "not turned", "wrong way", "other pitch"]
+
+
+@dataclass(frozen=True)
+class Response:
+    """What a turn did.
+
+    Attributes:
+        verdict: against what was asked.
+        per_turn: observed change in one turn clockwise; 0 where it is not known.
+    """
+
+    verdict: Verdict
+    per_turn: float
+
+
+def respond(screw: Screw, before: Observed, after: Observed, turns: float) -> Response:
+    """Compare the change of a quantity with what a turn should have done.
+
+    Args:
+        screw: as it was taken to act.
+        before: the quantity before the turn.
+        after: the quantity after it.
+        turns: what was asked for, clockwise positive.
+    """
+    asked, change = turns * screw.per_turn, after.value - before.value
+    u_change = math.hypot(before.u_repeat, after.u_repeat)
+    if abs(asked) <= _CLEAR * u_change or turns == 0.0:
+        return Response("unclear", 0.0)
+    share, u_share = change / asked, u_change / abs(asked)
+    observed = change / turns
+    if abs(share) < _HARDLY:
+        return Response("not turned", 0.0)
+    if share < 0.0:
+        return Response("wrong way", observed)
+    if abs(share - 1.0) > _FACTOR + _CLEAR * u_share:
+        return Response("other pitch", observed)
+    return Response("expected", observed)
+
+
+Measure = Callable[[int, float | None, Row | None], Awaitable[Row]]
+"""Measures the quantity: round number, expected change since the last round (None where nobody knows), and what the
+last round returned (None at the first). Returns a row with `value`, `u`, `u_repeat` and what else is kept."""
+
+Watch = Callable[[], Awaitable[Live]]
+
+
+class GuidedScrew:
+    """Measures and instructs round by round. Each round's measurement, judgement and turn is a step of its own.
+
+    Args:
+        ctx: the bench.
+        screw: what is turned.
+        measure: measures the quantity inside a step.
+        watch: reads what is shown while hands turn the screw.
+        max_rounds: most measurements.
+        target: where each measurement begins, which the questions show.
+    """
+
+    def __init__(
+        self,
+        ctx: Context,
+        screw: Screw,
+        measure: Measure,
+        watch: Watch,
+        max_rounds: int,
+        target: Joints | None = None,
+    ) -> None:
+        self._ctx = ctx
+        self._screw = screw
+        self._measure = measure
+        self._watch = watch
+        self._max_rounds = max_rounds
+        self._target = target
+        self._rounds: list[Observed] = []
+        self._last: Row | None = None
+        self._told: list[str] = []
+        self._turned: float | None = None
+        self._fresh = False
+        self._questions = 0
+
+    @property
+    def turned(self) -> bool:
+        """Hands were sent to the screw."""
+        return bool(self._told)
+
+    async def align(self) -> Row:
+        """Go on until the quantity is within its tolerance.
+
+        Returns:
+            What the last round measured.
+
+        Raises:
+            AlignmentError: not within the rounds, or the operator will not turn the screw.
+        """
+        for number in range(1, self._max_rounds + 1):
+            row = await self._round(number)
+            self._ctx.progress(
+                number * _ROUND_S, self._max_rounds * _ROUND_S, f"{self._screw.quantity}, round {number}"
+            )
+            seen = self._rounds[-1]
+            self._show(seen)
+            if abs(seen.value) + seen.u <= self._screw.tolerance:
+                return row
+            self._require_certainty(seen)
+            if number > 1 and self._turned is not None:
+                await self._judge(number)
+            if number < self._max_rounds:
+                await self._turn(number)
+        raise AlignmentError(self._never())
+
+    async def _round(self, number: int) -> Row:
+        screw = self._screw
+        done = self._told[-1] if self._told else ""
+        expected = None if self._turned is None else self._turned * screw.per_turn
+
+        async def action() -> Row:
+            self._fresh = True
+            row = await self._measured(number, expected)
+            self._ctx.record(
+                "records",
+                {
+                    "kind": "alignment",
+                    "quantity": screw.quantity,
+                    "value": row["value"],
+                    "u": row["u"],
+                    "unit": screw.unit,
+                    "round": number,
+                    "instruction": done,
+                },
+            )
+            return row
+
+        self._fresh = False
+        row = await self._ctx.step(
+            f"{screw.name}/{number}/measure", f"{screw.quantity}, round {number}", action
+        )
+        self._last = row
+        self._rounds.append(Observed(*(number_of(row, key) for key in ("value", "u", "u_repeat"))))
+        return row
+
+    async def _measured(self, number: int, expected: float | None) -> Row:
+        """Measure; hands that hold something into the beam may free it and have it measured again."""
+        while True:
+            try:
+                return await self._measure(number, expected, self._last)
+            except BeamLostError as error:
+                if not await self._freed(error):
+                    raise
+
+    async def _freed(self, error: BeamLostError) -> bool:
+        """Return whether the operator has freed the beam."""
+        if self._questions >= _MOST_QUESTIONS:
+            return False
+        self._questions += 1
+        answer = await self._ctx.ask(
+            Prompt(
+                id=f"{self._screw.name}/beam/{self._questions}",
+                kind="choice",
+                text=f"Free the beam: {error}. Then choose retry; or stop.",
+                choices=("retry", "stop"),
+                safe_answer="stop",
+                task={"do": "clear-beam"},
+                motion=True,
+                target=self._target,
+            )
+        )
+        return answer == "retry"
+
+    async def _judge(self, number: int) -> None:
+        """Look what the last turn did, and take the screw as it acts from then on."""
+        before, after, turns = self._rounds[-2], self._rounds[-1], self._turned or 0.0
+        found = respond(self._screw, before, after, turns)
+
+        async def action() -> Row:
+            per_turn = await self._settle(number, found, before, after, turns)
+            return {"verdict": found.verdict, "per_turn": per_turn}
+
+        title = f"what the {self._screw.name} screw did in round {number - 1}"
+        row = await self._ctx.step(f"{self._screw.name}/{number}/judge", title, action)
+        self._screw = replace(self._screw, per_turn=number_of(row, "per_turn"))
+
+    async def _settle(
+        self, number: int, found: Response, before: Observed, after: Observed, turns: float
+    ) -> float:
+        """Tell what is wrong with a turn and return how the screw is taken to act."""
+        screw, ctx = self._screw, self._ctx
+        went = "grew" if abs(after.value) > abs(before.value) else "went"
+        step = f"the {screw.quantity} {went} from {before.value:.2f} to {after.value:.2f} {screw.unit}"
+        match found.verdict:
+            case "not turned":
+                await ctx.warn(
+                    f"{step}: the {screw.name} screw was hardly turned, or it slips; turn it {abs(turns):.2f} turns "
+                    "as asked and look that the mount follows"
+                )
+            case "wrong way":
+                return await self._ask_sense(number, found, f"{step}: the screw acts the other way")
+            case "other pitch":
+                await ctx.warn(
+                    f"{step}: {abs(found.per_turn):.2g} {screw.unit} a turn instead of {abs(screw.per_turn):.2g}; "
+                    f"this is reckoned with from now on. Set {screw.pitch_key} = {abs(found.per_turn):.2g} in the "
+                    "cell file if the screw was turned as asked"
+                )
+                return found.per_turn
+            case "expected" | "unclear":
+                pass
+        return screw.per_turn
+
+    async def _ask_sense(self, number: int, found: Response, text: str) -> float:
+        screw, other = self._screw, replace(self._screw, per_turn=found.per_turn)
+        way = "clockwise" if other.turns(-self._rounds[-1].value) > 0.0 else "anticlockwise"
+        setting = f'{other.sense_key} = "{other.sense_word()}"'
+        await self._ctx.warn(f"{text}; turn it {way}, or set {setting} in the cell file")
+        answer = await self._ctx.ask(
+            Prompt(
+                id=f"{screw.name}-sense/{number - 1}",
+                kind="choice",
+                text=f"Say what happened, since {text}: is its sense reversed ({setting} would say so), or was it "
+                "turned the wrong way?",
+                choices=("reversed", "turned the wrong way"),
+                # Another wrong guess shows at the next measurement.
+                safe_answer="reversed",
+            )
+        )
+        return found.per_turn if answer == "reversed" else screw.per_turn
+
+    async def _turn(self, number: int) -> None:
+        screw, seen = self._screw, self._rounds[-1]
+        told, turns = screw.instruction(seen.value), screw.turns(-seen.value)
+
+        async def action() -> Row:
+            # Hands may have turned it before the interruption: only a new measurement can tell.
+            if self._ctx.resumed and not self._fresh:
+                await self._ctx.warn(
+                    f"the run was interrupted while the {screw.name} screw was to be turned: the {screw.quantity} is "
+                    "measured again before anything else is turned"
+                )
+                return {"turns": None, "instruction": told}
+            await self._ask_to_turn(number, told, turns)
+            self._ctx.record(
+                "records",
+                {"kind": "screw", "screw": screw.name, "turns": turns, "round": number, "text": told},
+            )
+            return {"turns": turns, "instruction": told}
+
+        row = await self._ctx.step(f"{screw.name}/{number}/turn", told, action)
+        self._told.append(str(row["instruction"]))
+        self._turned = None if row["turns"] is None else number_of(row, "turns")
+
+    async def _ask_to_turn(self, number: int, told: str, turns: float) -> None:
+        screw = self._screw
+        answer = await self._ctx.ask(
+            Prompt(
+                id=f"{screw.name}/{number}",
+                kind="confirm",
+                text=f"{told[0].upper()}{told[1:]}, then confirm.",
+                task={"do": "turn-screw", "screw": screw.name, "turns": turns},
+                motion=True,
+                target=self._target,
+            ),
+            self._watch,
+        )
+        if answer != "yes":
+            raise AlignmentError(
+                f"the operator did not turn the {screw.name} screw; the {screw.quantity} is "
+                f"{self._rounds[-1].value:.2f} {screw.unit}, accepted is ±{screw.tolerance:g} {screw.unit}"
+            )
+
+    def _require_certainty(self, seen: Observed) -> None:
+        """Stop where turning cannot help any more."""
+        screw = self._screw
+        blurred = seen.u >= screw.tolerance and abs(seen.value) <= 2.0 * seen.u
+        if blurred or screw.turns(-seen.value) == 0.0:
+            raise AlignmentError(
+                f"the {screw.quantity} is {seen.value:.3f} {screw.unit} and known to {seen.u:.3f} {screw.unit} only; "
+                f"that does not tell whether it is within ±{screw.tolerance:g} {screw.unit}: measure at more "
+                "positions or raise the tolerance in [alignment]"
+            )
+
+    def _show(self, seen: Observed) -> None:
+        screw = self._screw
+        good = abs(seen.value) + seen.u <= screw.tolerance
+        text = "" if good else screw.instruction(seen.value)
+        self._ctx.show(Live(screw.quantity, seen.value, screw.unit, -screw.tolerance, screw.tolerance, text))
+
+    def _never(self) -> str:
+        screw = self._screw
+        rounds = "; ".join(
+            f"round {number}: {seen.value:+.3f} ± {seen.u:.3f} {screw.unit}"
+            for number, seen in enumerate(self._rounds, start=1)
+        )
+        return (
+            f"the {screw.quantity} is not within ±{screw.tolerance:g} {screw.unit} after {len(self._rounds)} rounds "
+            f"({rounds}): look that screw and mount follow without slip and that {screw.pitch_key} and "
+            f"{screw.sense_key} are right"
+        )

@@ -1,0 +1,224 @@
+"""Finding the beam's return by turning J4 or lifting J3, and the middle of its window (Remark 1)."""
+
+import math
+from dataclasses import dataclass
+from typing import Literal
+
+from catseye.drivers.roles.protocols import Joints
+from catseye.procedures.kit.context import Context, Live
+
+_J3, _J4 = 2, 3
+
+_EDGE_RESOLUTION = {_J3: 0.01, _J4: 0.002}
+"""An edge of the window is bisected to this, mm and deg; the controller resolves 0.001."""
+
+_BESIDE = 0.25
+"""So far outside of an edge, in half widths of the window, nothing may return."""
+
+_TRIES = 3
+"""Something that passes through the beam while an edge is looked for feigns an edge: both are looked for again."""
+
+_NAMES: dict[int, tuple[str, str]] = {_J3: ("J3", "mm"), _J4: ("J4", "deg")}
+
+
+@dataclass(frozen=True)
+class ReturnWindow:
+    """The J4 angles between which the beam returns.
+
+    Attributes:
+        lower_deg: lower edge.
+        upper_deg: upper edge.
+        signal: level at the middle, 0...1.
+    """
+
+    lower_deg: float
+    upper_deg: float
+    signal: float
+
+    @property
+    def centre_deg(self) -> float:
+        """Middle of the window: the beam passes the reflector's centre."""
+        return 0.5 * (self.lower_deg + self.upper_deg)
+
+
+@dataclass(frozen=True)
+class HeightWindow:
+    """The heights of J3 between which the beam returns.
+
+    Attributes:
+        lower_mm: lower edge.
+        upper_mm: upper edge.
+        signal: level at the middle, 0...1.
+    """
+
+    lower_mm: float
+    upper_mm: float
+    signal: float
+
+    @property
+    def centre_mm(self) -> float:
+        """Middle of the window: the beam passes the reflector's centre at its height."""
+        return 0.5 * (self.lower_mm + self.upper_mm)
+
+
+def half_window_deg(acceptance_mm: float, beam_mm: float) -> float:
+    """Return half the width of the return window that geometry lets expect, deg."""
+    return math.degrees(math.asin(min(1.0, acceptance_mm / beam_mm)))
+
+
+def scan_offsets_deg(half_range_deg: float, step_deg: float) -> list[float]:
+    """Return offsets that cover ±half_range from the middle outwards: 0, +s, −s, +2s and so on."""
+    count = math.ceil(half_range_deg / step_deg)
+    return [0.0] + [sign * k * step_deg for k in range(1, count + 1) for sign in (1.0, -1.0)]
+
+
+async def find_return(
+    ctx: Context,
+    pose: Joints,
+    half_range_deg: float,
+    half_window: float,
+    j4_limits_deg: tuple[float, float],
+    signal_min: float = 0.0,
+) -> ReturnWindow | None:
+    """Turn J4 about a pose until the beam returns, then centre it.
+
+    Args:
+        ctx: the bench.
+        pose: where to start; only J4 is moved.
+        half_range_deg: how far J4 may turn to either side.
+        half_window: expected half width of the return window, deg.
+        j4_limits_deg: limits of J4; offsets beyond them are left out.
+        signal_min: lower end of the signal's band that is shown, 0...1.
+
+    Returns:
+        The window, with J4 at its middle; or None when the beam does not return anywhere in the range, or when
+        a limit of J4 cuts the window off, so that its middle cannot be known.
+    """
+    scan = _Scan(ctx, pose, _J4, j4_limits_deg, half_window, signal_min)
+    window = await scan.search(half_range_deg)
+    return None if window is None else ReturnWindow(*window)
+
+
+async def find_height(
+    ctx: Context,
+    pose: Joints,
+    half_range_mm: float,
+    half_window_mm: float,
+    j3_range_mm: tuple[float, float],
+    signal_min: float = 0.0,
+) -> HeightWindow | Literal["lower", "upper"] | None:
+    """Lift J3 about a pose until the beam returns, then centre it.
+
+    Args:
+        ctx: the bench.
+        pose: where to start; only J3 is moved.
+        half_range_mm: how far J3 may go to either side.
+        half_window_mm: expected half height of the return window, mm.
+        j3_range_mm: range of J3; heights beyond it are left out.
+        signal_min: lower end of the signal's band that is shown, 0...1.
+
+    Returns:
+        The window, with J3 at its middle; "lower" or "upper" when that end of J3's range cuts it off; None when the
+        beam does not return anywhere.
+    """
+    scan = _Scan(ctx, pose, _J3, j3_range_mm, half_window_mm, signal_min)
+    window = await scan.search(half_range_mm)
+    if window is not None:
+        return HeightWindow(*window)
+    return scan.cut_off
+
+
+class _Scan:
+    """One joint is moved, the others stay.
+
+    Attributes:
+        cut_off: which end of the joint's range cut the window off, if one did.
+    """
+
+    def __init__(
+        self,
+        ctx: Context,
+        pose: Joints,
+        joint: int,
+        limits: tuple[float, float],
+        half_window: float,
+        signal_min: float,
+    ) -> None:
+        self._ctx = ctx
+        self._pose = pose
+        self._joint = joint
+        self._limits = limits
+        self._half_window = half_window
+        self._signal_min = signal_min
+        self._signal = 0.0
+        self.cut_off: Literal["lower", "upper"] | None = None
+
+    async def search(self, half_range: float) -> tuple[float, float, float] | None:
+        """Return both edges and the signal in the middle."""
+        low, high = self._limits
+        for offset in scan_offsets_deg(half_range, 1.4 * self._half_window):
+            value = self._pose[self._joint] + offset
+            if low <= value <= high and await self._returns_at(value):
+                return await self._centre(value)
+        return None
+
+    async def _centre(self, hit: float) -> tuple[float, float, float] | None:
+        for _ in range(_TRIES):
+            upper = await self._edge(hit, self._half_window)
+            lower = await self._edge(hit, -self._half_window)
+            if upper is None or lower is None:
+                self.cut_off = "upper" if upper is None else "lower"
+                return None
+            if await self._are_edges(lower, upper):
+                return lower, upper, self._signal
+        return None
+
+    async def _are_edges(self, lower: float, upper: float) -> bool:
+        """Return whether the beam returns in the middle and not beside the edges; the joint ends in the middle.
+
+        Two looks at the middle: what has stood in the beam since the edges were looked for shows at the first.
+        """
+        low, high = self._limits
+        beside, middle = _BESIDE * self._half_window, 0.5 * (lower + upper)
+        returns = await self._returns_at(middle)
+        for value in (upper + beside, lower - beside):
+            if returns and low <= value <= high:
+                returns = not await self._returns_at(value)
+        return await self._returns_at(middle) and returns
+
+    async def _edge(self, hit: float, stride: float) -> float | None:
+        """Return where the return ends on the side of the stride's sign; None beyond the limits."""
+        low, high = self._limits
+        inside, outside = hit, min(max(hit + stride, low), high)
+        while await self._returns_at(outside):
+            if outside in (low, high):
+                return None
+            inside, outside = outside, min(max(outside + stride, low), high)
+        while abs(outside - inside) > _EDGE_RESOLUTION[self._joint]:
+            middle = 0.5 * (inside + outside)
+            if await self._returns_at(middle):
+                inside = middle
+            else:
+                outside = middle
+        return 0.5 * (inside + outside)
+
+    async def _returns_at(self, value: float) -> bool:
+        target = with_joint(self._pose, self._joint, value)
+        await self._ctx.move(target)
+        beam = await self._ctx.beam()
+        self._signal = beam.signal
+        self._ctx.show(signal_live(beam.signal, self._signal_min))
+        name, unit = _NAMES[self._joint]
+        self._ctx.show(Live(name, value, unit, *self._limits))
+        return beam.beam_ok
+
+
+def with_joint(pose: Joints, joint: int, value: float) -> Joints:
+    """Return a pose with another value of one joint, 0...3."""
+    one, two, three, four = (value if n == joint else own for n, own in enumerate(pose))
+    return one, two, three, four
+
+
+def signal_live(signal: float, signal_min: float) -> Live:
+    """Return the signal, 0...1, with its band."""
+    return Live("signal", signal, "", signal_min, 1.0)

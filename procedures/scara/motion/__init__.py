@@ -1,0 +1,1 @@
+"""Motions that keep the beam on a reflector."""

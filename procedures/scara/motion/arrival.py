@@ -1,0 +1,34 @@
+"""The first way of a process: it is planned and checked when it is known where the arm stands."""
+
+from catseye.drivers.roles.protocols import Joints
+from catseye.procedures.kit.bench import Bench
+from catseye.procedures.kit.context import Context
+from catseye.procedures.scara.motion.entry import stands_at, way_in
+
+
+class Arrival:
+    """Brings the arm to the first pose of this process; the ways from there on are checked by the plan.
+
+    Args:
+        ctx: the bench.
+        bench: nominal arm, limits, reflectors.
+    """
+
+    def __init__(self, ctx: Context, bench: Bench) -> None:
+        self._ctx = ctx
+        self._bench = bench
+        self._over = False
+
+    async def at(self, pose: Joints) -> None:
+        """Go to a pose by a free way, once.
+
+        Raises:
+            WayBlockedError: a reflector stands in every way.
+        """
+        if self._over:
+            return
+        here = await self._ctx.joints()
+        if not stands_at(here, pose):
+            for target in way_in(here, pose, self._bench):
+                await self._ctx.move(target)
+        self._over = True

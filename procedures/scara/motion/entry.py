@@ -1,0 +1,94 @@
+"""The way into a measurement from wherever the arm stands: planned and checked when it is known where that is."""
+
+import math
+
+import numpy as np
+
+from catseye.drivers.roles.protocols import Joints
+from catseye.procedures.kit.bench import Bench, Reflector
+from catseye.procedures.kit.errors import WayBlockedError
+from catseye.procedures.kit.motion.clear_way import way_refusal
+from catseye.procedures.scara.motion.tracking import aimed_along
+from catseye.procedures.scara.motion.visits import Visit
+
+_SAME_PLACE = 0.03
+"""Joints that differ by more, deg or mm, were moved by somebody else: encoders and rounding stay far below."""
+
+
+def stands_at(joints: Joints, target: Joints) -> bool:
+    """Return whether an arm stands where it was sent."""
+    return max(abs(a - b) for a, b in zip(joints, target, strict=True)) <= _SAME_PLACE
+
+
+def approach(visit: Visit, bench: Bench, reflector: Reflector) -> tuple[Joints, Joints]:
+    """Return take-up pose and node: from the one to the other both joints move in the point's directions.
+
+    Args:
+        visit: what is approached.
+        bench: nominal arm and take-up.
+        reflector: what is aimed at.
+    """
+    command, node = visit.command, visit.node
+    one = command.theta1_deg - command.direction1 * bench.take_up_deg
+    two = command.theta2_deg - command.direction2 * bench.take_up_deg
+    theta = np.deg2rad([[one, two], node[:2]])
+    j4 = math.degrees(float(aimed_along(theta, math.radians(node[3]), bench, reflector)[0]))
+    low, high = bench.arm.j4_limits_deg
+    # The beam is not needed on the way in, so at a limit of J4 the take-up does without the aim.
+    return (one, two, bench.arm.j3_mm, j4 if low <= j4 <= high else node[3]), node
+
+
+def way_in(here: Joints, take_up: Joints, bench: Bench) -> tuple[Joints, ...]:
+    """Return the targets that lead from where the arm stands to a take-up pose, that pose included.
+
+    J3 goes to its height first, where the arm stands. Then the joints move straight if that way is free; otherwise
+    J2 folds or stretches the arm first, J1 turns it, and J2 brings it to the target.
+
+    Args:
+        here: reported joints.
+        take_up: where the way leads.
+        bench: nominal arm, limits, reflectors.
+
+    Raises:
+        WayBlockedError: a reflector stands in every way, or the arm stands outside its limits at another height.
+    """
+    lift = _lift(here, bench)
+    start = lift[-1] if lift else here
+    if lift and (blocked := way_refusal((here, *lift), bench)) is not None:
+        raise WayBlockedError(f"J3 cannot go to its height: {blocked}")
+    refusal = way_refusal((start, take_up), bench)
+    if refusal is None:
+        return (*lift, take_up)
+    for two in sorted(
+        {*bench.nodes2_deg, start[1], take_up[1]}, key=lambda two: abs(two - start[1]) + abs(two - take_up[1])
+    ):
+        way = _folded(start, take_up, two)
+        if _within_limits(way, bench) and way_refusal((start, *way), bench) is None:
+            return (*lift, *way)
+    raise WayBlockedError(
+        f"there is no free way from θ1 = {here[0]:.1f}°, θ2 = {here[1]:.1f}° to θ1 = {take_up[0]:.1f}°, "
+        f"θ2 = {take_up[1]:.1f}°: {refusal}. Jog the arm to where its way is free, then go on"
+    )
+
+
+def _lift(here: Joints, bench: Bench) -> tuple[Joints, ...]:
+    if abs(here[2] - bench.arm.j3_mm) <= _SAME_PLACE:
+        return ()
+    lifted = (here[0], here[1], bench.arm.j3_mm, here[3])
+    if not _within_limits((lifted,), bench):
+        raise WayBlockedError(
+            f"the arm stands at J3 = {here[2]:.1f} mm, not at j3_mm = {bench.arm.j3_mm:g} mm, and outside the cell's "
+            f"limits (J1 {here[0]:.1f}°, J2 {here[1]:.1f}°, J4 {here[3]:.1f}°): jog it inside them first"
+        )
+    return (lifted,)
+
+
+def _folded(start: Joints, take_up: Joints, two: float) -> tuple[Joints, ...]:
+    _, _, three, four = take_up
+    return (start[0], two, three, four), (take_up[0], two, three, four), take_up
+
+
+def _within_limits(way: tuple[Joints, ...], bench: Bench) -> bool:
+    arm = bench.arm
+    ranges = ((0, arm.j1_limits_deg), (1, arm.j2_limits_deg), (3, arm.j4_limits_deg))
+    return all(low <= target[n] <= high for target in way for n, (low, high) in ranges)

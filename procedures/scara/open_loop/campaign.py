@@ -1,0 +1,258 @@
+"""The measurement of one reflector: its points, its closure visits, and what is known after each row."""
+
+import math
+from collections.abc import Awaitable, Callable
+from dataclasses import dataclass
+
+from catseye.procedures.kit.context import Context, Live, Measurement, Prompt, Row
+from catseye.procedures.kit.errors import BeamLostError
+from catseye.procedures.kit.motion.bench_time import BenchTime
+from catseye.procedures.kit.stored import integer, number_of
+from catseye.procedures.scara.beam.diagnosis import Loss
+from catseye.procedures.scara.following.follower import Follower
+from catseye.procedures.scara.following.recovery import LeftOut, Recovery
+from catseye.procedures.scara.motion.point_row import point_row, title_of
+from catseye.procedures.scara.motion.visits import Visit
+from catseye.procedures.scara.open_loop.closures import Closure, trip_within_reach
+from catseye.procedures.scara.open_loop.live_knowledge import Knowledge
+from catseye.procedures.scara.open_loop.open_loop_plan import OpenLoopPlan, ReflectorPlan
+
+
+@dataclass(frozen=True)
+class _Distance:
+    segment: int
+    displacement_mm: float
+
+
+@dataclass(frozen=True)
+class _Reference:
+    """What a reference pose gave, as counted from the present zero.
+
+    Attributes:
+        displacement_mm: there and then.
+        overlaps: how many losses of the beam lie between; each adds the scatter of its overlap.
+    """
+
+    displacement_mm: float
+    overlaps: int
+
+
+class ReflectorCampaign:
+    """Measures one reflector.
+
+    Args:
+        ctx: the bench.
+        plan: the whole measurement.
+        part: this reflector's part of it.
+        knowledge: takes the points in.
+        time: tells the progress.
+
+    Attributes:
+        left_out: titles of the points that were not measured, with the reason.
+    """
+
+    def __init__(
+        self, ctx: Context, plan: OpenLoopPlan, part: ReflectorPlan, knowledge: Knowledge, time: BenchTime
+    ) -> None:
+        self.left_out: list[str] = []
+        self._ctx = ctx
+        self._bench = plan.bench
+        self._rules = plan.rules
+        self._part = part
+        self._name = part.reflector.name
+        self._knowledge = knowledge
+        self._time = time
+        self._follower = Follower(ctx, plan.bench, part.reflector)
+        self._recovery = Recovery(
+            ctx, plan.bench, part.reflector, self._follower, plan.rules.recovery_attempts
+        )
+        self._distances: dict[int, _Distance] = {}
+        self._placed = not plan.bench.optics.one_reflector
+        self._row_is_fresh = False
+        self._counted_s = 0.0
+
+    async def run(self) -> bool:
+        """Measure all points; return whether the maps are known so well that nothing more is needed.
+
+        Raises:
+            BeamLostError: the beam stays away and the operator ends the run.
+            WayBlockedError: the arm cannot be led to a point.
+        """
+        visits, closures = self._part.visits, {closure.after: closure for closure in self._part.closures}
+        for place, visit in enumerate(visits):
+            await self._point(place, visit)
+            if place in closures:
+                await self._closure(closures[place])
+            if not _same_row(visit, visits[place + 1 : place + 2]) and await self._row_done(visit):
+                return True
+        return False
+
+    async def _point(self, place: int, visit: Visit) -> None:
+        step_id, title = f"{self._name}/{visit.command.index:04d}", title_of(self._name, visit.command)
+        fresh: list[bool] = []
+        result = await self._ctx.step(
+            step_id, title, self._noted(fresh, lambda: self._measured(place, visit, step_id))
+        )
+        segment = integer(result["segment"])
+        self._follower.segment = max(self._follower.segment, segment)
+        if result["measured"]:
+            found = _Distance(segment, number_of(result, "displacement_mm"))
+            self._distances[place] = found
+            await self._knowledge.take(
+                self._name, visit.command, segment, found.displacement_mm, fresh=bool(fresh)
+            )
+        else:
+            self.left_out.append(f"{title} ({result.get('reason', 'no beam')})")
+        last = self._part.visits[-1].command.index
+        self._passed(visit.duration_s, f"{self._name} point {visit.command.index + 1}/{last + 1}")
+
+    async def _closure(self, closure: Closure) -> None:
+        reference = self._part.visits[closure.reference]
+        step_id = f"{self._name}/closure/{closure.number:02d}"
+        title = f"closure visit {closure.number}, planned to {title_of(self._name, reference.command)}"
+        result = await self._ctx.step(step_id, title, self._noted([], lambda: self._closed(closure)))
+        self._follower.segment = max(self._follower.segment, integer(result["segment"]))
+        self._passed(closure.duration_s, title)
+
+    def _noted(self, fresh: list[bool], action: Callable[[], Awaitable[Row]]) -> Callable[[], Awaitable[Row]]:
+        """Return the action of a step; it takes note that it runs, and has the reflector put in its place."""
+
+        async def noted() -> Row:
+            fresh.append(True)
+            self._row_is_fresh = True
+            self._time.begin()
+            await self._place()
+            return await action()
+
+        return noted
+
+    async def _measured(self, place: int, visit: Visit, step_id: str) -> Row:
+        before = self._part.visits[place - 1] if place else None
+        measured = await self._recovery.obtain(visit, before, step_id)
+        segment = self._follower.segment
+        if isinstance(measured, LeftOut):
+            await self._ctx.event(
+                "point-left-out", reflector=self._name, point=visit.command.index, reason=measured.reason
+            )
+            return {"measured": False, "segment": segment, "reason": measured.reason}
+        self._ctx.record(
+            "points", point_row(self._name, segment, visit.command, self._follower.sent, measured)
+        )
+        return {"measured": True, "segment": segment, "displacement_mm": measured.displacement_mm}
+
+    async def _closed(self, planned: Closure) -> Row:
+        """Drive to the reference pose, measure there, and drive back."""
+        follower, visits = self._follower, self._part.visits
+        here = visits[planned.after]
+        if follower.at is not here or not await follower.undisturbed():
+            return await self._no_closure("the arm does not stand where the trip begins")
+        closure = self._within_reach(planned)
+        known = None if closure is None else self._reference(closure)
+        if closure is None or known is None or not follower.counting:
+            return await self._no_closure("the present count goes back to no pose that can be driven to")
+        reference = visits[closure.reference]
+        found = await follower.track(closure.out, reference) or await follower.measure(
+            reference, f"{self._name}/closure/{closure.number:02d}"
+        )
+        if isinstance(found, Loss):
+            cause = await self._recovery.tell(found, reference)
+            follower.at = None
+            return await self._no_closure(f"the beam was lost ({cause.name})")
+        result = await self._drifted(closure, reference, known, found)
+        if closure.back and (loss := await follower.track(closure.back, here)) is not None:
+            await self._recovery.tell(loss, here)
+            follower.at = None
+        return result
+
+    def _within_reach(self, planned: Closure) -> Closure | None:
+        """Return the trip, or one to another pose when a gap lies between the planned one and the present count."""
+        if self._reference(planned) is not None:
+            return planned
+        places = [
+            place
+            for place, known in self._distances.items()
+            if self._recovery.carried(known.segment) is not None
+        ]
+        return trip_within_reach(self._part.visits, planned, places, self._bench, self._part.reflector)
+
+    def _reference(self, closure: Closure) -> "_Reference | None":
+        """Return what the reference pose gave, as counted from the present zero."""
+        known = self._distances.get(closure.reference)
+        carried = None if known is None else self._recovery.carried(known.segment)
+        if known is None or carried is None:
+            return None
+        return _Reference(known.displacement_mm + carried[0], carried[1])
+
+    async def _no_closure(self, reason: str) -> Row:
+        await self._ctx.event("closure-left-out", reflector=self._name, reason=reason)
+        return {"measured": False, "segment": self._follower.segment, "reason": reason}
+
+    async def _drifted(
+        self, closure: Closure, reference: Visit, known: _Reference, measured: Measurement | None
+    ) -> Row:
+        if measured is None:
+            return await self._no_closure("its readings did not settle")
+        segment = self._follower.segment
+        drift_um = (measured.displacement_mm - known.displacement_mm) * 1e3
+        # Each overlap is a difference of two distances, as the drift itself is.
+        limit_um = self._rules.drift_limit_mm * 1e3 * math.sqrt(1.0 + known.overlaps)
+        row = point_row(self._name, segment, reference.command, self._follower.sent, measured)
+        self._ctx.record(
+            "records",
+            {
+                "kind": "closure",
+                **row,
+                "number": closure.number,
+                "point": reference.command.index,
+                "reference_displacement_mm": known.displacement_mm,
+                "overlaps": known.overlaps,
+                "drift_um": drift_um,
+            },
+        )
+        self._ctx.show(Live("drift at the reference pose", drift_um, "µm", -limit_um, limit_um))
+        if abs(drift_um) > limit_um:
+            await self._ctx.warn(
+                f"reflector {self._name}: the distance at the reference pose "
+                f"({title_of(self._name, reference.command)}) has drifted by {drift_um:+.0f} µm, the limit is "
+                f"{limit_um:.0f} µm: warm the arm up (warmup), keep air and room steady, and see that reflector and "
+                "interferometer are clamped; what was measured meanwhile carries that drift"
+            )
+        return {"measured": True, "segment": segment, "drift_um": drift_um}
+
+    async def _place(self) -> None:
+        """Have the only reflector put where it is needed, before it is measured or after an interruption."""
+        if self._placed:
+            return
+        reflector = self._part.reflector
+        answer = await self._ctx.ask(
+            Prompt(
+                f"place/{self._name}",
+                "confirm",
+                f"Put the reflector into nest {self._name} at x {reflector.x_mm:.0f} mm, y {reflector.y_mm:.0f} mm, "
+                f"facing {reflector.facing_deg:.0f}°, clamp it, step back, then confirm.",
+                task={"do": "place-reflector", "reflector": self._name},
+                motion=True,
+            )
+        )
+        if answer != "yes":
+            raise BeamLostError(
+                f"the reflector is not in nest {self._name}: put it there and go on with catseye resume"
+            )
+        self._placed = True
+
+    async def _row_done(self, visit: Visit) -> bool:
+        fresh, self._row_is_fresh = self._row_is_fresh, False
+        return await self._knowledge.row_done(self._name, visit.command, fresh=fresh)
+
+    def _passed(self, planned_s: float, text: str) -> None:
+        extra_s = self._follower.extra_s - self._counted_s
+        self._counted_s = self._follower.extra_s
+        self._time.passed(planned_s, extra_s, text)
+
+
+def _same_row(visit: Visit, following: tuple[Visit, ...]) -> bool:
+    """Return whether the next point, if there is one, belongs to the same row of J2."""
+    here = visit.command
+    return any(
+        (v.command.theta1_deg, v.command.direction1) == (here.theta1_deg, here.direction1) for v in following
+    )

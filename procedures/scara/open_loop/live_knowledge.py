@@ -1,0 +1,140 @@
+"""What the points so far say about the maps, told while measuring."""
+
+import math
+from collections import deque
+
+import numpy as np
+
+from catseye.calibration.scara.live_map import LiveMap, MapKnowledge
+from catseye.calibration.scara.radial import RadialBudget
+from catseye.procedures.kit.bench import Bench, Reflector
+from catseye.procedures.kit.context import Context, Live
+from catseye.procedures.scara.motion.approach import Command
+
+_COVERAGE = 3.0
+"""An innovation is expected within so many of its standard uncertainties."""
+
+_JUDGED, _CONTRADICTING = 10, 8
+"""So many of the last distances to a reflector that lie outside are no chance."""
+
+_LEAST_WHITE_MM = 1e-6
+
+_MEANINGLESS_MDEG = 1000.0
+"""A map that is known to a degree only is not known: no arm is that wrong, and derivatives do not reach that far."""
+
+
+class Knowledge:
+    """Takes the points of a run in, fresh and stored ones, and tells what they are good for.
+
+    Args:
+        ctx: the bench.
+        bench: nodes, nominal links, noise.
+        reflectors: those that are measured.
+        stop_at_mdeg: standard uncertainty of both maps that is good enough to end with; 0 never ends.
+    """
+
+    def __init__(
+        self, ctx: Context, bench: Bench, reflectors: tuple[Reflector, ...], stop_at_mdeg: float
+    ) -> None:
+        self._ctx = ctx
+        self._stop_at_mdeg = stop_at_mdeg
+        self._outside: dict[str, deque[bool]] = {}
+        self._warned: set[str] = set()
+        noise = bench.noise
+        self._map = LiveMap(
+            np.deg2rad(bench.nodes1_deg),
+            np.deg2rad(bench.nodes2_deg),
+            bench.arm.link1_mm,
+            bench.arm.link2_mm,
+            {reflector.name: (reflector.x_mm, reflector.y_mm) for reflector in reflectors},
+            max(noise.white_mm, _LEAST_WHITE_MM),
+            RadialBudget(*noise.radial_mm, noise.radial_orders),
+        )
+
+    async def take(
+        self, reflector: str, command: Command, segment: int, displacement_mm: float, *, fresh: bool
+    ) -> None:
+        """Take a point in and show what it says beyond all points before; a stored one is not shown."""
+        found = self._map.add(
+            math.radians(command.theta1_deg),
+            math.radians(command.theta2_deg),
+            command.direction1,
+            command.direction2,
+            reflector,
+            segment,
+            displacement_mm,
+        )
+        if found is None or not fresh:
+            return
+        band_um = _COVERAGE * found.u_mm * 1e3
+        live = Live(
+            "innovation",
+            found.value_mm * 1e3,
+            "µm",
+            -band_um,
+            band_um,
+            "measured minus predicted from all points before; outside again and again: the reflector has moved, "
+            "or the arm does not repeat",
+        )
+        self._ctx.show(live)
+        await self._judge(reflector, outside=not live.accepted)
+
+    async def _judge(self, reflector: str, *, outside: bool) -> None:
+        """Warn once for each reflector whose distances contradict the points before."""
+        lately = self._outside.setdefault(reflector, deque(maxlen=_JUDGED))
+        lately.append(outside)
+        if reflector in self._warned or sum(lately) < _CONTRADICTING:
+            return
+        self._warned.add(reflector)
+        await self._ctx.warn(
+            f"{reflector} or the interferometer seems to have been moved: {sum(lately)} of the last {len(lately)} "
+            f"distances lie outside ±{_COVERAGE:g}u of what all points before predict; hold the run and look; what "
+            "was moved needs a new search and a new run; if nothing was, the arm does not repeat: diagnose tells more"
+        )
+
+    async def row_done(self, reflector: str, command: Command, *, fresh: bool) -> bool:
+        """Tell how well the maps are known after a row of J2; return whether that is good enough to end with.
+
+        Args:
+            reflector: name.
+            command: last one of the row.
+            fresh: a point of the row was measured now.
+        """
+        if not fresh and not self._stop_at_mdeg:
+            return False
+        known = self._map.known()
+        u1_mdeg, u2_mdeg = _mdeg(known.u1_rad), _mdeg(known.u2_rad)
+        if fresh:
+            text = _text(known, u1_mdeg, u2_mdeg)
+            await self._ctx.event(
+                "map-known",
+                reflector=reflector,
+                theta1_deg=command.theta1_deg,
+                direction1=command.direction1,
+                u_theta1_mdeg=u1_mdeg,
+                u_theta2_mdeg=u2_mdeg,
+                text=text,
+            )
+            self._show("Δθ1", u1_mdeg, text)
+            self._show("Δθ2", u2_mdeg, text)
+        if u1_mdeg is None or u2_mdeg is None or not self._stop_at_mdeg:
+            return False
+        return max(u1_mdeg, u2_mdeg) <= self._stop_at_mdeg
+
+    def _show(self, name: str, u_mdeg: float | None, text: str) -> None:
+        if u_mdeg is not None:
+            self._ctx.show(
+                Live(f"largest u({name})", u_mdeg, "mdeg", high=self._stop_at_mdeg or None, text=text)
+            )
+
+
+def _mdeg(u_rad: float | None) -> float | None:
+    u_mdeg = math.inf if u_rad is None else math.degrees(u_rad) * 1e3
+    return u_mdeg if u_mdeg < _MEANINGLESS_MDEG else None
+
+
+def _text(known: MapKnowledge, u1_mdeg: float | None, u2_mdeg: float | None) -> str:
+    if u1_mdeg is None or u2_mdeg is None:
+        reason = known.reason or "the points so far leave it free by degrees"
+        return f"the map is not determined yet: {reason}"
+    return f"Δθ1 known to {u1_mdeg:.1f} mdeg, Δθ2 {u2_mdeg:.1f} mdeg"

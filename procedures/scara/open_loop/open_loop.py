@@ -1,0 +1,93 @@
+"""The automated open-loop tracking measurement."""
+
+from dataclasses import replace
+
+from pydantic import BaseModel, ConfigDict, Field
+
+from catseye.procedures.kit.bench import Bench
+from catseye.procedures.kit.context import Context
+from catseye.procedures.kit.motion.bench_time import BenchTime
+from catseye.procedures.scara.open_loop.campaign import ReflectorCampaign
+from catseye.procedures.scara.open_loop.live_knowledge import Knowledge
+from catseye.procedures.scara.open_loop.open_loop_plan import OpenLoopPlan, Rules, plan_open_loop
+
+
+class OpenLoopParams(BaseModel):
+    """What may be chosen for a measurement."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid", strict=True)
+
+    reflectors: list[str] = Field([], description="names of the reflectors to measure; all when empty")
+    subdivide: bool = Field(True, description="split moves so that the beam is kept; false shows what breaks")
+    take_up: bool = Field(True, description="approach each node from its side; false shows what that shifts")
+    closures: int = Field(2, ge=0, le=20, description="visits to a reference pose for drift, each reflector")
+    drift_limit_um: float = Field(30.0, gt=0.0, le=1000.0, description="drift that is warned of beyond, µm")
+    recovery_attempts: int = Field(
+        3, ge=1, le=20, description="failures in a row to get a lost beam back before the operator is asked"
+    )
+    stop_at_mdeg: float = Field(
+        0.0,
+        ge=0.0,
+        le=100.0,
+        description="largest standard uncertainty of both maps to stop early at, mdeg; 0 never",
+    )
+
+
+class OpenLoop:
+    """Visits every node from both sides with the beam on each reflector in turn and records the distances."""
+
+    name = "open-loop"
+    title = "Automated open-loop tracking measurement"
+    needs_aim = True
+    needs_tracker = False
+    params_type = OpenLoopParams
+
+    def plan(self, bench: Bench, params: OpenLoopParams) -> OpenLoopPlan:
+        """Plan the measurement; see plan_open_loop."""
+        plan = plan_open_loop(
+            bench,
+            subdivide=params.subdivide,
+            take_up=params.take_up,
+            reflectors=tuple(params.reflectors),
+            closures=params.closures,
+        )
+        rules = Rules(params.recovery_attempts, params.drift_limit_um * 1e-3, params.stop_at_mdeg)
+        return replace(plan, rules=rules)
+
+    async def run(self, ctx: Context, plan: OpenLoopPlan) -> None:
+        """Measure all reflectors.
+
+        Args:
+            ctx: the bench.
+            plan: what plan_open_loop returned.
+
+        Raises:
+            BeamLostError: the beam stays away and the operator ends the run.
+            WayBlockedError: the arm cannot be led to a point from where it stands.
+        """
+        time = BenchTime(ctx, plan.duration_s)
+        reflectors = tuple(part.reflector for part in plan.reflectors)
+        knowledge = Knowledge(ctx, plan.bench, reflectors, plan.rules.stop_at_mdeg)
+        for text in plan.warnings:
+            await ctx.warn(text)
+        left_out: list[str] = []
+        for part in plan.reflectors:
+            campaign = ReflectorCampaign(ctx, plan, part, knowledge, time)
+            enough = await campaign.run()
+            left_out += campaign.left_out
+            if enough:
+                await _tell_enough(ctx, plan, time)
+                break
+        if left_out:
+            await ctx.warn(f"{len(left_out)} points were left out: {'; '.join(left_out)}")
+
+    async def teardown(self, ctx: Context) -> None:
+        """Leave the arm where it stands."""
+
+
+async def _tell_enough(ctx: Context, plan: OpenLoopPlan, time: BenchTime) -> None:
+    text = (
+        f"both maps are known to {plan.rules.stop_at_mdeg:g} mdeg (stop_at_mdeg): no more points are needed"
+    )
+    await ctx.event("early-stop", stop_at_mdeg=plan.rules.stop_at_mdeg, text=text)
+    time.cut_short(text)

@@ -1,0 +1,174 @@
+"""The automated open-loop measurement as a plan: every move, point, break and check before anything moves."""
+
+from dataclasses import dataclass
+
+from catseye.procedures.kit.bench import Bench, Reflector
+from catseye.procedures.kit.errors import PlanError
+from catseye.procedures.scara.motion.approach import (
+    Command,
+    Waypoint,
+    bidirectional_sequence,
+    require_joint_limits,
+    with_take_up,
+)
+from catseye.procedures.scara.motion.tracking import plan_track
+from catseye.procedures.scara.motion.visits import Visit, break_warnings, plan_visits, require_clear_visits
+from catseye.procedures.scara.open_loop.closures import Closure, plan_closures
+
+_FEWEST_SEEN = 0.5
+"""A reflector that fewer than this share of the commands see stands in the wrong place."""
+
+
+@dataclass(frozen=True)
+class ReflectorPlan:
+    """The measurement of one reflector.
+
+    Attributes:
+        reflector: what is aimed at.
+        visits: points in measuring order.
+        blind: commands from which the reflector cannot be seen; they are left out.
+        planned_breaks: segments beyond the first.
+        closures: trips back to a pose that was measured before, in the order in which they are driven.
+        closure_warnings: why there are fewer of them than were wanted.
+    """
+
+    reflector: Reflector
+    visits: tuple[Visit, ...]
+    blind: tuple[Command, ...]
+    planned_breaks: int
+    closures: tuple[Closure, ...] = ()
+    closure_warnings: tuple[str, ...] = ()
+
+    @property
+    def duration_s(self) -> float:
+        """Expected time of all visits and trips, s."""
+        parts: tuple[Visit | Closure, ...] = (*self.visits, *self.closures)
+        return sum(part.duration_s for part in parts)
+
+
+@dataclass(frozen=True)
+class Rules:
+    """What is decided while measuring.
+
+    Attributes:
+        recovery_attempts: failures in a row to get a lost beam back before the operator is asked.
+        drift_limit_mm: largest drift of a closure visit that is not warned of.
+        stop_at_mdeg: standard uncertainty of both maps at which the points that are left are left out; 0 never.
+    """
+
+    recovery_attempts: int = 3
+    drift_limit_mm: float = 0.030
+    stop_at_mdeg: float = 0.0
+
+
+@dataclass(frozen=True)
+class OpenLoopPlan:
+    """The whole measurement.
+
+    Attributes:
+        bench: what it was made from.
+        reflectors: one plan each, in measuring order.
+        warnings: what the operator should know before it starts.
+        rules: what is decided while measuring.
+    """
+
+    bench: Bench
+    reflectors: tuple[ReflectorPlan, ...]
+    warnings: tuple[str, ...]
+    rules: Rules = Rules()
+
+    @property
+    def duration_s(self) -> float:
+        """Expected time of all visits and trips, s."""
+        return sum(plan.duration_s for plan in self.reflectors)
+
+    @property
+    def n_points(self) -> int:
+        """Number of distances."""
+        return sum(len(plan.visits) for plan in self.reflectors)
+
+    @property
+    def n_moves(self) -> int:
+        """Number of joint targets of the visits."""
+        return sum(len(visit.moves) for plan in self.reflectors for visit in plan.visits)
+
+
+def plan_open_loop(
+    bench: Bench,
+    *,
+    subdivide: bool = True,
+    take_up: bool = True,
+    reflectors: tuple[str, ...] = (),
+    closures: int = 0,
+) -> OpenLoopPlan:
+    """Plan the paper's measurement for every reflector.
+
+    Args:
+        bench: nominal arm, reflectors as well as they are known, limits.
+        subdivide: split moves so that the beam is kept; False drives point to point, to show what breaks.
+        take_up: bring each joint to its node from its proper side; False shows what that shifts.
+        reflectors: names of the reflectors to measure; all of the cell when empty.
+        closures: trips to a reference pose for each reflector; none without subdivision and take-up, which they
+            would undo.
+
+    Raises:
+        PlanLimitError: a joint, take-up included, or J4 leaves its limits.
+        PlanError: a reflector is hidden from too many points, stands in the arm's way, or is unknown.
+    """
+    commands = bidirectional_sequence(bench.nodes1_deg, bench.nodes2_deg)
+    stops = (
+        with_take_up(commands, bench.take_up_deg)
+        if take_up
+        else tuple(Waypoint(c.theta1_deg, c.theta2_deg, c) for c in commands)
+    )
+    require_joint_limits(stops, bench)
+    plans = tuple(
+        _reflector_plan(stops, bench, reflector, subdivide, closures if subdivide and take_up else 0)
+        for reflector in _chosen(bench, reflectors)
+    )
+    for plan in plans:
+        require_clear_visits(plan.visits, bench)
+    return OpenLoopPlan(bench, plans, tuple(text for plan in plans for text in _warnings(plan)))
+
+
+def _chosen(bench: Bench, names: tuple[str, ...]) -> tuple[Reflector, ...]:
+    known = {reflector.name: reflector for reflector in bench.reflectors}
+    for name in names:
+        if name not in known:
+            raise PlanError(f"reflector {name} is not in the cell file; known: {', '.join(known)}")
+    return tuple(known[name] for name in names) if names else bench.reflectors
+
+
+def _reflector_plan(
+    stops: tuple[Waypoint, ...], bench: Bench, reflector: Reflector, subdivide: bool, closures: int
+) -> ReflectorPlan:
+    track = plan_track(stops, bench, reflector, subdivide)
+    visits, blind = plan_visits(stops, track, bench, reflector)
+    _require_sight(visits, reflector, len(visits) + len(blind), bench)
+    breaks = sum(not visit.tracked for visit in visits) - 1
+    trips, warnings = plan_closures(visits, closures, bench, reflector) if closures else ((), ())
+    return ReflectorPlan(reflector, visits, blind, breaks, trips, warnings)
+
+
+def _require_sight(visits: tuple[Visit, ...], reflector: Reflector, n_commands: int, bench: Bench) -> None:
+    if len(visits) >= _FEWEST_SEEN * n_commands:
+        return
+    optics = bench.optics
+    raise PlanError(
+        f"reflector {reflector.name} at ({reflector.x_mm:g}, {reflector.y_mm:g}) mm can be seen from only "
+        f"{len(visits)} of {n_commands} commands: the base column ({optics.column_radius_mm:g} mm and "
+        f"{optics.column_margin_mm:g} mm margin), the reflector's field (±{optics.field_half_angle_deg:g}° about "
+        f"{reflector.facing_deg:g}°) or the beam's range ({optics.beam_min_mm:g}…{optics.beam_max_mm:g} mm) hides "
+        "it; put the reflector elsewhere, turn it, or correct its place in the cell file"
+    )
+
+
+def _warnings(plan: ReflectorPlan) -> list[str]:
+    texts = []
+    if plan.blind:
+        first = plan.blind[0]
+        texts.append(
+            f"reflector {plan.reflector.name}: {len(plan.blind)} commands are blind and left out, the first at "
+            f"θ1 = {first.theta1_deg:g}°, θ2 = {first.theta2_deg:g}°"
+        )
+    return [*texts, *break_warnings(plan.reflector, plan.planned_breaks), *plan.closure_warnings]

@@ -1,0 +1,247 @@
+"""A straight path both ways, measured by an independent instrument (Sec. 4.3 of the SCARA paper) or by distances."""
+
+from functools import partial
+from typing import Annotated
+
+from pydantic import BaseModel, ConfigDict, Field
+
+from catseye.calibration.scara.planar import Hand
+from catseye.drivers.roles.protocols import Joints
+from catseye.procedures.kit.bench import Bench
+from catseye.procedures.kit.context import Context, Location, Prompt, Row
+from catseye.procedures.kit.errors import ArmMovedError, MeasuredFileError
+from catseye.procedures.scara.motion.entry import stands_at, way_in
+from catseye.procedures.scara.path.joint_rows import plan_joint_rows
+from catseye.procedures.scara.path.measured_path import matched_rows
+from catseye.procedures.scara.path.path_plan import Instrument, PathPlan, plan_path, take_up_of
+from catseye.procedures.scara.path.tracked_path import PathPoint, TrackedCampaign
+
+_ATTEMPTS = 3
+"""So often a point is measured anew when the arm was moved meanwhile."""
+
+_MOST_FILES = 10
+"""After so many files that cannot be used nobody will find the right one."""
+
+
+JointRow = Annotated[list[float], Field(min_length=6, max_length=6)]
+"""Where the arm shall stand, x and y in mm, J1 and J2 in deg, and their states of approach, 1 or -1."""
+
+
+class PathParams(BaseModel):
+    """What may be chosen for a validation path."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid", strict=True)
+
+    # The bounds hold for any arm; whether this one reaches is found out by the plan.
+    x_mm: float = Field(200.0, ge=-5000.0, le=5000.0, description="where the path runs, mm")
+    y_from_mm: float = Field(-500.0, ge=-5000.0, le=5000.0, description="first end, mm")
+    y_to_mm: float = Field(500.0, ge=-5000.0, le=5000.0, description="other end, mm")
+    step_mm: float = Field(10.0, ge=0.1, le=500.0, description="largest distance between points, mm")
+    hand: Hand = Field("right", description="right has θ2 >= 0")
+    passes: int = Field(1, ge=1, le=100, description="how often the whole way is driven")
+    instrument: Instrument | None = Field(
+        None,
+        description="who measures: tracker, interferometer, or file for a tracker's CSV; by default the cell's "
+        "tracker, or the interferometer without one",
+    )
+    reflector: str = Field(
+        "", description="that the interferometer measures to; by default the one that sees most of the path"
+    )
+    hold_time_s: float = Field(
+        2.0, ge=0.0, le=600.0, description="standstill at a point that is measured for a file, s"
+    )
+    confirm_each: bool = Field(False, description="you confirm each point that is measured for a file")
+    joints: list[JointRow] = Field(
+        [],
+        description="CSV of catseye compensate, whose commands are driven as they stand instead of a straight path",
+        json_schema_extra={"file": "joint rows"},
+    )
+
+
+class ValidationPath:
+    """Drives the path and records where an instrument sees the arm, or how far it is from a reflector."""
+
+    name = "validation-path"
+    title = "Validation path"
+    needs_aim = True
+    needs_tracker = False
+    params_type = PathParams
+
+    def plan(self, bench: Bench, params: PathParams) -> PathPlan:
+        """Plan the path; see plan_path, and plan_joint_rows for given commands."""
+        if params.joints:
+            return plan_joint_rows(
+                bench,
+                params.joints,
+                params.passes,
+                params.instrument,
+                params.hold_time_s,
+                params.confirm_each,
+            )
+        return plan_path(bench, **params.model_dump(exclude={"joints"}))
+
+    async def run(self, ctx: Context, plan: PathPlan) -> None:
+        """Drive and measure.
+
+        Args:
+            ctx: the bench; it has the instrument that the plan names.
+            plan: what plan_path returned.
+
+        Raises:
+            BeamLostError: the operator ends the run since the beam does not come back.
+            ArmMovedError: the arm was moved again and again while a point was measured.
+            MeasuredFileError: no file that was given can be used.
+            WayBlockedError: the arm cannot be led to the path.
+        """
+        if plan.tracked is not None:
+            await TrackedCampaign(ctx, plan.bench, plan.tracked, plan.points).run()
+            return
+        drive = _Drive(ctx, plan)
+        for pass_number in range(plan.passes):
+            title = f"pass {pass_number + 1}: approach the first point"
+            await ctx.step(f"run-in/{pass_number}", title, drive.run_in)
+            for number, point in enumerate(plan.points):
+                title = f"x {point.x_mm:g} mm, y {point.y_mm:g} mm"
+                step_id = f"path/{pass_number}/{number:04d}"
+                await ctx.step(step_id, title, partial(drive.visit, point, pass_number, number))
+                drive.tell_progress(pass_number, number)
+        if plan.instrument == "file":
+            await ctx.step(
+                "measured-file", "positions from the instrument's file", partial(_take_file, ctx, plan)
+            )
+
+    async def teardown(self, ctx: Context) -> None:
+        """Leave the arm where it stands."""
+
+
+class _Drive:
+    """Drives the path; knows where it left the arm, with the directions of approach of the points."""
+
+    def __init__(self, ctx: Context, plan: PathPlan) -> None:
+        self._ctx = ctx
+        self._plan = plan
+        self._left: Joints | None = None
+        self._next: Joints | None = None
+
+    async def run_in(self) -> Row:
+        """Go to where the first point is approached from."""
+        await self._enter(self._plan.run_in[0], self._plan.run_in[1])
+        return {}
+
+    async def visit(self, point: PathPoint, pass_number: int, number: int) -> Row:
+        """Stand at a point and let it be measured."""
+        self._next = self._joints_of(number + 1)
+        for attempt in range(_ATTEMPTS):
+            if not await self._undisturbed():
+                # The arm may stand anywhere, and came there from any side.
+                start = take_up_of(point, self._plan.bench)
+                await self._enter(start[0], start[1])
+            elif self._plan.come_from and (beyond := self._plan.come_from[number]) is not None:
+                await self._move((*beyond, self._plan.bench.arm.j3_mm, 0.0))
+            await self._move((point.theta1_deg, point.theta2_deg, self._plan.bench.arm.j3_mm, 0.0))
+            found = await self._measured(point, f"point/{pass_number}/{number:04d}", attempt)
+            if await self._undisturbed():
+                return self._kept(point, pass_number, found)
+            await self._ctx.warn(
+                f"the arm no longer stands at x {point.x_mm:g} mm, y {point.y_mm:g} mm, where it was sent: somebody "
+                "has moved it; the point is approached and measured again, leave the arm alone"
+            )
+        raise ArmMovedError(
+            f"the arm was moved {_ATTEMPTS} times while x {point.x_mm:g} mm, y {point.y_mm:g} mm was measured: find "
+            "out who or what moves it, then go on with catseye resume"
+        )
+
+    def tell_progress(self, pass_number: int, number: int) -> None:
+        """Tell how far the path is driven, in expected bench seconds."""
+        total = self._plan.passes * len(self._plan.points)
+        done = pass_number * len(self._plan.points) + number + 1
+        duration_s = self._plan.duration_s
+        self._ctx.progress(duration_s * done / total, duration_s, f"path point {done}/{total}")
+
+    def _joints_of(self, number: int) -> Joints | None:
+        """Return the joints at a point; None after the last one of a pass."""
+        if number >= len(self._plan.points):
+            return None
+        point = self._plan.points[number]
+        return (point.theta1_deg, point.theta2_deg, self._plan.bench.arm.j3_mm, 0.0)
+
+    async def _enter(self, theta1_deg: float, theta2_deg: float) -> None:
+        bench = self._plan.bench
+        target = (theta1_deg, theta2_deg, bench.arm.j3_mm, 0.0)
+        for pose in way_in(await self._ctx.joints(), target, bench):
+            await self._move(pose)
+
+    async def _move(self, target: Joints) -> None:
+        await self._ctx.move(target)
+        self._left = target
+
+    async def _undisturbed(self) -> bool:
+        """Return whether the arm stands where this process left it."""
+        return self._left is not None and stands_at(await self._ctx.joints(), self._left)
+
+    async def _measured(self, point: PathPoint, prompt_id: str, attempt: int) -> Location | None:
+        """Let the instrument measure; None when it tells later, by its file."""
+        if self._plan.instrument != "file":
+            return await self._ctx.locate(self._plan.bench.timing.settle_time_s)
+        await self._hold(point, prompt_id + (f"/again{attempt}" if attempt else ""))
+        return None
+
+    def _kept(self, point: PathPoint, pass_number: int, found: Location | None) -> Row:
+        if found is None:
+            return {}
+        measured = {"x_meas_mm": found.x_mm, "y_meas_mm": found.y_mm}
+        self._ctx.record(
+            "path", {**point.as_row(), **measured, "u_mm": found.u_mm, "pass_number": pass_number}
+        )
+        return measured
+
+    async def _hold(self, point: PathPoint, prompt_id: str) -> None:
+        """Stand still for the instrument; a "no" of the operator gives it more time."""
+        await self._ctx.pause(self._plan.hold_time_s)
+        number = 1
+        while (
+            self._plan.confirm_each
+            and await self._ctx.ask(_point_prompt(point, prompt_id, number, self._next)) != "yes"
+        ):
+            await self._ctx.pause(self._plan.hold_time_s)
+            number += 1
+
+
+def _point_prompt(point: PathPoint, prompt_id: str, number: int, target: Joints | None) -> Prompt:
+    return Prompt(
+        prompt_id if number == 1 else f"{prompt_id}/{number}",
+        "confirm",
+        f"Measure the arm at x {point.x_mm:g} mm, y {point.y_mm:g} mm with the instrument; "
+        "is the point taken? The arm then moves on.",
+        motion=True,
+        target=target,
+    )
+
+
+async def _take_file(ctx: Context, plan: PathPlan) -> Row:
+    """Ask for the instrument's file until one can be used."""
+    complaint = ""
+    driven_mm = [(point.x_mm, point.y_mm) for point in plan.points] * plan.passes
+    for number in range(1, _MOST_FILES + 1):
+        file = await ctx.ask(_file_prompt(number, complaint))
+        try:
+            rows = matched_rows(file, plan.points, plan.passes, await ctx.load_path(file, driven_mm))
+        except MeasuredFileError as error:
+            complaint = str(error)
+            await ctx.warn(complaint)
+            continue
+        for row in rows:
+            ctx.record("path", row)
+        return {"file": file, "points": len(rows)}
+    raise MeasuredFileError(
+        f"{complaint}; {_MOST_FILES} files could not be used: the arm has been driven along the whole path, so go on "
+        "with catseye resume when the file is right"
+    )
+
+
+def _file_prompt(number: int, complaint: str) -> Prompt:
+    return Prompt(
+        "measured-file" if number == 1 else f"measured-file/{number}",
+        "text",
+        (f"{complaint}. " if complaint else "") + "Type the path of the tracker's CSV of these points.",
+    )

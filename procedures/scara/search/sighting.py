@@ -1,0 +1,264 @@
+"""Looking for a reflector from one pose: by a scan of J4, or by a technician who jogs it."""
+
+import math
+from collections import Counter
+from dataclasses import dataclass
+from statistics import median
+
+from catseye.drivers.roles.protocols import Joints
+from catseye.procedures.kit.context import Context, Live, Prompt, Row
+from catseye.procedures.kit.stored import number_of
+from catseye.procedures.scara.beam.beam_scan import ReturnWindow, find_return, half_window_deg, signal_live
+from catseye.procedures.scara.beam.nests import Nests
+from catseye.procedures.scara.motion.arrival import Arrival
+from catseye.procedures.scara.search.search_plan import Jogging, SearchPlan, SearchPose
+
+_MOST_QUESTIONS = 500
+"""So many answers at one pose mean that nobody is there who looks at the signal."""
+
+
+@dataclass(frozen=True)
+class Sighting:
+    """A pose from which a reflector was found.
+
+    Attributes:
+        pose: the pose.
+        j4_deg: middle of the return window.
+    """
+
+    pose: SearchPose
+    j4_deg: float
+
+    @property
+    def offset_deg(self) -> float:
+        """What the rough aim was wrong by, -180...180."""
+        return (self.j4_deg - self.pose.j4_deg + 180.0) % 360.0 - 180.0
+
+
+class Lookout:
+    """Looks for reflectors from one pose after the other and keeps what was found.
+
+    Args:
+        ctx: the bench.
+        plan: of the search.
+
+    Attributes:
+        sightings: found so far, in order.
+        looked: how often each reflector was looked for.
+    """
+
+    def __init__(self, ctx: Context, plan: SearchPlan) -> None:
+        self.sightings: list[Sighting] = []
+        self.looked: Counter[str] = Counter()
+        self._ctx = ctx
+        self._plan = plan
+        self._nests = Nests(ctx, plan.bench)
+        self._arrival = Arrival(ctx, plan.bench)
+        self._visits: list[str] = []
+
+    async def look(self, pose: SearchPose, said: "Announcement | None" = None) -> None:
+        """Look from a pose, in a step of its own.
+
+        Args:
+            pose: from where.
+            said: why the pose was added, told when the step runs.
+        """
+        name, number = pose.reflector.name, self.looked.total()
+        self.looked[name] += 1
+        if not self._visits or self._visits[-1] != name:
+            self._visits.append(name)
+        visit = self._visits.count(name)
+
+        async def action() -> Row:
+            if said is not None:
+                await said.tell(self._ctx)
+            await self._nests.place(pose.reflector, visit, self._aim(pose)[0])
+            return await self._find(pose, number)
+
+        title = f"{name}: look from θ1 {pose.theta1_deg:g}°, θ2 {pose.theta2_deg:g}°"
+        result = await self._ctx.step(f"sight/{name}/{number:02d}", title, action)
+        if result["found"]:
+            self.sightings.append(Sighting(pose, number_of(result, "j4_deg")))
+
+    async def _find(self, pose: SearchPose, number: int) -> Row:
+        start, half_range = self._aim(pose)
+        await self._arrival.at(_within(start, self._plan.bench.arm.j4_limits_deg))
+        if self._plan.jogging is None:
+            window = await self._scan(start, pose, half_range)
+            remedy = f"not found within ±{half_range:g}° of J4 = {start[3]:.2f}°"
+        else:
+            window = await _Jog(self._ctx, self._plan, self._plan.jogging, pose, number).window(start)
+            remedy = "left out by the operator"
+        if window is None:
+            await self._ctx.warn(
+                f"reflector {pose.reflector.name} {remedy} at θ1 = {pose.theta1_deg:g}°, "
+                f"θ2 = {pose.theta2_deg:g}°: check that the beam is free, and the rough place and theta40_deg in the "
+                "cell file"
+            )
+            return {"found": False}
+        row: Row = {
+            "reflector": pose.reflector.name,
+            "theta1_deg": pose.theta1_deg,
+            "theta2_deg": pose.theta2_deg,
+            "j4_deg": window.centre_deg,
+            "lower_deg": window.lower_deg,
+            "upper_deg": window.upper_deg,
+            "signal": window.signal,
+        }
+        self._ctx.record("search", row)
+        return {"found": True, "j4_deg": window.centre_deg}
+
+    def _aim(self, pose: SearchPose) -> tuple[Joints, float]:
+        """Return where the scan begins, as well as is known by now, and its half range."""
+        same = [seen.offset_deg for seen in self.sightings if seen.pose.reflector == pose.reflector]
+        expected = same or [seen.offset_deg for seen in self.sightings] or [0.0]
+        plan, arm = self._plan, self._plan.bench.arm
+        half_range = plan.later_half_range_deg if self.sightings else plan.half_range_deg
+        aim_deg = _on_a_branch(pose.j4_deg + median(expected), arm.j4_limits_deg)
+        return (pose.theta1_deg, pose.theta2_deg, arm.j3_mm, aim_deg), half_range
+
+    async def _scan(self, start: Joints, pose: SearchPose, half_range_deg: float) -> ReturnWindow | None:
+        optics, limits = self._plan.bench.optics, self._plan.bench.arm.j4_limits_deg
+        half_window = half_window_deg(optics.acceptance_mm, pose.beam_mm)
+        return await find_return(self._ctx, start, half_range_deg, half_window, limits, optics.signal_min)
+
+
+@dataclass(frozen=True)
+class Announcement:
+    """What is told when a pose is added.
+
+    Attributes:
+        warnings: about sightings that were left out.
+        reflector: whose aim does not hold; empty when there is no aim yet.
+        u_mm: its worst standard uncertainty.
+        room_mm: what twice that may be.
+        poses: poses looked from so far.
+    """
+
+    warnings: tuple[str, ...]
+    reflector: str
+    u_mm: float | None
+    room_mm: float
+    poses: int
+
+    async def tell(self, ctx: Context) -> None:
+        """Tell it."""
+        for text in self.warnings:
+            await ctx.warn(text)
+        if self.u_mm is None:
+            await ctx.event("aim", reflector=self.reflector, poses=self.poses, holds=False)
+            return
+        ctx.show(
+            Live(
+                f"aim at {self.reflector}, k = 2",
+                2.0 * self.u_mm,
+                "mm",
+                high=self.room_mm,
+                text="another pose is looked from",
+            )
+        )
+        await ctx.event(
+            "aim",
+            reflector=self.reflector,
+            worst_uncertainty_mm=self.u_mm,
+            room_mm=self.room_mm,
+            poses=self.poses,
+            holds=False,
+        )
+
+
+class _Jog:
+    """One pose at which the technician turns J4 and watches the signal."""
+
+    def __init__(
+        self, ctx: Context, plan: SearchPlan, jogging: Jogging, pose: SearchPose, number: int
+    ) -> None:
+        self._ctx = ctx
+        self._plan = plan
+        self._jogging = jogging
+        self._pose = pose
+        self._number = number
+
+    async def window(self, start: Joints) -> ReturnWindow | None:
+        """Ask and turn until the beam is back and centred; None when the pose is left out."""
+        at = _within(start, self._plan.bench.arm.j4_limits_deg)
+        await self._ctx.move(at)
+        complaint = ""
+        for question in range(1, _MOST_QUESTIONS + 1):
+            beam = await self._ctx.beam()
+            if beam.beam_ok and self._jogging.auto_centre:
+                return await self._centred(at)
+            answer = (await self._ctx.ask(self._prompt(question, at[3], complaint), self._watch)).strip()
+            if answer == "skip":
+                return None
+            if answer == "here":
+                window, complaint = await self._taken(at[3])
+                if window is not None:
+                    return window
+                continue
+            turn_deg, complaint = self._turn(answer, at[3])
+            if turn_deg is not None:
+                at = (*at[:3], at[3] + turn_deg)
+                await self._ctx.move(at)
+        return None
+
+    def _prompt(self, question: int, j4_deg: float, complaint: str) -> Prompt:
+        name, largest = self._pose.reflector.name, self._jogging.largest_deg
+        goal = (
+            "until the signal returns"
+            if self._jogging.auto_centre
+            else "until the signal is largest, then here"
+        )
+        return Prompt(
+            id=f"jog/{name}/{self._number}/{question}",
+            kind="text",
+            text=f"{complaint}Type by how many degrees J4 shall turn towards {name}, −{largest:g} to {largest:g} "
+            f"(now at {j4_deg:.3f}°), {goal}; skip leaves this pose out.",
+            unit="deg",
+            safe_answer="skip",
+            motion=True,
+        )
+
+    def _turn(self, answer: str, j4_deg: float) -> tuple[float | None, str]:
+        """Return the turn that an answer asks for, or what is wrong with it."""
+        largest, (low, high) = self._jogging.largest_deg, self._plan.bench.arm.j4_limits_deg
+        try:
+            turn = float(answer.replace("−", "-").replace(",", "."))
+        except ValueError:
+            turn = math.nan
+        if not math.isfinite(turn):
+            return None, f"{answer!r} is neither a number of degrees nor here or skip. "
+        if abs(turn) > largest:
+            return None, f"{turn:g}° is more than {largest:g}° at a time; nothing was moved. "
+        if not low <= j4_deg + turn <= high:
+            return None, f"J4 = {j4_deg + turn:.2f}° is outside {low:g}…{high:g}°; nothing was moved. "
+        return turn, ""
+
+    async def _taken(self, j4_deg: float) -> tuple[ReturnWindow | None, str]:
+        """Take the present angle for the middle of the window if the beam returns."""
+        beam, least = await self._ctx.beam(), self._plan.bench.optics.signal_min
+        if beam.beam_ok and beam.signal >= least:
+            return ReturnWindow(j4_deg, j4_deg, beam.signal), ""
+        return None, f"The beam does not return here (signal {beam.signal:.2f}, {least:g} is needed). "
+
+    async def _centred(self, at: Joints) -> ReturnWindow | None:
+        optics, limits = self._plan.bench.optics, self._plan.bench.arm.j4_limits_deg
+        half_window = half_window_deg(optics.acceptance_mm, self._pose.beam_mm)
+        return await find_return(self._ctx, at, 0.5 * half_window, half_window, limits, optics.signal_min)
+
+    async def _watch(self) -> Live:
+        least = self._plan.bench.optics.signal_min
+        return signal_live((await self._ctx.beam()).signal, least)
+
+
+def _within(pose: Joints, j4_limits_deg: tuple[float, float]) -> Joints:
+    """Return a pose with J4 brought inside its limits."""
+    low, high = j4_limits_deg
+    return (*pose[:3], min(max(pose[3], low), high))
+
+
+def _on_a_branch(j4_deg: float, limits_deg: tuple[float, float]) -> float:
+    """Return J4 by whole turns inside its limits; unchanged where none fits, and the scan starts beside it."""
+    low, high = limits_deg
+    fitting = [j4_deg + turn for turn in (0.0, 360.0, -360.0) if low <= j4_deg + turn <= high]
+    return fitting[0] if fitting else j4_deg

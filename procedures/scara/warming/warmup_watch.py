@@ -1,0 +1,102 @@
+"""The drift at the reference pose of a warm-up, as the visits tell it."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from catseye.calibration.core.settling import DriftRate, drift_rate, settling
+from catseye.procedures.kit.context import Row
+from catseye.procedures.kit.stored import integer, number_of
+from catseye.procedures.scara.warming.warmup_plan import WarmupPlan
+
+_COMPLETE = 0.95
+"""Visits of a full window span this share of it: the next one would lie beyond it."""
+
+FEWEST_VISITS = 6
+"""Visits that a drift comes from at least, however long they took."""
+
+_PAUSE = 3.0
+"""A visit that comes this many times later than visits do ends a rest, in which the arm cooled."""
+
+
+@dataclass(frozen=True)
+class _Seen:
+    time_s: float
+    displacement_mm: float
+
+
+class Watch:
+    """The drift as the visits tell it; a new segment begins a new series."""
+
+    def __init__(self, plan: WarmupPlan) -> None:
+        self._plan = plan
+        self._segment: int | None = None
+        self._series: list[_Seen] = []
+        self._below = 0
+        self.elapsed_s = 0.0
+        self.rate: DriftRate | None = None
+
+    @property
+    def warm(self) -> bool:
+        """The drift was below the limit often enough."""
+        return self._below >= self._plan.checks
+
+    @property
+    def visits(self) -> int:
+        """Visits of the present series."""
+        return len(self._series)
+
+    def take(self, row: Row) -> bool:
+        """Take a visit in; return whether it begins a new series after another one."""
+        if not row["measured"]:
+            self.elapsed_s += self._plan.visit_s
+            return False
+        seen = _Seen(number_of(row, "clock_s"), number_of(row, "displacement_mm"))
+        segment = integer(row["segment"])
+        begins = self._segment != segment or self._rested(seen)
+        again = self._segment is not None and begins
+        if begins:
+            self._segment, self._series, self._below = segment, [], 0
+        # Time between two processes of a run, or of a hold, is no exercise.
+        self.elapsed_s += seen.time_s - self._series[-1].time_s if self._series else self._plan.visit_s
+        self._series.append(seen)
+        self._judge()
+        return again
+
+    def remaining_s(self) -> float:
+        """Return how long it will take: until the longest time, or less where an exponential approach is seen."""
+        longest = max(0.0, self._plan.duration_limit_s - self.elapsed_s)
+        if self.visits < 2:
+            return longest
+        time_s, length_mm = self._columns(self._series)
+        approach = settling(time_s, length_mm)
+        if approach is None:
+            return longest
+        # A slope belongs to the middle of its window.
+        end_s = approach.below_after_s(self._plan.limit_um_per_10min) + 0.5 * self._plan.window_s
+        checks_s = (self._plan.checks - self._below) * self._plan.visit_s
+        return min(longest, max(end_s - float(time_s[-1]), 0.0) + checks_s)
+
+    def _rested(self, seen: _Seen) -> bool:
+        """Return whether the arm stood still for long before a visit: a hold, an open door, a question."""
+        if len(self._series) < 2:
+            return False
+        first, last = self._series[0], self._series[-1]
+        usual_s = max(self._plan.visit_s, (last.time_s - first.time_s) / (len(self._series) - 1))
+        return seen.time_s - last.time_s > _PAUSE * usual_s
+
+    def _judge(self) -> None:
+        last = self._series[-1].time_s
+        recent = sum(seen.time_s >= last - self._plan.window_s for seen in self._series)
+        complete = last - self._series[0].time_s >= _COMPLETE * self._plan.window_s
+        window = self._series[-max(recent, FEWEST_VISITS) :]
+        self.rate = drift_rate(*self._columns(window)) if complete and len(window) >= FEWEST_VISITS else None
+        below = self.rate is not None and self.rate.bound_um_per_10min <= self._plan.limit_um_per_10min
+        self._below = self._below + 1 if below else 0
+
+    def _columns(self, series: list[_Seen]) -> tuple[np.ndarray, np.ndarray]:
+        start = self._series[0].time_s
+        return (
+            np.array([seen.time_s - start for seen in series]),
+            np.array([seen.displacement_mm for seen in series]),
+        )

@@ -1,0 +1,1 @@
+"""Tests of the messages and rules that engine and front ends share."""
