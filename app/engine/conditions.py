@@ -1,10 +1,10 @@
 """What has to hold around the robot while it moves and comes back by itself, the air; and who looks at the bench."""
 
 import logging
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Callable, Sequence
 from typing import Protocol
 
+from catseye.app.cell.air import AirLimits
 from catseye.app.engine.control import RunControl
 from catseye.app.engine.measuring import AirCache
 from catseye.app.errors import InterruptionError, SafetyError
@@ -33,17 +33,6 @@ class Condition(Protocol):
     async def trouble(self) -> str | None:
         """Return what is wrong and what to do about it; None when the condition holds."""
         ...
-
-
-@dataclass(frozen=True)
-class AirLimits:
-    """Ranges of the air in which a measurement goes on.
-
-    Attributes:
-        ranges: smallest and largest value by the name of the quantity in an air sample.
-    """
-
-    ranges: Mapping[str, tuple[float, float]] = field(default_factory=dict)
 
 
 class AirInRange:

@@ -5,11 +5,11 @@ from collections.abc import Awaitable, Callable, Sequence
 from dataclasses import dataclass, field, replace
 from typing import TypeVar
 
+from catseye.app.cell.air import AirRule
 from catseye.app.engine.acknowledging import Acknowledging
 from catseye.app.engine.announcer import Announcer
-from catseye.app.engine.compensation import AirRule, Compensation, missing_quantities
+from catseye.app.engine.compensation import Compensation, missing_quantities
 from catseye.app.engine.control import RunControl
-from catseye.app.engine.crash_points import crash_point
 from catseye.app.engine.devices import Devices
 from catseye.app.engine.gate import MotionGate
 from catseye.app.engine.measuring import AirCache, measure, unless_dark
@@ -35,6 +35,7 @@ from catseye.app.protocol.events import (
     WarningTold,
 )
 from catseye.app.protocol.prompts import MotionAfter
+from catseye.app.store.crash_points import crash_point
 from catseye.app.store.rows import encode
 from catseye.app.store.run_store import RunStore
 from catseye.drivers.roles.clock import Clock

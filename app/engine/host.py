@@ -13,7 +13,6 @@ from catseye.app.engine.compensation import Compensation
 from catseye.app.engine.conditions import AirInRange, Condition
 from catseye.app.engine.context import RunContext
 from catseye.app.engine.control import RunControl
-from catseye.app.engine.crash_points import arm, crash_point
 from catseye.app.engine.devices import (
     DeviceBuilder,
     Devices,
@@ -52,6 +51,7 @@ from catseye.app.protocol.events import (
 )
 from catseye.app.protocol.loss import after_loss
 from catseye.app.protocol.state import ControlState
+from catseye.app.store.crash_points import arm, crash_point
 from catseye.app.store.lines import LogHandler
 from catseye.app.store.reader import Accept, RunReader
 from catseye.app.store.run_store import RunStore

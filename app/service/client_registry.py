@@ -7,7 +7,6 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import Final
 
-from catseye.app.bench.telemetry import Topic
 from catseye.app.engine.announcer import Publish
 from catseye.app.engine.handle import RunHandle
 from catseye.app.protocol.events import (
@@ -34,7 +33,8 @@ from catseye.app.service.latest_events import LatestEvents
 from catseye.app.service.mailbox import Mailbox
 from catseye.app.service.member import Member, send
 from catseye.app.service.prompt_broker import PromptBroker
-from catseye.app.version import SOFTWARE
+from catseye.app.service.watching.telemetry import Topic
+from catseye.app.store.software import SOFTWARE
 from catseye.drivers.roles.clock import Clock
 
 _log = logging.getLogger(__name__)

@@ -6,12 +6,6 @@ from contextlib import asynccontextmanager, suppress
 from dataclasses import replace
 from pathlib import Path
 
-from catseye.app.aim import find_aim
-from catseye.app.bench.cell_devices import cell_devices
-from catseye.app.bench.facts import BenchFacts, facts_of
-from catseye.app.bench.idle import CellDevices, DevicePool
-from catseye.app.bench.lending import ManualBench
-from catseye.app.bench.telemetry import Telemetry
 from catseye.app.cell.bench import bench_of
 from catseye.app.cell.load import load_cell
 from catseye.app.cell.model import Cell
@@ -19,9 +13,15 @@ from catseye.app.engine.devices import DeviceBuilder
 from catseye.app.engine.interlock import RemoteIo
 from catseye.app.errors import CatseyeError, StorageError, UsageError
 from catseye.app.protocol.events import AnyEvent, JogChanged, WarningTold
-from catseye.app.running import PlannedRun
 from catseye.app.service.client_registry import ClientRegistry
 from catseye.app.service.errors import RefusedError
+from catseye.app.service.manual.device_loan import ManualBench
+from catseye.app.service.running import PlannedRun
+from catseye.app.service.watching.bench_facts import BenchFacts, facts_of
+from catseye.app.service.watching.cell_devices import cell_devices
+from catseye.app.service.watching.device_pool import CellDevices, DevicePool
+from catseye.app.service.watching.telemetry import Telemetry
+from catseye.app.store.aim import find_aim
 from catseye.drivers.roles.clock import Clock
 from catseye.drivers.roles.protocols import DeviceIdentity
 

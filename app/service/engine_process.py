@@ -10,8 +10,6 @@ from dataclasses import replace
 from functools import partial
 from pathlib import Path
 
-from catseye.app.bench.by_hand import ManualControl
-from catseye.app.bench.drives import RestingDrives
 from catseye.app.cell.load import load_cell
 from catseye.app.engine.announcer import Publish
 from catseye.app.engine.handle import RunHandle
@@ -22,20 +20,22 @@ from catseye.app.engine.states import Trigger, transition
 from catseye.app.engine.waiting import uncancelled
 from catseye.app.errors import InterruptedRunError, exit_code_of, text_of
 from catseye.app.exitcode import ExitCode
-from catseye.app.procedure_list import load_procedure, parse_params
 from catseye.app.protocol.answers import Answer, Opened
 from catseye.app.protocol.events import AnyEvent, EngineIdle, ErrorTold, RunEvent, StateChanged
+from catseye.app.protocol.procedures import load_procedure, parse_params
 from catseye.app.protocol.requests import Resume, Start
 from catseye.app.protocol.state import ControlState
-from catseye.app.resuming import plan_resume
-from catseye.app.running import PlannedRun, carry_out, plan_run
 from catseye.app.service.address import socket_folder
 from catseye.app.service.client_registry import ClientRegistry
 from catseye.app.service.engine_bench import EngineBench
 from catseye.app.service.errors import RefusedError, refusal_of
+from catseye.app.service.manual.drives import RestingDrives
+from catseye.app.service.manual.manual_control import ManualControl
+from catseye.app.service.planned_walk import as_walk
+from catseye.app.service.resumption import plan_resume
+from catseye.app.service.running import PlannedRun, carry_out, plan_run
 from catseye.app.service.server import Server
 from catseye.app.service.sparse_log import SparseLog
-from catseye.app.walk.planning import as_walk
 from catseye.drivers.roles.clock import SystemClock
 
 _log = logging.getLogger(__name__)

@@ -3,9 +3,9 @@
 from collections.abc import Callable
 from dataclasses import dataclass, field
 
-from catseye.app.bench.telemetry import Topic
 from catseye.app.protocol.events import AnyEvent, Client
 from catseye.app.service.mailbox import Mailbox, MailboxFullError
+from catseye.app.service.watching.telemetry import Topic
 
 
 @dataclass(eq=False)

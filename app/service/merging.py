@@ -1,8 +1,8 @@
 """What becomes of an event about the bench that was not sent before the next one of its kind came."""
 
-from catseye.app.bench.columns import MOST_COLUMNS
-from catseye.app.bench.traffic import MOST_LINES
 from catseye.app.protocol.events import AnyEvent, BenchSeen, SamplesTaken, WirePassed
+from catseye.app.service.watching.columns import MOST_COLUMNS
+from catseye.app.service.watching.traffic import MOST_LINES
 
 
 def merged(older: AnyEvent, newer: AnyEvent) -> AnyEvent:

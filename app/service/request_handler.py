@@ -3,8 +3,6 @@
 import asyncio
 from typing import Protocol
 
-from catseye.app.bench.by_hand import ManualControl
-from catseye.app.bench.telemetry import Telemetry
 from catseye.app.errors import LimitError
 from catseye.app.protocol.answers import Answer, Climbed, OverrideLowered, Watching
 from catseye.app.protocol.requests import (
@@ -27,8 +25,10 @@ from catseye.app.protocol.requests import (
 )
 from catseye.app.service.client_registry import ClientRegistry
 from catseye.app.service.errors import RefusedError
+from catseye.app.service.manual.manual_control import ManualControl
 from catseye.app.service.member import Member
 from catseye.app.service.steering import Steering
+from catseye.app.service.watching.telemetry import Telemetry
 
 
 class Engine(Protocol):

@@ -4,12 +4,12 @@ from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
 from pathlib import Path
 
-from catseye.app.bench.telemetry import Telemetry
 from catseye.app.engine.handle import RunHandle
 from catseye.app.engine.waiting import uncancelled
 from catseye.app.protocol.loss import LossPolicy
 from catseye.app.service.client_registry import ClientRegistry
 from catseye.app.service.server import Server
+from catseye.app.service.watching.telemetry import Telemetry
 from catseye.drivers.roles.clock import SystemClock
 
 

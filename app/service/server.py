@@ -8,7 +8,6 @@ from contextlib import AsyncExitStack, asynccontextmanager, suppress
 from pathlib import Path
 from typing import Final
 
-from catseye.app.bench.telemetry import Telemetry
 from catseye.app.engine.handle import RunHandle
 from catseye.app.engine.waiting import cancel
 from catseye.app.protocol.message import MAX_LINE_BYTES
@@ -18,6 +17,7 @@ from catseye.app.service.errors import ServiceError
 from catseye.app.service.request_handler import Engine, RequestHandler
 from catseye.app.service.session import Patience, Session
 from catseye.app.service.sparse_log import SparseLog
+from catseye.app.service.watching.telemetry import Telemetry
 from catseye.drivers.roles.clock import Clock
 
 _log = logging.getLogger(__name__)

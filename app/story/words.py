@@ -4,7 +4,7 @@ from collections.abc import Callable, Mapping
 from datetime import datetime
 from typing import Any
 
-from catseye.app.commands.progress import duration_text
+from catseye.app.cli.progress import duration_text
 from catseye.app.store.reader import StoredEvent
 
 Data = Mapping[str, Any]

@@ -7,7 +7,7 @@ import numpy as np
 
 from catseye.app.tui.hands import Step
 from catseye.app.tui.widgets.plan_drawing import pose_of
-from catseye.calibration.pointing import aim, beam_direction, nearest_branch
+from catseye.calibration.scara.pointing import aim, beam_direction, nearest_branch
 
 _LONGEST_DEG = 90.0
 """The engine takes no longer step."""

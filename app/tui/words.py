@@ -1,6 +1,6 @@
 """Numbers as people read them."""
 
-from catseye.app.commands.progress import duration_text as whole_duration_text
+from catseye.app.cli.progress import duration_text as whole_duration_text
 
 
 def duration_text(duration_s: float) -> str:

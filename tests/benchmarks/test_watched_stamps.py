@@ -20,9 +20,6 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from catseye.app.bench.facts import facts_of
-from catseye.app.bench.observed import ObservedInterferometer
-from catseye.app.bench.telemetry import Telemetry
 from catseye.app.engine.waiting import cancel
 from catseye.app.protocol.answers import Opened
 from catseye.app.protocol.events import PointMeasured, RunEnded, StepStarted, encode_event
@@ -30,6 +27,9 @@ from catseye.app.protocol.requests import Start
 from catseye.app.service.client import EngineClient, connect
 from catseye.app.service.client_registry import ClientRegistry
 from catseye.app.service.mailbox import Mailbox
+from catseye.app.service.watching.bench_facts import facts_of
+from catseye.app.service.watching.observed_devices import ObservedInterferometer
+from catseye.app.service.watching.telemetry import Telemetry
 from catseye.drivers.roles.clock import SystemClock
 from catseye.drivers.umd.display import UmdDisplay
 from tests.benchmarks.stream_peers import RATE_HZ
@@ -37,7 +37,7 @@ from tests.benchmarks.test_stream import peer
 from tests.benchmarks.test_time_per_point import FEW_NODES, searched
 from tests.system.command import Emulated, emulated, start
 from tests.system.screen import Screen
-from tests.unit.app.bench.benches import bench_from_template, cell_from_template
+from tests.unit.app.service.manual.benches import bench_from_template, cell_from_template
 
 READINGS = 100
 DWELL_S = 0.5

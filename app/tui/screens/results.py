@@ -483,7 +483,7 @@ def _shelf(root: Path) -> "ResultFiles":
 def _compared(file: "ResultFile", other: "ResultFile") -> "tuple[ResultComparison, str] | str":
     """Return both results compared with the verdict, or why they cannot be."""
     from catseye.app.analysis.result_comparison import compare_results
-    from catseye.app.commands.compare import verdict
+    from catseye.app.cli.compare_text import verdict
     from catseye.app.errors import UsageError
 
     if file.result is None or other.result is None:

@@ -332,7 +332,7 @@ class TerminalScreen(MainScreen):
             line.focus()
 
     def _send(self, text: str) -> None:
-        from catseye.app.commands.terminal import encoded
+        from catseye.app.protocol.raw_text import encoded
 
         try:
             data = encoded(text, self._end, as_hex=self._hex)  # type: ignore[arg-type]  # one of _ENDS

@@ -7,7 +7,7 @@ from typing import Any, Final
 import numpy as np
 
 from catseye.app.tui.widgets.braille import Canvas
-from catseye.calibration.kinematics import forward
+from catseye.calibration.scara.planar import forward
 
 ARM: Final = "arm"
 BASE: Final = "base"

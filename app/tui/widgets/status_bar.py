@@ -4,7 +4,7 @@ from textual.app import RenderResult
 from textual.content import Content
 from textual.widget import Widget
 
-from catseye.app.commands.progress import duration_text as whole_duration_text
+from catseye.app.cli.progress import duration_text as whole_duration_text
 from catseye.app.tui.picture import Picture
 from catseye.app.tui.words import bytes_text, duration_text
 

@@ -8,7 +8,8 @@ from typing import Any
 
 import pytest
 
-from catseye.app.engine.conditions import AirInRange, AirLimits, Condition, Watchman
+from catseye.app.cell.air import AirLimits
+from catseye.app.engine.conditions import AirInRange, Condition, Watchman
 from catseye.app.engine.control import RunControl
 from catseye.app.engine.gate import require_ready
 from catseye.app.engine.halt import HaltLimits

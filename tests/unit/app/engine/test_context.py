@@ -13,9 +13,9 @@ from catseye.app.engine.context import RunContext
 from catseye.app.engine.control import RunControl
 from catseye.app.engine.devices import Devices
 from catseye.app.engine.gate import JointLimits, MotionGate
-from catseye.app.engine.hands import SimulatedOperator
 from catseye.app.engine.host import run_procedure
 from catseye.app.engine.operator import Answer, Operator
+from catseye.app.engine.simulated_operator import SimulatedOperator
 from catseye.app.errors import (
     ConfigError,
     InterruptedRunError,

@@ -6,12 +6,12 @@ from dataclasses import replace
 
 import pytest
 
-from catseye.app.engine.hands import SimulatedOperator
 from catseye.app.engine.operator import Answer, Operator, says_done
+from catseye.app.engine.simulated_operator import SimulatedOperator
 from catseye.app.errors import ConfigError, LinkFailedError
 from catseye.procedures.kit.context import Json, Prompt
 from catseye.simulators.config import Screws
-from catseye.simulators.launch import EmulatedBench
+from catseye.simulators.emulated_bench import EmulatedBench
 from tests.unit.app.engine.fakes import ManualClock
 from tests.unit.simulators.benches import QUIET
 

@@ -5,13 +5,13 @@ from typing import cast
 
 import pytest
 
-from catseye.app.bench.lending import ManualBench
 from catseye.app.cell.template import TEMPLATE
 from catseye.app.engine.devices import Devices
 from catseye.app.protocol.events import JogChanged
 from catseye.app.service.client_registry import ClientRegistry
 from catseye.app.service.engine_bench import EngineBench
 from catseye.app.service.errors import RefusedError
+from catseye.app.service.manual.device_loan import ManualBench
 from catseye.drivers.roles.errors import LinkError
 from catseye.drivers.roles.readings import Identity
 from tests.unit.app.engine.fakes import ManualClock

@@ -4,16 +4,16 @@ from pathlib import Path
 
 import pytest
 
-from catseye.app.bench.cell_devices import cell_devices
-from catseye.app.bench.gauges import LatestValues
-from catseye.app.bench.observed import ObservedAir, ObservedSensor
 from catseye.app.cell.model import FurtherDevice, Material
 from catseye.app.cell.template import TEMPLATE
 from catseye.app.service.client_registry import ClientRegistry
 from catseye.app.service.engine_bench import EngineBench
 from catseye.app.service.errors import RefusedError
-from tests.unit.app.bench.benches import cell_from_template
+from catseye.app.service.watching.cell_devices import cell_devices
+from catseye.app.service.watching.latest_values import LatestValues
+from catseye.app.service.watching.observed_devices import ObservedAir, ObservedSensor
 from tests.unit.app.engine.fakes import ManualClock
+from tests.unit.app.service.manual.benches import cell_from_template
 
 
 def bench_at(cell: Path, registry: ClientRegistry | None = None) -> EngineBench:

@@ -13,7 +13,6 @@ from typing import Any
 
 import pytest
 
-from catseye.app.bench.drives import RestingDrives
 from catseye.app.cell.load import load_cell
 from catseye.app.engine.host import run_procedure
 from catseye.app.engine.waiting import cancel
@@ -25,6 +24,7 @@ from catseye.app.service.address import find_socket
 from catseye.app.service.client import EngineClient, connect
 from catseye.app.service.engine_process import EngineProcess
 from catseye.app.service.errors import RefusedError
+from catseye.app.service.manual.drives import RestingDrives
 from catseye.app.store.reader import RunReader
 from catseye.app.store.run_store import RunStore
 from catseye.procedures.kit.context import Context, Prompt

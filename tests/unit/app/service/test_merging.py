@@ -6,12 +6,12 @@ from typing import TypeVar
 from hypothesis import given
 from hypothesis import strategies as st
 
-from catseye.app.bench.columns import MOST_COLUMNS
-from catseye.app.bench.traffic import MOST_LINES
 from catseye.app.protocol.bench import WireLine
 from catseye.app.protocol.events import AnyEvent, BenchSeen, SamplesTaken, WirePassed
 from catseye.app.service.mailbox import Mailbox
-from tests.unit.app.bench.benches import bench_seen
+from catseye.app.service.watching.columns import MOST_COLUMNS
+from catseye.app.service.watching.traffic import MOST_LINES
+from tests.unit.app.service.manual.benches import bench_seen
 
 T = TypeVar("T", BenchSeen, SamplesTaken, WirePassed)
 

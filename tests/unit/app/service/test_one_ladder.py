@@ -7,7 +7,7 @@ from collections.abc import Awaitable, Callable, Iterator
 
 import pytest
 
-from catseye.app.commands.attached import People
+from catseye.app.cli.attached import People
 from catseye.app.protocol.answers import Climbed
 from catseye.app.protocol.ladder import Rung, rung_of
 from catseye.app.protocol.requests import Plain

@@ -5,8 +5,8 @@ from typing import cast
 import pytest
 
 from catseye.app.protocol.requests import WalkFeed
-from catseye.app.running import PlannedRun
 from catseye.app.service.errors import RefusedError
+from catseye.app.service.running import PlannedRun
 from tests.unit.app.service.benches import ServiceBench
 
 

@@ -7,8 +7,6 @@ from typing import Literal
 
 import pytest
 
-from catseye.app.bench.facts import facts_of
-from catseye.app.bench.telemetry import Telemetry
 from catseye.app.engine.waiting import cancel
 from catseye.app.protocol.answers import Answer, Watching
 from catseye.app.protocol.events import AnyEvent, BenchSeen
@@ -18,8 +16,10 @@ from catseye.app.service.errors import RefusedError
 from catseye.app.service.mailbox import Mailbox
 from catseye.app.service.member import Member
 from catseye.app.service.request_handler import RequestHandler
-from tests.unit.app.bench.benches import bench_from_template, cell_from_template
-from tests.unit.app.bench.kept import disk
+from catseye.app.service.watching.bench_facts import facts_of
+from catseye.app.service.watching.telemetry import Telemetry
+from tests.unit.app.service.manual.benches import bench_from_template, cell_from_template
+from tests.unit.app.service.watching.pulled_devices import disk
 from tests.unit.drivers.virtual_time import VirtualClock, run
 
 

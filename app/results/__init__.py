@@ -1,0 +1,1 @@
+"""What stored runs and results say: computed and phrased, drawn by others."""
