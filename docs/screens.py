@@ -9,8 +9,8 @@ from typing import Any, Final
 
 from textual.pilot import Pilot
 
-from catseye.app.emulation import emulator_process
 from catseye.app.protocol.requests import Start
+from catseye.app.service.emulation import emulator_process
 from catseye.app.tui.app import CatseyeApp
 from catseye.app.tui.link import EngineLink
 from catseye.app.tui.session import Session

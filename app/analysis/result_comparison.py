@@ -9,9 +9,9 @@ import numpy as np
 from catseye.app.errors import UsageError
 from catseye.app.files.identified_arm import arm_of, unverified_texts
 from catseye.app.files.result_json import Estimate, MapTable, Result
-from catseye.calibration.error_map import interpolate
-from catseye.calibration.identification import IdentifiedArm
-from catseye.calibration.types import Floats
+from catseye.calibration.core.types import Floats
+from catseye.calibration.scara.error_map import interpolate
+from catseye.calibration.scara.identification import IdentifiedArm
 
 _SIGNS = ("+", "−")
 

@@ -4,8 +4,6 @@ import math
 
 from catseye.app.cell.bodies import workspace_of
 from catseye.app.cell.model import Cell
-from catseye.app.engine.compensation import AirRule
-from catseye.app.engine.conditions import AirLimits
 from catseye.app.errors import ConfigError
 from catseye.drivers.roles.registry import load_driver
 from catseye.procedures.kit.bench import Alignment, Arm, Bench, Following, Noise, Optics, Reflector, Timing
@@ -35,17 +33,6 @@ def bench_of(cell: Cell) -> Bench:
         noise=_noise(cell),
         tracker=cell.tracker is not None,
     )
-
-
-def air_rule(cell: Cell) -> AirRule:
-    """Return how the program corrects lengths for the air where the interferometer does not."""
-    return AirRule(**cell.air.model_dump())
-
-
-def air_limits(cell: Cell) -> AirLimits:
-    """Return the air in which a measurement goes on."""
-    given = cell.conditions.model_dump(exclude_none=True)
-    return AirLimits({name: (low, high) for name, (low, high) in given.items()})
 
 
 def facing_deg(x_mm: float, y_mm: float, given_deg: float | None) -> float:

@@ -3,11 +3,11 @@
 from dataclasses import dataclass
 from typing import Literal
 
+from catseye.app.cell.air import AirRule
 from catseye.app.errors import MeasurementRejectedError
-from catseye.calibration.counted_length import compensated_mm
-from catseye.calibration.refractive_index import (
-    HE_NE_VACUUM_NM,
+from catseye.calibration.air import (
     Formula,
+    compensated_mm,
     outside_nist_range,
     refractive_index,
 )
@@ -18,23 +18,6 @@ CompensatedBy = Literal["none", "instrument"]
 """Who corrects before the program sees a length: nobody, or the instrument."""
 
 _NAMES: dict[Formula, str] = {"ciddor": "Ciddor", "edlen": "modified Edlén"}
-
-
-@dataclass(frozen=True)
-class AirRule:
-    """How the program corrects for the air where the instrument does not.
-
-    Attributes:
-        formula: of the refractive index.
-        co2_ppm: carbon dioxide, ppm.
-        vacuum_wavelength_nm: of the laser, nm.
-        max_age_s: how old a sample of the air may be, s of the clock.
-    """
-
-    formula: Formula = "ciddor"
-    co2_ppm: float = 450.0
-    vacuum_wavelength_nm: float = HE_NE_VACUUM_NM
-    max_age_s: float = 2.0
 
 
 @dataclass(frozen=True)

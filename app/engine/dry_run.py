@@ -10,9 +10,9 @@ from catseye.app.engine.arm_model import AT_REST, ArmModel, Hit, Speeds
 from catseye.app.engine.gate import JointLimits
 from catseye.app.engine.measuring import dwell_interval_s
 from catseye.app.engine.operator import fault_of
+from catseye.app.engine.walked.tube import Leg, legs_through
 from catseye.app.errors import LimitError, MeasurementRejectedError
 from catseye.app.store.rows import encode
-from catseye.app.walk.tube import Leg, legs_through
 from catseye.drivers.roles.protocols import Joints
 from catseye.procedures.kit.bench import Bench
 from catseye.procedures.kit.context import (

@@ -6,9 +6,9 @@ from dataclasses import dataclass
 
 from catseye.app.engine.conditions import Condition
 from catseye.app.engine.door_watch import DoorWatch
+from catseye.app.engine.walked.rule import Desk, WalkRule
 from catseye.app.errors import ConditionLostError, InterruptionError, LimitError, SafetyError, UnwalkedError
 from catseye.app.store.run_store import RunStore
-from catseye.app.walk.rule import Desk, WalkRule
 from catseye.drivers.roles.protocols import ControllerStatus, Joints, Robot
 
 # Rounding of a controller that keeps the override as a whole number or as text.

@@ -3,10 +3,10 @@
 from collections.abc import Awaitable, Callable, Sequence
 
 from catseye.app.engine.control import RunControl
-from catseye.app.engine.crash_points import crash_point
 from catseye.app.engine.cut_short import rest_of_way
 from catseye.app.engine.gate import MotionGate
 from catseye.app.errors import ConditionLostError, InterruptionError, UnwalkedError
+from catseye.app.store.crash_points import crash_point
 from catseye.drivers.roles.protocols import Joints, Robot, WayRobot
 from catseye.procedures.kit.errors import ArmMovedError
 from catseye.procedures.scara.motion.entry import stands_at

@@ -12,8 +12,8 @@ from catseye.app.report.figures.design_places import places_figure
 from catseye.app.report.figures.design_weakness import node_figure, position_figure
 from catseye.app.report.markup import Html, bullets, element, paragraphs, section, table
 from catseye.app.report.numbers import counted, duration, fixed, plain
-from catseye.app.version import SOFTWARE
-from catseye.calibration.design.criteria import CriterionName
+from catseye.app.store.software import SOFTWARE
+from catseye.calibration.core.design.criteria import CriterionName
 
 _STYLE = Path(__file__).with_name("report.css")
 _CRITERIA: tuple[CriterionName, ...] = ("A", "D", "E", "path")

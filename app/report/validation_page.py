@@ -7,7 +7,7 @@ from catseye.app.analysis.file_validation import FileValidation
 from catseye.app.files.atomic import write_atomically
 from catseye.app.report.content import ReportContent
 from catseye.app.report.page import render_html
-from catseye.app.version import SOFTWARE
+from catseye.app.store.software import SOFTWARE
 
 
 def write_validation_page(found: FileValidation, measured: Path, output: Path) -> None:

@@ -1,1 +1,1 @@
-"""What a run and its analyses say: results as data, numbers as people read them."""
+"""What stored runs and results say: computed and phrased, drawn by others."""

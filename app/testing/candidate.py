@@ -7,7 +7,7 @@ from typing import Any, Literal, get_args
 
 from catseye.drivers.roles.registry import load_driver
 from catseye.simulators.config import Option
-from catseye.simulators.protocols import PROTOCOLS
+from catseye.simulators.registry import emulator_names
 
 Kind = Literal["robot", "interferometer", "environment", "tracker", "io"]
 
@@ -122,7 +122,7 @@ def candidate_of(
     driver = load_driver(name)
     found = kind or _kind(name, driver)
     candidate = Candidate(name, driver, found, endpoint, dict(settings or {}), allow_motion)
-    if candidate.emulated and not set(candidate.doors.values()) <= PROTOCOLS.keys():
+    if candidate.emulated and not set(candidate.doors.values()) <= set(emulator_names()):
         raise LookupError(
             f"there is no emulator for {name}: give --endpoint URL of the device or of an emulator"
         )

@@ -5,7 +5,7 @@ from collections.abc import Callable, Coroutine, Sequence
 from dataclasses import dataclass
 from typing import Any, Final, Literal
 
-from catseye.app.tui.dead_man import DeadMan
+from catseye.app.service.dead_man import DeadMan
 from catseye.app.tui.link import Link
 from catseye.app.tui.requests import Requests
 

@@ -4,22 +4,23 @@ import asyncio
 import subprocess
 import sys
 import tempfile
-from collections.abc import AsyncIterator, Callable
+from collections.abc import AsyncIterator, Awaitable, Callable
 from contextlib import AsyncExitStack, asynccontextmanager, suppress
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import TYPE_CHECKING, Protocol, TypeVar
 
 from catseye.app.tui.engine_state import EngineState
 from catseye.app.tui.engines import EngineProcess, engines_of_runs, find_engine
 from catseye.app.tui.run_state import LogLine
 from catseye.app.tui.stopping import StopOp, stop_by_every_way
-from catseye.app.tui.typed_messages import typed_bench, typed_event, typed_snapshot
 
 if TYPE_CHECKING:
     # The first screen is painted before these are imported.
     from catseye.app.protocol.requests import AnyRequest
     from catseye.app.service.client import EngineClient
     from catseye.drivers.roles.clock import Clock
+
+Answered = TypeVar("Answered")
 
 PROGRAM = "tui"
 
@@ -114,15 +115,17 @@ class EngineLink:
 
     async def request(self, request: "AnyRequest") -> None:
         """Ask, and return when it is done."""
-        await self._ask(request)
+        await self._while_it_answers(request.may_move, lambda client: client.request(request))
 
-    async def _ask(self, request: "AnyRequest") -> dict[str, Any]:
+    async def _while_it_answers(
+        self, may_move: bool, ask: "Callable[[EngineClient], Awaitable[Answered]]"
+    ) -> "Answered":
         from catseye.app.service.errors import ServiceError
 
         if self._client is None:
             raise ServiceError(f"no engine is connected: {self.engine.trouble or 'wait a moment'}")
         limit_s = SILENT_S if self.engine.silent_since_s is not None else None
-        if limit_s is not None and request.may_move:
+        if limit_s is not None and may_move:
             raise ServiceError(
                 "the engine does not answer, and nothing was sent: it would be done whenever the engine wakes up, "
                 "and the arm would move unexpectedly; wait until it answers; F12 stops by every way"
@@ -131,7 +134,7 @@ class EngineLink:
             async with asyncio.timeout(limit_s) as wait:
                 self._waits.add(wait)
                 try:
-                    return await self._client.request(**request.model_dump(mode="json"))
+                    return await ask(self._client)
                 finally:
                     self._waits.discard(wait)
         except TimeoutError as error:
@@ -171,9 +174,8 @@ class EngineLink:
 
         path = await asyncio.to_thread(find_engine, self._root) or await self._start_engine()
         async with self._connected(path) as client:
-            snapshot = typed_snapshot(client.snapshot)
-            self.engine.met(snapshot, self._clock.monotonic_s())
-            self._meet_process(snapshot.pid)
+            self.engine.met(client.snapshot, self._clock.monotonic_s())
+            self._meet_process(client.snapshot.pid)
             changed()
             ends = [
                 asyncio.create_task(self._take_events(client, changed)),
@@ -216,8 +218,7 @@ class EngineLink:
         changed()
         catching_up = asyncio.create_task(self._catch_up(changed))
         try:
-            async for message in client.events():
-                event = typed_event(message)
+            async for event in client.events():
                 self.engine.take(event, self._clock.monotonic_s())
                 if isinstance(event, RunStarted):
                     # It may go on after an interruption.
@@ -229,6 +230,7 @@ class EngineLink:
 
     async def _watch_life(self, client: "EngineClient", changed: Callable[[], None]) -> None:
         """Note when the engine does not answer any more, and when it does again."""
+        from catseye.app.protocol.requests import Plain
         from catseye.app.service.errors import RefusedError, ServiceError
 
         with suppress(RefusedError, ServiceError):
@@ -236,13 +238,13 @@ class EngineLink:
                 await self._clock.sleep(_AGAIN_S)
                 try:
                     async with asyncio.timeout(SILENT_S):
-                        await client.request("ping")
+                        await client.request(Plain(op="ping"))
                 except TimeoutError:
                     self.engine.silent_since_s = self._clock.monotonic_s() - SILENT_S
                     for wait in tuple(self._waits):
                         wait.reschedule(asyncio.get_running_loop().time())
                     changed()
-                    await client.request("ping")
+                    await client.request(Plain(op="ping"))
                     self.engine.silent_since_s = None
                     changed()
 
@@ -288,12 +290,14 @@ class EngineLink:
 
     async def _watch_bench(self) -> None:
         """Ask for the bench; control is taken by whoever wants to do something."""
+        from catseye.app.protocol.answers import Watching
         from catseye.app.protocol.requests import Watch
         from catseye.app.service.errors import RefusedError
 
         with suppress(RefusedError):
-            if bench := (await self._ask(Watch(op="watch"))).get("bench"):
-                self.engine.take_bench(typed_bench(bench), self._clock.monotonic_s())
+            seen = await self._while_it_answers(False, lambda client: client.ask(Watch(op="watch"), Watching))
+            if seen.bench is not None:
+                self.engine.take_bench(seen.bench, self._clock.monotonic_s())
 
     async def _start_engine(self) -> Path:
         """Start an engine that outlives this program; return its socket.

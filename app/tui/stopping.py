@@ -33,11 +33,12 @@ async def stop_by_every_way(
         RefusedError: whoever answers has nothing to stop.
         ServiceError: nobody answers; the text says what was done instead.
     """
+    from catseye.app.protocol.requests import Plain
     from catseye.app.service.errors import RefusedError, ServiceError
 
     refusal = None
     try:
-        if client is not None and await _within(client.request(op)) is not None:
+        if client is not None and await _within(client.request(Plain(op=op))) is not None:
             return
     except RefusedError as error:
         # Another process may have the run.

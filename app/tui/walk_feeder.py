@@ -4,7 +4,7 @@ import asyncio
 from collections.abc import Callable, Coroutine
 from typing import Any, Final
 
-from catseye.app.tui.dead_man import DeadMan
+from catseye.app.service.dead_man import DeadMan
 from catseye.app.tui.link import Link
 from catseye.app.tui.requests import Requests
 

@@ -12,7 +12,7 @@ from textual.content import Content
 from textual.widgets import Button, ContentSwitcher, Log, OptionList
 from textual.widgets.option_list import Option
 
-from catseye.app.guidance.need import Need, links_need
+from catseye.app.results.readiness.need import Need, links_need
 from catseye.app.tui.dialogs.start_dialog import Permission, StartDialog
 from catseye.app.tui.engine_state import EngineState
 from catseye.app.tui.procedure_facts import SIGNS, STAGE_SIGNS, STYLES, Catalogue, with_run_fields

@@ -11,8 +11,8 @@ from textual.binding import Binding, BindingType
 from textual.containers import Horizontal, Vertical
 from textual.content import Content
 
-from catseye.app.guidance.after_run import CLEAR, Advice, after_run
 from catseye.app.protocol.state import ENDING, ControlState
+from catseye.app.results.readiness.after_run import CLEAR, Advice, after_run
 from catseye.app.tui.dialogs.motion_dialog import MotionDialog
 from catseye.app.tui.dialogs.override_dialog import OverrideDialog
 from catseye.app.tui.dialogs.start_dialog import Permission, StartDialog

@@ -353,8 +353,8 @@ class SetupScreen(WorkScreen):
 
     async def _serve_emulators(self, path: Path, ready: asyncio.Event) -> None:
         """Keep the emulators until the program ends."""
-        from catseye.app.emulation import emulator_process
         from catseye.app.errors import CatseyeError
+        from catseye.app.service.emulation import emulator_process
 
         try:
             async with emulator_process(path, self.session.speed, _SEED, None) as emulators:

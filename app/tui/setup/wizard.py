@@ -14,6 +14,7 @@ from textual.timer import Timer
 
 from catseye.app.cell.wizard.draft import Draft, default_text
 from catseye.app.cell.wizard.pages import PAGES, Page
+from catseye.app.engine.instruments import require_drivers
 from catseye.app.tui.setup.question_row import Answered, Fault, QuestionRow
 from catseye.app.tui.setup.reflector_rows import HELP, ReflectorRows
 from catseye.app.tui.widgets.static_text import StaticText, lines
@@ -142,7 +143,7 @@ class Wizard(Horizontal):
     async def judge(self) -> None:
         """Have the model judge all answers, beside the screen."""
         draft = copy.deepcopy(self.draft)
-        self.faults = await asyncio.to_thread(draft.faults)
+        self.faults = await asyncio.to_thread(draft.faults, require_drivers)
         if self.is_attached:
             self._show_faults()
 

@@ -8,7 +8,7 @@ from textual.events import DescendantFocus
 from textual.message import Message
 from textual.widgets import Input, Label, Select
 
-from catseye.app.parameter_words import default_text, param_text, range_text, typed_fault
+from catseye.app.protocol.parameters import default_text, param_text, range_text, typed_fault
 from catseye.app.tui.widgets.static_text import StaticText
 
 Schema = dict[str, dict[str, Any]]

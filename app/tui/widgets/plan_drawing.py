@@ -9,7 +9,7 @@ import numpy as np
 
 from catseye.app.protocol.bench import Layout, ReflectorPlace
 from catseye.app.tui.widgets.braille import Canvas
-from catseye.calibration.kinematics import forward
+from catseye.calibration.scara.planar import forward
 
 ARM: Final = "arm"
 BASE: Final = "base"

@@ -7,7 +7,7 @@ from textual.app import ComposeResult
 from textual.containers import Vertical, VerticalScroll
 from textual.content import Content
 
-from catseye.app.guidance.after_run import Advice
+from catseye.app.results.readiness.after_run import Advice
 from catseye.app.tui.run_state import RunState
 from catseye.app.tui.widgets.static_text import StaticText, lines
 

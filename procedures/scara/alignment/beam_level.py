@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 from pydantic import BaseModel, ConfigDict, Field
 
-from catseye.calibration.alignment import PitchFit, fit_pitch
+from catseye.calibration.scara.alignment import PitchFit, fit_pitch
 from catseye.drivers.roles.protocols import Joints
 from catseye.procedures.kit.bench import Bench
 from catseye.procedures.kit.context import Context, Live, Row

@@ -5,8 +5,8 @@ from typing import Literal
 
 import numpy as np
 
-from catseye.calibration.kinematics import forward
-from catseye.calibration.pointing import column_clearance, field_angle
+from catseye.calibration.scara.planar import forward
+from catseye.calibration.scara.pointing import column_clearance, field_angle
 from catseye.drivers.roles.protocols import BeamStatus, Joints
 from catseye.procedures.kit.bench import Bench, Reflector
 from catseye.procedures.kit.context import Json, Measurement

@@ -8,12 +8,12 @@ from catseye.procedures.kit.context import Context, Measurement, Row
 from catseye.procedures.kit.errors import PlanError
 from catseye.procedures.kit.stored import number_of
 from catseye.procedures.scara.beam.nests import Nests
-from catseye.procedures.scara.beam.recovery import Recovery
+from catseye.procedures.scara.following.follower import Follower
+from catseye.procedures.scara.following.recovery import Recovery
 from catseye.procedures.scara.motion.approach import Command, Waypoint
-from catseye.procedures.scara.motion.follower import Follower
+from catseye.procedures.scara.motion.point_row import point_row
 from catseye.procedures.scara.motion.tracking import plan_track
 from catseye.procedures.scara.motion.visits import Visit, break_warnings, plan_visits
-from catseye.procedures.scara.point_row import point_row
 
 _FEWEST_SEEN = 0.5
 """A reflector that sees less than this share of the path says too little about it."""

@@ -5,7 +5,7 @@ from typing import Annotated
 
 from pydantic import BaseModel, ConfigDict, Field
 
-from catseye.calibration.kinematics import Hand
+from catseye.calibration.scara.planar import Hand
 from catseye.drivers.roles.protocols import Joints
 from catseye.procedures.kit.bench import Bench
 from catseye.procedures.kit.context import Context, Location, Prompt, Row

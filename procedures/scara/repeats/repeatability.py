@@ -10,7 +10,7 @@ from catseye.procedures.kit.bench import Bench
 from catseye.procedures.kit.context import Context, Json, Measurement, Row
 from catseye.procedures.kit.stored import integer
 from catseye.procedures.scara.beam.nests import Nests
-from catseye.procedures.scara.motion.rounds import Rounds
+from catseye.procedures.scara.following.rounds import Rounds
 from catseye.procedures.scara.repeats.repeatability_plan import (
     ReflectorCycles,
     RepeatabilityPlan,

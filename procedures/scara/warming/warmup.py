@@ -11,7 +11,7 @@ from catseye.procedures.kit.context import Context, Json, Live, Measurement, Row
 from catseye.procedures.kit.errors import NotWarmError
 from catseye.procedures.kit.stored import integer
 from catseye.procedures.scara.beam.nests import Nests
-from catseye.procedures.scara.motion.rounds import Rounds
+from catseye.procedures.scara.following.rounds import Rounds
 from catseye.procedures.scara.warming.warmup_plan import Exercise, WarmupPlan, plan_warmup
 from catseye.procedures.scara.warming.warmup_watch import FEWEST_VISITS, Watch
 

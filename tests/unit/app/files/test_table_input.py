@@ -16,7 +16,7 @@ from catseye.app.files.measured_csv import read_measured_csv, read_typed_csv
 from catseye.app.files.path_csv import read_path_csv
 from catseye.app.files.points_blocks import points_blocks
 from catseye.app.files.points_csv import COLUMNS, read_points_csv
-from catseye.app.procedure_list import load_procedure, parse_params
+from catseye.app.protocol.procedures import load_procedure, parse_params
 
 POINTS = ",".join(COLUMNS)
 ROW = "P1,0,-40.0,20.0,1,-1,0.25"

@@ -1,6 +1,6 @@
 """Ctrl-C and F12 in the terminal UI, against the one table that the engine climbs by."""
 
-from catseye.app.protocol.ladder import Press, Rung, rung_of
+from catseye.app.protocol.ladder import Rung, rung_of, top_text
 from catseye.app.protocol.requests import AnyRequest, Plain
 from catseye.app.protocol.state import ControlState
 from catseye.app.service.errors import RefusedError
@@ -26,9 +26,9 @@ class ClimbingEngine(ScriptedLink):
         """Climb a rung, or refuse it where there is none."""
         await super().request(request)
         if request == Plain(op="ladder"):
-            rung = rung_of(self.state, Press.CTRL_C)
+            rung = rung_of(self.state)
             if rung is None:
-                raise RefusedError("the run is being aborted: use the emergency stop if the arm moves")
+                raise RefusedError(top_text(self.state))
             self.rungs.append(rung)
 
 
@@ -41,7 +41,7 @@ async def test_ctrl_c_takes_the_rung_of_every_state() -> None:
             engine.publish("state", run=RUN["run"], state=state, reason="")
             await pilot.press("ctrl+c")
             await pilot.pause()
-            expected = rung_of(state, Press.CTRL_C)
+            expected = rung_of(state)
             assert engine.rungs == ([] if expected is None else [expected]), state
 
 

@@ -1,4 +1,4 @@
-"""Orders to an engine that does not answer."""
+"""RequestHandler to an engine that does not answer."""
 
 from pathlib import Path
 from typing import Any, cast

@@ -10,7 +10,7 @@ import pytest
 from textual.pilot import Pilot
 from textual.widgets import Input, OptionList, Select
 
-from catseye.app.procedure_list import load_procedure
+from catseye.app.protocol.procedures import load_procedure
 from catseye.app.protocol.requests import Start
 from catseye.app.tui.app import CatseyeApp
 from catseye.app.tui.dialogs.error_dialog import ErrorDialog

@@ -285,8 +285,8 @@ async def test_a_file_is_changed_and_keeps_its_comments(folder: Path) -> None:
 async def test_comments_that_cannot_be_kept_are_told_and_the_file_is_left(folder: Path) -> None:
     path = folder / "mine.toml"
     start, end = TEMPLATE.index("[robot.limits_deg]"), TEMPLATE.index("[interferometer]")
-    dotted = TEMPLATE[:start] + "limits_deg.j1 = [-170.0, 170.0]\n\n" + TEMPLATE[end:]
-    path.write_text(dotted, encoding="utf-8")
+    parted = TEMPLATE[:start] + TEMPLATE[end:] + "\n" + TEMPLATE[start:end]
+    path.write_text(parted, encoding="utf-8")
     app = make_app(ScriptedLink({"cell": str(path)}), "setup", cell=path)
     async with app.run_test(size=(80, 24)) as pilot:
         await pilot.press("c")
@@ -300,7 +300,7 @@ async def test_comments_that_cannot_be_kept_are_told_and_the_file_is_left(folder
         assert any("cannot be kept" in str(text.content) for text in app.screen.query(Static))
         await pilot.press("y")
         await settled_but_dialogs(app, pilot)
-        assert path.read_text(encoding="utf-8") == dotted
+        assert path.read_text(encoding="utf-8") == parted
         assert load_cell(folder / "mine-new.toml").cell.robot.limits_deg.j1 == [-100.0, 100.0]
 
 
