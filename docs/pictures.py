@@ -4,7 +4,7 @@ import sys
 from pathlib import Path
 
 from catseye.app.analysis.reporting import demo_truth
-from catseye.app.demo import evaluate
+from catseye.app.cli.demo_job import evaluate
 from catseye.app.report.figures.canvas import svg
 from catseye.app.report.figures.error_maps import error_map_figure
 from catseye.app.report.figures.path_deviation import path_figure

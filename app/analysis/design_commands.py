@@ -8,10 +8,10 @@ from catseye.app.analysis.design_layouts import Layout
 from catseye.app.analysis.design_problem import with_reflectors
 from catseye.app.analysis.design_time import BenchCost, bench_cost
 from catseye.app.errors import UsageError
-from catseye.calibration.design.command_choice import CommandPool, choose_commands
-from catseye.calibration.design.criteria import CriterionName, covariances
-from catseye.calibration.design.information import Information
-from catseye.calibration.types import Bools
+from catseye.calibration.core.design.criteria import CriterionName, covariances
+from catseye.calibration.core.design.information import Information
+from catseye.calibration.core.design.row_choice import CommandPool, choose_commands
+from catseye.calibration.core.types import Bools
 
 _NEAR_ENOUGH = 4
 """Commands by which a choice for a bench time may stay below what would just fit."""

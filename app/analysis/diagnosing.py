@@ -10,12 +10,12 @@ from catseye.app.analysis.diagnosis_words import distance_text, findings, outlie
 from catseye.app.analysis.distance_source import DistanceSource
 from catseye.app.analysis.identifying import problem_of_rows
 from catseye.app.files.result_json import term_unit
-from catseye.calibration.diagnostics.cross_validation import CrossValidation
-from catseye.calibration.diagnostics.diagnosis import Diagnosis, diagnose
-from catseye.calibration.diagnostics.harmonics import HarmonicSeries
-from catseye.calibration.diagnostics.joint_angles import AnglePattern
-from catseye.calibration.diagnostics.nested_models import ComparedModel
-from catseye.calibration.diagnostics.node_spacing import Grid, NodeSpacing
+from catseye.calibration.core.cross_validation import CrossValidation
+from catseye.calibration.scara.diagnostics.diagnosis import Diagnosis, diagnose
+from catseye.calibration.scara.diagnostics.harmonics import HarmonicSeries
+from catseye.calibration.scara.diagnostics.joint_angles import AnglePattern
+from catseye.calibration.scara.diagnostics.nested_models import ComparedModel
+from catseye.calibration.scara.diagnostics.node_spacing import Grid, NodeSpacing
 
 _MDEG = 1e3 * math.degrees(1.0)
 

@@ -8,14 +8,19 @@ import numpy as np
 from scipy import special
 
 from catseye.app.files.result_json import term_unit
-from catseye.calibration.diagnostics.cross_validation import CrossValidation
-from catseye.calibration.diagnostics.diagnosis import Diagnosis
-from catseye.calibration.diagnostics.drift import Change
-from catseye.calibration.diagnostics.harmonics import Harmonic, HarmonicSeries
-from catseye.calibration.diagnostics.nested_models import CONVENTIONAL, ERROR_MAP, TOGETHER, ComparedModel
-from catseye.calibration.diagnostics.node_spacing import Grid, NodeSpacing
-from catseye.calibration.fit_statistics import SIGNIFICANCE
-from catseye.calibration.types import Floats
+from catseye.calibration.core.cross_validation import CrossValidation
+from catseye.calibration.core.significance import SIGNIFICANCE
+from catseye.calibration.core.types import Floats
+from catseye.calibration.scara.diagnostics.diagnosis import Diagnosis
+from catseye.calibration.scara.diagnostics.drift import Change
+from catseye.calibration.scara.diagnostics.harmonics import Harmonic, HarmonicSeries
+from catseye.calibration.scara.diagnostics.nested_models import (
+    CONVENTIONAL,
+    ERROR_MAP,
+    TOGETHER,
+    ComparedModel,
+)
+from catseye.calibration.scara.diagnostics.node_spacing import Grid, NodeSpacing
 
 ANGLES = {"theta1": "θ1", "theta2": "θ2", "theta4": "θ4"}
 """What a reader calls the angles; θ4 is the angle of the beam against link 2."""

@@ -13,7 +13,7 @@ from catseye.app.store.catalog import resolve_run
 from catseye.app.store.reader import RunReader, accept
 from catseye.app.store.runs_folder import runs_folder
 from catseye.app.store.unverified import taken_as_it_is
-from catseye.calibration.uncertainty.budget import Budget
+from catseye.calibration.scara.budget import Budget
 from catseye.procedures.kit.bench import Bench
 
 

@@ -12,7 +12,7 @@ from catseye.app.files.points_csv import PointRow, points_csv
 from catseye.app.files.result_json import Estimate, MapTable, Result, read_result
 from catseye.app.files.tabular import Row, table_csv
 from catseye.app.store.reader import RunReader
-from catseye.calibration.extension import Term
+from catseye.calibration.scara.extension import Term
 
 _MEASURED = ("theta1_deg", "theta2_deg", "direction1", "direction2", "x_meas_mm", "y_meas_mm", "u_mm")
 

@@ -16,9 +16,9 @@ from catseye.app.errors import UsageError
 from catseye.app.files.identified_arm import arm_of, arm_remarks, nominal_of
 from catseye.app.files.path_csv import start_states
 from catseye.app.files.result_json import Result, read_result
-from catseye.calibration.identification import IdentifiedArm
-from catseye.calibration.kinematics import Hand
-from catseye.calibration.types import Floats
+from catseye.calibration.core.types import Floats
+from catseye.calibration.scara.identification import IdentifiedArm
+from catseye.calibration.scara.planar import Hand
 
 
 @dataclass(frozen=True)

@@ -28,7 +28,7 @@ from catseye.app.analysis.path_comparison import compare_path
 from catseye.app.analysis.path_rows import holds_distances
 from catseye.app.analysis.truth import gauge_turn_rad, turned_places
 from catseye.app.cell.model import Cell
-from catseye.app.demo import DemoResult
+from catseye.app.cli.demo_job import DemoResult
 from catseye.app.errors import UsageError
 from catseye.app.files.atomic import write_atomically
 from catseye.app.files.documents import LARGEST_RESULT_BYTES, read_document, read_truth
@@ -47,9 +47,9 @@ from catseye.app.store.aim import search_result
 from catseye.app.store.reader import RunReader
 from catseye.app.store.seal import read_manifest
 from catseye.app.store.software import SOFTWARE
-from catseye.calibration.diagnostics.diagnosis import Diagnosis, diagnose
-from catseye.calibration.errors import CalibrationError
-from catseye.calibration.identification import Identification
+from catseye.calibration.core.errors import CalibrationError
+from catseye.calibration.scara.diagnostics.diagnosis import Diagnosis, diagnose
+from catseye.calibration.scara.identification import Identification
 
 _MEASURED_WITH = ("python", "numpy", "sqlite", "platform")
 

@@ -9,9 +9,11 @@ import numpy as np
 from catseye.app.errors import UsageError
 from catseye.app.files.identified_arm import arm_of, unverified_texts
 from catseye.app.files.result_json import Estimate, MapTable, Result
-from catseye.calibration.error_map import interpolate
-from catseye.calibration.identification import IdentifiedArm
-from catseye.calibration.types import Floats
+from catseye.calibration.core.types import Floats
+from catseye.calibration.scara.error_map import interpolate
+from catseye.calibration.scara.identification import IdentifiedArm
+
+_SIGNS = ("+", "−")
 
 _MDEG = 1e3 * math.degrees(1.0)
 _RANGE_DEG = 1e-6
@@ -246,3 +248,34 @@ def _remarks(first: Result, second: Result) -> list[str]:
     if first.extension or second.extension:
         remarks.append("terms beyond the model are not compared")
     return remarks
+
+
+def verdict(found: ResultComparison) -> str:
+    """Return in a sentence how many differences their uncertainties let expect."""
+    within, count = found.within
+    if not count:
+        return "no uncertainty is stated that the differences could be compared with"
+    name, size = largest(found)
+    return (
+        f"{within} of {count} differences lie within 2 combined standard uncertainties "
+        f"({100.0 * within / count:.0f} %, 95 % expected); the largest is {size:+.1f} u, {name}"
+    )
+
+
+def largest(found: ResultComparison) -> tuple[str, float]:
+    """Return the difference that is largest in combined standard uncertainties: name and size."""
+    sizes = {one.name: one.normalised for one in (*found.values, *found.reflectors)}
+    for one in found.maps:
+        for name, row, column in map_places(one):
+            sizes[name] = float(one.normalised[row, column])
+    stated = {name: size for name, size in sizes.items() if size is not None and size == size}
+    return max(stated.items(), key=lambda item: abs(item[1]))
+
+
+def map_places(one: MapDifference) -> list[tuple[str, int, int]]:
+    """Return name, row and column of each node of a map."""
+    return [
+        (f"Δθ{one.joint}({node:g}°, {sign})", row, column)
+        for row, sign in enumerate(_SIGNS)
+        for column, node in enumerate(one.node_deg.tolist())
+    ]

@@ -4,7 +4,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 from catseye.app.cell.model import Cell
-from catseye.calibration.refractive_index import HE_NE_VACUUM_NM, Formula
+from catseye.calibration.air import HE_NE_VACUUM_NM, Formula
 
 
 @dataclass(frozen=True)

@@ -5,12 +5,7 @@ from typing import Literal
 
 from catseye.app.cell.air import AirRule
 from catseye.app.errors import MeasurementRejectedError
-from catseye.calibration.counted_length import compensated_mm
-from catseye.calibration.refractive_index import (
-    Formula,
-    outside_nist_range,
-    refractive_index,
-)
+from catseye.calibration.air import Formula, compensated_mm, outside_nist_range, refractive_index
 from catseye.drivers.roles.air import AirSample
 from catseye.procedures.kit.context import Json
 

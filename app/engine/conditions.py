@@ -7,8 +7,8 @@ from typing import Protocol
 from catseye.app.cell.air import AirLimits
 from catseye.app.engine.control import RunControl
 from catseye.app.engine.measuring import AirCache
-from catseye.app.engine.states import RUNNING, State
 from catseye.app.errors import InterruptionError, SafetyError
+from catseye.app.protocol.state import RUNNING, ControlState
 from catseye.drivers.roles.clock import Clock
 from catseye.drivers.roles.errors import DeviceError
 from catseye.drivers.roles.robot import Robot, RobotStatus
@@ -118,7 +118,7 @@ class Watchman:
     @property
     def _may_judge(self) -> bool:
         """The run goes on, and the robot is not just being brought to rest: that is looked at by itself."""
-        return self._control.state in RUNNING - {State.SUSPENDING}
+        return self._control.state in RUNNING - {ControlState.SUSPENDING}
 
     async def _look(self) -> None:
         status = await self._robot.status()
@@ -136,12 +136,12 @@ class Watchman:
 
     async def _look_around(self) -> None:
         troubles, unseen = await self._troubles()
-        if troubles and self._control.state == State.EXECUTE:
+        if troubles and self._control.state == ControlState.EXECUTE:
             self._suspended_for = troubles[0]
             self._control.suspend(troubles[0])
         elif not troubles and unseen is None and self._suspended_for is not None:
             reason, self._suspended_for = self._suspended_for, None
-            if self._control.state == State.SUSPENDED:
+            if self._control.state == ControlState.SUSPENDED:
                 self._control.condition_back(f"over: {reason}")
         if unseen is not None:
             raise unseen

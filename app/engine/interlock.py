@@ -4,25 +4,25 @@ import asyncio
 from collections.abc import Callable
 from typing import Final
 
-from catseye.app.engine.states import State
 from catseye.app.engine.waiting import cancel
+from catseye.app.protocol.events import PromptAnswered, PromptAsked, RunEvent, StateChanged
+from catseye.app.protocol.state import ControlState
 from catseye.drivers.roles.errors import DeviceError
 from catseye.drivers.roles.io import Io, Light
-from catseye.procedures.kit.context import Json
 
-_LIGHTS: dict[str, Light] = {
-    State.EXECUTE: "green",
-    State.UNHOLDING: "green",
-    State.HOLDING: "amber",
-    State.HELD: "amber",
-    State.SUSPENDED: "amber",
-    State.SUSPENDING: "amber",
-    State.UNSUSPENDING: "amber",
-    State.STOPPING: "red",
-    State.ABORTING: "red",
-    State.ABORTED: "red",
-    State.CLEARING: "red",
-    State.STOPPED: "red",
+_LIGHTS: dict[ControlState, Light] = {
+    ControlState.EXECUTE: "green",
+    ControlState.UNHOLDING: "green",
+    ControlState.HOLDING: "amber",
+    ControlState.HELD: "amber",
+    ControlState.SUSPENDED: "amber",
+    ControlState.SUSPENDING: "amber",
+    ControlState.UNSUSPENDING: "amber",
+    ControlState.STOPPING: "red",
+    ControlState.ABORTING: "red",
+    ControlState.ABORTED: "red",
+    ControlState.CLEARING: "red",
+    ControlState.STOPPED: "red",
 }
 """States that do not stand here show nothing."""
 
@@ -38,7 +38,7 @@ class StackLight:
 
     Args:
         io: the block with the lamps.
-        on_trouble: is told once when the block stops taking orders.
+        on_trouble: called once when the block stops taking orders.
     """
 
     def __init__(self, io: Io, on_trouble: Callable[[str], None]) -> None:
@@ -51,14 +51,14 @@ class StackLight:
         self._ending = False
         self._task = asyncio.get_running_loop().create_task(self._follow())
 
-    def take(self, event: dict[str, Json]) -> None:
+    def take(self, event: RunEvent) -> None:
         """Take note of an event of the run."""
-        match event["event"]:
-            case "state" if "kind" not in event:
-                self._state = _LIGHTS.get(str(event["state"]), "off")
-            case "prompt":
+        match event:
+            case StateChanged(state=state):
+                self._state = _LIGHTS.get(state, "off")
+            case PromptAsked():
                 self._asking = True
-            case "answer":
+            case PromptAnswered():
                 self._asking = False
             case _:
                 return

@@ -11,7 +11,7 @@ from catseye.app.engine.gate import JointLimits, WayCheck
 from catseye.app.engine.halt import HaltLimits
 from catseye.app.engine.handle import OnOpen
 from catseye.app.engine.operator import Answerer
-from catseye.app.engine.simulated_operator import Hands
+from catseye.app.engine.simulated_operator import SimulatedOperator
 from catseye.app.engine.timekeeping import StepTime
 from catseye.app.engine.walked.rule import WalkRule
 from catseye.app.exitcode import ExitCode
@@ -85,7 +85,7 @@ class RunRequest:
     arm: str | None = None
     answers: Mapping[str, str] = field(default_factory=dict)
     answerer: Answerer | None = None
-    hands: Hands | None = None
+    hands: SimulatedOperator | None = None
     resume: Path | None = None
     air: AirRule = field(default_factory=AirRule)
     air_limits: AirLimits = field(default_factory=AirLimits)

@@ -16,7 +16,7 @@ Task = Mapping[str, Json]
 """What is to be done; see `catseye.procedures.kit.context.Prompt`."""
 
 
-class Hands:
+class SimulatedOperator:
     """Turns screws and carries reflectors through the control port of an emulated bench.
 
     Args:

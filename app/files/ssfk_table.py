@@ -11,9 +11,9 @@ import numpy as np
 
 from catseye.app.errors import UsageError
 from catseye.app.files.compensated_path import Origin
-from catseye.calibration.error_map import BidirectionalMap
-from catseye.calibration.identification import IdentifiedArm
-from catseye.calibration.types import Floats
+from catseye.calibration.core.types import Floats
+from catseye.calibration.scara.error_map import BidirectionalMap
+from catseye.calibration.scara.identification import IdentifiedArm
 
 _PER_DEG = 10_000
 """Units of a rotary axis in a degree."""

@@ -6,8 +6,8 @@ from catseye.app.analysis.validation import PathValidation
 from catseye.app.report.markup import Html, paragraphs, table
 from catseye.app.report.numbers import fixed, plain, signed
 from catseye.app.report.path_view import model_title
+from catseye.calibration.core.types import Bools, Floats
 from catseye.calibration.standards.circular import Circular, algebraic_centre, circular, least_squares_centre
-from catseye.calibration.types import Bools, Floats
 
 _ROUND = 1e-3
 """A path whose radii differ by less than this share is a circle."""

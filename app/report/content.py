@@ -10,8 +10,8 @@ from catseye.app.analysis.distance_validation import DistanceValidation
 from catseye.app.analysis.validation import PathValidation
 from catseye.app.cell.model import Cell
 from catseye.app.files.result_json import Result
-from catseye.calibration.diagnostics.diagnosis import Diagnosis
-from catseye.calibration.types import Floats
+from catseye.calibration.core.types import Floats
+from catseye.calibration.scara.diagnostics.diagnosis import Diagnosis
 from catseye.procedures.kit.bench import Bench
 
 MODEL_TITLES = {"conventional": "conventional model", "error-map": "error map"}

@@ -13,7 +13,7 @@ from catseye.app.report.figures.design_weakness import node_figure, position_fig
 from catseye.app.report.markup import Html, bullets, element, paragraphs, section, table
 from catseye.app.report.numbers import counted, duration, fixed, plain
 from catseye.app.store.software import SOFTWARE
-from catseye.calibration.design.criteria import CriterionName
+from catseye.calibration.core.design.criteria import CriterionName
 
 _STYLE = Path(__file__).with_name("report.css")
 _CRITERIA: tuple[CriterionName, ...] = ("A", "D", "E", "path")

@@ -5,8 +5,8 @@ from catseye.app.report.drawing import figure
 from catseye.app.report.figures.diagnosis import harmonic_figure, order_figure, pattern_figure
 from catseye.app.report.markup import Html, bullets, element, join, section, table
 from catseye.app.report.numbers import NOTHING, fixed, probability, unbroken
-from catseye.calibration.diagnostics.diagnosis import Diagnosis
-from catseye.calibration.diagnostics.nested_models import ComparedModel
+from catseye.calibration.scara.diagnostics.diagnosis import Diagnosis
+from catseye.calibration.scara.diagnostics.nested_models import ComparedModel
 
 _SIGNS = {"good": "✓", "bad": "✗", "note": "•"}
 

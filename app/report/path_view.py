@@ -8,7 +8,7 @@ from catseye.app.analysis.validation import ModelOnPath, PathMeasurement, PathVa
 from catseye.app.files.result_json import MapTable, Result
 from catseye.app.report.content import MODEL_TITLES
 from catseye.app.report.numbers import plain
-from catseye.calibration.types import Bools, Floats
+from catseye.calibration.core.types import Bools, Floats
 
 _STRAIGHT = 0.01
 """A path that leaves a line by less than this share of its length counts as straight."""

@@ -16,7 +16,7 @@ from catseye.app.report.numbers import counted, decimals_for, fixed, probability
 from catseye.app.report.path_view import path_axis
 from catseye.app.report.residual_groups import reference
 from catseye.app.report.reversal import reversal_mdeg
-from catseye.calibration.fit_statistics import SIGNIFICANCE
+from catseye.calibration.core.significance import SIGNIFICANCE
 
 _BETTER = 0.8
 """An error map that leaves more than this share of the conventional model's error has not earned its keep."""

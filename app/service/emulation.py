@@ -20,13 +20,18 @@ from catseye.simulators.config import (
     EmulationConfig,
     Option,
     ReflectorPlace,
+    Scara,
     Screws,
     TruthText,
 )
-from catseye.simulators.protocols import PROTOCOLS
+from catseye.simulators.control_port.client import ask
+from catseye.simulators.control_port.messages import ReadTruth
+from catseye.simulators.registry import emulator_names
+
+_J3_MM = (0.0, 150.0)
+"""Limits of J3, which no cell file has."""
 
 _READY_TIMEOUT_S = 20.0
-_LONGEST_ANSWER_BYTES = 1 << 20
 _DEVICES = ("robot", "interferometer", "environment", "control")
 
 
@@ -45,11 +50,13 @@ def emulation_config(cell: Cell, speed: float, seed: int, truth: Path | None) ->
     limits = cell.robot.limits_deg
     return EmulationConfig(
         reflectors=tuple(ReflectorPlace(r.name, r.x_mm, r.y_mm, r.facing_deg) for r in cell.reflector),
-        link1_mm=cell.robot.link1_mm,
-        link2_mm=cell.robot.link2_mm,
-        j1_deg=(limits.j1[0], limits.j1[1]),
-        j2_deg=(limits.j2[0], limits.j2[1]),
-        j4_deg=(limits.j4[0], limits.j4[1]),
+        scara=Scara(cell.robot.link1_mm, cell.robot.link2_mm),
+        limits=(
+            (limits.j1[0], limits.j1[1]),
+            (limits.j2[0], limits.j2[1]),
+            _J3_MM,
+            (limits.j4[0], limits.j4[1]),
+        ),
         start_joints=(0.0, 0.0, cell.robot.j3_mm, 0.0),
         acceptance_mm=cell.optics.acceptance_mm,
         field_half_angle_deg=cell.optics.field_half_angle_deg,
@@ -108,9 +115,10 @@ def _lengths_of(counter: Interferometer) -> dict[str, str]:
 
 def _device(name: str, driver: str, endpoint: str, settings: Mapping[str, Any]) -> EmulatedDevice:
     """Return an emulated device; drivers and emulators call what they have in common by the same name."""
-    if driver not in PROTOCOLS:
+    known = emulator_names()
+    if driver not in known:
         raise ConfigError(
-            f"[{name}] driver {driver}: there is no emulator for it; there are {', '.join(sorted(PROTOCOLS))}"
+            f"[{name}] driver {driver}: there is no emulator for it; there are {', '.join(known)}"
         )
     return EmulatedDevice(name, driver, endpoint, _plain(settings))
 
@@ -176,20 +184,10 @@ async def fetch_truth(control: str) -> dict[str, Any]:
     Raises:
         LinkFailedError: the control port does not answer.
     """
-    host, _, port = control.removeprefix("tcp://").rpartition(":")
     try:
-        async with asyncio.timeout(_READY_TIMEOUT_S):
-            reader, writer = await asyncio.open_connection(host, int(port), limit=_LONGEST_ANSWER_BYTES)
-            try:
-                writer.write(b'{"op": "truth"}\n')
-                answer = json.loads(await reader.readline())
-            finally:
-                writer.close()
-                await writer.wait_closed()
-    except (OSError, TimeoutError, ValueError) as error:
+        return (await ask(control, ReadTruth(), _READY_TIMEOUT_S)).truth
+    except (OSError, ValueError) as error:
         raise LinkFailedError(f"the emulated bench at {control} does not tell its truth: {error}") from error
-    truth: dict[str, Any] = answer["truth"]
-    return truth
 
 
 async def _endpoints(process: asyncio.subprocess.Process, stderr: BinaryIO) -> dict[str, str]:

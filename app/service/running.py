@@ -24,7 +24,7 @@ from catseye.app.engine.instruments import device_builder
 from catseye.app.engine.operator import Answerer
 from catseye.app.engine.request import RunOutcome, RunRequest
 from catseye.app.engine.signals import SignalInstaller, loop_signals
-from catseye.app.engine.simulated_operator import Hands
+from catseye.app.engine.simulated_operator import SimulatedOperator
 from catseye.app.engine.walked.register import WALK, walk_fact, walked_legs
 from catseye.app.engine.walked.rule import WalkRule
 from catseye.app.engine.walked.tube import Leg
@@ -253,10 +253,14 @@ def _meta_of_resumption(planned: PlannedRun, speed: float) -> dict[str, Json]:
     return meta
 
 
-def _hands(cell: Cell) -> Hands | None:
+def _hands(cell: Cell) -> SimulatedOperator | None:
     """Return the hands of the emulated operator; the tracker of an emulated bench is its control port."""
     tracker = cell.tracker
-    return Hands(tracker.endpoint) if tracker is not None and tracker.driver == "bench-tracker" else None
+    return (
+        SimulatedOperator(tracker.endpoint)
+        if tracker is not None and tracker.driver == "bench-tracker"
+        else None
+    )
 
 
 def read_answers(path: Path | None) -> dict[str, str]:

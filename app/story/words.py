@@ -4,7 +4,7 @@ from collections.abc import Callable, Mapping
 from datetime import datetime
 from typing import Any
 
-from catseye.app.commands.progress import duration_text
+from catseye.app.results.numbers import duration_text
 from catseye.app.store.reader import StoredEvent
 
 Data = Mapping[str, Any]
@@ -18,7 +18,7 @@ def gap_text(seconds: float) -> str:
     """Return a duration as people read it, short ones to a tenth of a second."""
     if seconds < 0.0:
         return "an unknown time (the clock was set back)"
-    return f"{seconds:.1f} s" if seconds < _SHORT_S else duration_text(seconds)
+    return f"{seconds:.1f} s" if seconds < _SHORT_S else duration_text(seconds, whole=True)
 
 
 def between_s(first_utc: str, last_utc: str) -> float:
@@ -121,9 +121,8 @@ def _ended(data: Data) -> str:
 
 
 def _warning(data: Data) -> str:
-    text = str(data.get("text"))
-    # The banner stands above the story.
-    return "" if text.startswith("SIMULATED") else f"WARNING: {text}"
+    # The banner above the timeline says it already.
+    return "" if data.get("simulated") else f"WARNING: {data.get('text')}"
 
 
 def _moved(data: Data) -> str:

@@ -8,7 +8,7 @@ from typing import Any
 from catseye.drivers.roles.device import Role
 from catseye.drivers.roles.registry import load_driver
 from catseye.simulators.config import Option
-from catseye.simulators.protocols import PROTOCOLS
+from catseye.simulators.registry import emulator_names
 
 DOORS: dict[str, dict[str, str]] = {
     "melfa-r3": {"endpoint": "melfa-r3"},
@@ -98,7 +98,7 @@ def candidate_of(
     """
     driver = load_driver(name)
     candidate = Candidate(name, driver, driver.role, endpoint, dict(settings or {}), allow_motion)
-    if candidate.emulated and not set(candidate.doors.values()) <= PROTOCOLS.keys():
+    if candidate.emulated and not set(candidate.doors.values()) <= set(emulator_names()):
         raise LookupError(
             f"there is no emulator for {name}: give --endpoint URL of the device or of an emulator"
         )

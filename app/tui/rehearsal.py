@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 from typing import Any, Final
 
-from catseye.app.tui.words import duration_text
+from catseye.app.results.numbers import duration_text
 
 HEADER: Final = (
     f"{'step':<22} {'moves':>5} {'pts':>4} {'time':>9}  "
@@ -16,7 +16,7 @@ class Rehearsal:
     """A plan that was gone through without any device.
 
     Attributes:
-        facts: as `catseye run --dry-run --json` tells them.
+        facts: as `catseye run --dry-run --json` writes them.
     """
 
     facts: dict[str, Any]

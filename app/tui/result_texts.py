@@ -110,18 +110,18 @@ def layout_text(result: Result) -> str:
 def fit_sentences(result: Result, diagnosis: dict[str, Any] | None) -> list[Sentence]:
     """Return what was identified, how it fits, and what a diagnosis found."""
     judged = fit_verdict(result)
-    told: list[Sentence] = [("note", identified(result)), (judged.kind, judged.text)]
+    shown: list[Sentence] = [("note", identified(result)), (judged.kind, judged.text)]
     if result.fit.null_directions:
         named = "; ".join(", ".join(names) for names in result.fit.null_directions)
-        told.append(("bad", f"Not observable, and therefore without numbers: {named}."))
+        shown.append(("bad", f"Not observable, and therefore without numbers: {named}."))
     if result.uncertainty is not None:
-        told += [("note", text) for text in sentences(result.uncertainty)]
+        shown += [("note", text) for text in sentences(result.uncertainty)]
     if diagnosis is None:
-        told.append(("note", "d: diagnosis, what speaks for and against the fit (takes seconds to minutes)"))
+        shown.append(("note", "d: diagnosis, what speaks for and against the fit (takes seconds to minutes)"))
     else:
-        told += [(str(one["kind"]), str(one["text"])) for one in diagnosis["findings"]]
+        shown += [(str(one["kind"]), str(one["text"])) for one in diagnosis["findings"]]
     # After many losses of the beam these are more lines than a small screen has.
-    return [*told, *(("note", f"left out: {text}") for text in result.fit.rejected)]
+    return [*shown, *(("note", f"left out: {text}") for text in result.fit.rejected)]
 
 
 def outlier_rows(result: Result, diagnosis: dict[str, Any] | None) -> list[int]:

@@ -1,11 +1,4 @@
-"""Numbers as people read them."""
-
-from catseye.app.commands.progress import duration_text as whole_duration_text
-
-
-def duration_text(duration_s: float) -> str:
-    """Return a duration: 4.2 s, 3 min 05 s, 2 h 07 min."""
-    return f"{duration_s:.1f} s" if duration_s < 10.0 else whole_duration_text(duration_s)
+"""Sizes as people read them."""
 
 
 def bytes_text(size: float) -> str:

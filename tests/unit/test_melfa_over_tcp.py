@@ -14,7 +14,7 @@ from catseye.drivers.roles.clock import SystemClock
 from catseye.drivers.roles.errors import AlarmError, RefusedError
 from catseye.drivers.roles.robot import JogDirection
 from catseye.simulators.config import EmulatedDevice
-from catseye.simulators.launch import EmulatedBench
+from catseye.simulators.emulated_bench import EmulatedBench
 from tests.patience import HANG_S
 from tests.unit.simulators.benches import QUIET
 

@@ -9,7 +9,7 @@ from matplotlib.patches import Circle, Wedge
 from catseye.app.analysis.designing import Design, exchanged_values
 from catseye.app.report.figures.canvas import MUTED, STYLE, WIDTH_IN
 from catseye.app.report.numbers import counted
-from catseye.calibration.types import Floats
+from catseye.calibration.core.types import Floats
 
 _MARKERS = {
     "inside the keep-out radius": ".",

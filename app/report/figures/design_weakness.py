@@ -10,9 +10,9 @@ from catseye.app.analysis.design_layouts import Layout
 from catseye.app.analysis.design_problem import workspace
 from catseye.app.analysis.designing import Design, node_uncertainties, position_covariances
 from catseye.app.report.figures.canvas import NEGATIVE, POSITIVE, STYLE, WIDTH_IN
-from catseye.calibration.kinematics import forward
-from catseye.calibration.points import Commands
-from catseye.calibration.types import Floats
+from catseye.calibration.core.types import Floats
+from catseye.calibration.scara.planar import forward
+from catseye.calibration.scara.points import Commands
 
 _PARTS = 4
 """Grid steps from node to node."""

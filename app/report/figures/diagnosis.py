@@ -7,9 +7,9 @@ from matplotlib.figure import Figure
 
 from catseye.app.analysis.diagnosis_words import ANGLES, VARYING, outlier_limit
 from catseye.app.report.figures.canvas import MUTED, NEGATIVE, POSITIVE, STYLE, WIDTH_IN, series
-from catseye.calibration.diagnostics.diagnosis import Diagnosis
-from catseye.calibration.diagnostics.harmonics import HarmonicSeries
-from catseye.calibration.diagnostics.joint_angles import AnglePattern
+from catseye.calibration.scara.diagnostics.diagnosis import Diagnosis
+from catseye.calibration.scara.diagnostics.harmonics import HarmonicSeries
+from catseye.calibration.scara.diagnostics.joint_angles import AnglePattern
 
 
 @rc_context(STYLE)

@@ -8,7 +8,7 @@ from matplotlib.figure import Figure
 from catseye.app.analysis.distance_validation import DistanceValidation, ModelOnDistances
 from catseye.app.report.content import MODEL_TITLES
 from catseye.app.report.figures.canvas import NEGATIVE, POSITIVE, STYLE, WIDTH_IN
-from catseye.calibration.types import Bools, Floats
+from catseye.calibration.core.types import Bools, Floats
 
 
 @rc_context(STYLE)

@@ -11,8 +11,8 @@ from matplotlib.patches import Circle, Wedge
 from catseye.app.report.figures.canvas import CONVENTIONAL, MUTED, STYLE, WIDTH_IN, series
 from catseye.app.report.numbers import counted
 from catseye.app.report.scene import Scene, Target
-from catseye.calibration.kinematics import forward
-from catseye.calibration.types import Floats
+from catseye.calibration.core.types import Floats
+from catseye.calibration.scara.planar import forward
 
 _FIELD_MM = 130.0
 """Radius of the wedge that shows where a reflector looks."""

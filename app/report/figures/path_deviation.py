@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 from catseye.app.analysis.validation import ModelOnPath, PathValidation
 from catseye.app.report.figures.canvas import CONVENTIONAL, NEGATIVE, POSITIVE, STYLE, WIDTH_IN
 from catseye.app.report.path_view import Gap, PathAxis, model_title, path_axis, there
-from catseye.calibration.types import Bools, Floats
+from catseye.calibration.core.types import Bools, Floats
 
 _DENSE = 60
 """More rows a way are drawn as a line with a band, fewer as markers with error bars."""

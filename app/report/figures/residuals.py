@@ -11,7 +11,7 @@ from matplotlib.figure import Figure, SubFigure
 from catseye.app.files.result_json import Residuals
 from catseye.app.report.figures.canvas import MUTED, STYLE, WIDTH_IN, series
 from catseye.app.report.residual_groups import PoseMeans, Reference, pose_means
-from catseye.calibration.types import Bools, Floats
+from catseye.calibration.core.types import Bools, Floats
 
 _ABOVE, _BELOW = "#b35806", "#542788"
 

@@ -8,7 +8,7 @@ from matplotlib.figure import Figure
 from catseye.app.analysis.validation import PathMeasurement, PathValidation
 from catseye.app.report.figures.canvas import NEGATIVE, POSITIVE, STYLE, WIDTH_IN
 from catseye.app.report.path_view import model_title, there
-from catseye.calibration.types import Floats
+from catseye.calibration.core.types import Floats
 
 MAGNIFICATION = 1000
 """Of errors, where it shows them well: an error of 200 µm is drawn 200 mm long."""

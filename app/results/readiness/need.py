@@ -1,8 +1,11 @@
 """One thing that a procedure needs, and whether the devices are there. Light: nothing is imported for it."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any, Literal
+from typing import TYPE_CHECKING, Literal
+
+if TYPE_CHECKING:
+    from catseye.app.protocol.bench import DeviceStatus
 
 Met = Literal["met", "advised", "missing"]
 """Advised: it can begin without, and the result suffers. Missing: it is refused."""
@@ -23,19 +26,19 @@ class Need:
     text: str
 
 
-def links_need(devices: Sequence[Mapping[str, Any]] | None) -> Need:
+def links_need(devices: "Sequence[DeviceStatus] | None") -> Need:
     """Return whether the devices are connected.
 
     Args:
-        devices: as the engine tells them about the bench; None before it has told any.
+        devices: of the bench; None before anything is known of it.
     """
     if devices is None:
         return Need("devices", "advised", "nothing is known of them yet")
-    lost = [device for device in devices if device.get("link") in {"lost", "raw"}]
+    lost = [device for device in devices if device.link in {"lost", "raw"}]
     if lost:
-        told = "; ".join(f"{device['name']}: {device.get('error') or device['link']}" for device in lost)
-        return Need("devices", "missing", told)
-    waiting = [str(device["name"]) for device in devices if device.get("link") == "connecting"]
+        why = "; ".join(f"{device.name}: {device.error or device.link}" for device in lost)
+        return Need("devices", "missing", why)
+    waiting = [device.name for device in devices if device.link == "connecting"]
     if waiting:
         return Need("devices", "advised", f"connecting: {', '.join(waiting)}")
-    return Need("devices", "met", ", ".join(str(device["name"]) for device in devices))
+    return Need("devices", "met", ", ".join(device.name for device in devices))

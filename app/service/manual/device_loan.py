@@ -1,4 +1,4 @@
-"""What moving by hand needs of the bench between runs, and of whoever is told."""
+"""What moving by hand needs of the bench between runs, and of its clients."""
 
 from collections.abc import Awaitable, Callable, Mapping
 from contextlib import AbstractAsyncContextManager
@@ -7,34 +7,34 @@ from pathlib import Path
 from typing import Protocol
 
 from catseye.app.engine.devices import Devices, WireRecorder
+from catseye.app.protocol.events import AnyEvent
 from catseye.app.service.watching.bench_facts import BenchFacts
 from catseye.drivers.roles.clock import Clock
 from catseye.drivers.roles.device import Identity
 from catseye.drivers.roles.io import Io
 from catseye.drivers.roles.robot import Robot
-from catseye.procedures.kit.context import Json
 
 
-class Lender(Protocol):
-    """Holds the links of the devices between runs; `catseye.app.service.watching.device_pool.IdleBench` fits."""
+class DeviceSource(Protocol):
+    """Holds the links of the devices between runs; `catseye.app.service.watching.device_pool.DevicePool` fits."""
 
-    def lent(self) -> AbstractAsyncContextManager[Devices]:
-        """Lend the connected devices; nobody else asks the robot anything meanwhile.
+    def acquired(self) -> AbstractAsyncContextManager[Devices]:
+        """Give the connected devices; nobody else asks the robot anything meanwhile.
 
         Raises:
             RefusedError: they cannot be had now.
         """
         ...
 
-    def lent_robot(self, device: str) -> AbstractAsyncContextManager[Robot]:
-        """Lend one robot of the cell by itself, to whoever has to stop it.
+    def acquired_robot(self, device: str) -> AbstractAsyncContextManager[Robot]:
+        """Give one robot of the cell by itself, to whoever has to stop it.
 
         Raises:
             RefusedError: it cannot be had now.
         """
         ...
 
-    def parked(self, device: str) -> AbstractAsyncContextManager[None]:
+    def detached(self, device: str) -> AbstractAsyncContextManager[None]:
         """Have one driver let its link go.
 
         Raises:
@@ -43,34 +43,30 @@ class Lender(Protocol):
         ...
 
 
-class Tell(Protocol):
-    """Tells every client an event."""
-
-    def __call__(self, event: str, **fields: Json) -> None:
-        """Take its name and fields."""
-        ...
+Announce = Callable[[AnyEvent], None]
+"""Sends every client an event."""
 
 
 @dataclass(frozen=True)
-class HandBench:
+class ManualBench:
     """A bench as whoever works on it by hand needs it.
 
     Attributes:
-        lender: of the devices.
+        pool: of the devices.
         facts: finds what cell file and last search say, now.
         identities: returns who answers, by the device's name, as far as it is known.
         record: takes the bytes that pass on a raw link.
-        tell: tells every client.
+        announce: sends every client an event.
         clock: real time.
         folder: of all runs.
         door: returns the block with the interlock; None where there is none, or nothing is connected.
     """
 
-    lender: Lender
+    pool: DeviceSource
     facts: Callable[[], Awaitable[BenchFacts]]
     identities: Callable[[], Mapping[str, Identity]]
     record: WireRecorder
-    tell: Tell
+    announce: Announce
     clock: Clock
     folder: Path
     door: Callable[[], Io | None]

@@ -1,4 +1,4 @@
-"""Drives that a run has left on: off after some time of rest, told all the while."""
+"""Drives that a run has left on: off after some time of rest, with a countdown that clients see."""
 
 import asyncio
 from collections.abc import Callable
@@ -9,17 +9,17 @@ from typing import Final, Protocol
 from catseye.app.engine.drives import leave_drives
 from catseye.app.engine.waiting import cancel
 from catseye.app.errors import CatseyeError
-from catseye.app.service.manual.device_loan import Lender, Tell
+from catseye.app.protocol.events import DrivesChanged, DrivesFields
+from catseye.app.service.manual.device_loan import Announce, DeviceSource
 from catseye.drivers.roles.clock import Clock
 from catseye.drivers.roles.errors import DeviceError
-from catseye.procedures.kit.context import Json
 
 _TICK_S: Final = 0.5
 _LIMIT_S: Final = 6.0
 """For the answer of the controller, real s."""
 
 
-class Hands(Protocol):
+class ManualWork(Protocol):
     """What is done by hand."""
 
     @property
@@ -37,9 +37,9 @@ class RestingDrives:
     """Counts down while the arm rests; a jog restarts the count.
 
     Args:
-        lender: of the robot.
+        pool: of the robot.
         clock: real time.
-        tell: sends a message to every client.
+        announce: sends every client an event.
         hands: what is done by hand meanwhile, and is no rest.
         owned: makes this program the arm's owner meanwhile: no drives go off below a motion of another one.
 
@@ -49,16 +49,16 @@ class RestingDrives:
 
     def __init__(
         self,
-        lender: Lender,
+        pool: DeviceSource,
         clock: Clock,
-        tell: Tell,
-        hands: Hands,
+        announce: Announce,
+        hands: ManualWork,
         owned: Callable[[], AbstractAsyncContextManager[None]],
     ) -> None:
-        self.facts: dict[str, Json] | None = None
-        self._lender = lender
+        self.facts: DrivesFields | None = None
+        self._pool = pool
         self._clock = clock
-        self._tell = tell
+        self._announce = announce
         self._hands = hands
         self._owned = owned
         self._after_s: float | None = None
@@ -95,29 +95,30 @@ class RestingDrives:
             await self._switch_off("the engine ends")
 
     async def _count(self, after_s: float, begun: int) -> None:
-        end_s = self._told_end_s(after_s)
+        end_s = self._announced_end_s(after_s)
         while (left_s := end_s - self._clock.monotonic_s()) > 0.0:
             await self._clock.sleep(min(left_s, _TICK_S))
             # Also what was over within this tick.
             if self._hands.begun != begun:
                 while self._hands.occupied is not None:
                     await self._clock.sleep(_TICK_S)
-                begun, end_s = self._hands.begun, self._told_end_s(after_s)
+                begun, end_s = self._hands.begun, self._announced_end_s(after_s)
         await self._switch_off(f"the arm has rested for {after_s:g} s")
 
-    def _told_end_s(self, after_s: float) -> float:
+    def _announced_end_s(self, after_s: float) -> float:
         off_at = self._clock.now_utc() + timedelta(seconds=after_s)
-        self.facts = {"on": True, "off_at_utc": off_at.isoformat()}
-        self._tell("drives", **self.facts)
+        self.facts = counting = DrivesChanged(on=True, off_at_utc=off_at.isoformat())
+        self._announce(counting)
         return self._clock.monotonic_s() + after_s
 
     async def _switch_off(self, why: str) -> None:
         self.facts = self._after_s = None
         try:
-            async with self._lender.lent_robot("robot") as robot, self._owned():
+            async with self._pool.acquired_robot("robot") as robot, self._owned():
                 left = await leave_drives(robot, self._clock, _LIMIT_S, keep=False)
         except (CatseyeError, DeviceError) as error:
-            self._tell("drives", on=True, reason=f"the drives are not certain to be off: {error}")
+            self._announce(DrivesChanged(on=True, reason=f"the drives are not certain to be off: {error}"))
             return
         self._off = not left.on
-        self._tell("drives", on=left.on, reason=left.text if left.on else f"{why}: {left.text}")
+        reason = left.text if left.on else f"{why}: {left.text}"
+        self._announce(DrivesChanged(on=left.on, reason=reason))

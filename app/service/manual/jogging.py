@@ -14,11 +14,14 @@ from catseye.app.engine.waiting import uncancelled, within
 from catseye.app.errors import InterruptedRunError, SafetyError, text_of
 from catseye.app.exitcode import ExitCode
 from catseye.app.guard.client import ArmGuard
+from catseye.app.protocol import answers
+from catseye.app.protocol.answers import Answer
+from catseye.app.protocol.events import Client, ErrorTold, JogChanged, WarningTold
+from catseye.app.protocol.requests import JogHold, JogMode, JogStep
 from catseye.app.service.errors import RefusedError, refusal_of
-from catseye.app.service.manual.device_loan import HandBench
+from catseye.app.service.manual.device_loan import ManualBench
 from catseye.app.service.manual.jog_gate import JogGate
-from catseye.app.service.manual.manual_arm import HandArm
-from catseye.app.service.messages import JogHold, JogMode, JogStep, Message
+from catseye.app.service.manual.manual_arm import ManualArm
 from catseye.app.service.watching.bench_facts import BenchFacts
 from catseye.drivers.roles.device import Identity
 from catseye.drivers.roles.robot import Robot
@@ -36,25 +39,25 @@ class Jogging:
     Args:
         bench: whose arm is moved.
         request: how fast, and the typed permission.
-        who: moves it.
+        client: moves it.
 
     Attributes:
-        who: moves it.
+        client: moves it.
         begun: has a result when the arm may be moved, or says why it may not.
         aborted: why nothing may move before somebody has looked at the bench; empty while all is well.
     """
 
     def __init__(
-        self, bench: HandBench, request: JogMode, who: str, limits: HaltLimits | None = None
+        self, bench: ManualBench, request: JogMode, client: Client, limits: HaltLimits | None = None
     ) -> None:
-        self.who = who
-        self.begun: asyncio.Future[Message] = asyncio.get_running_loop().create_future()
+        self.client = client
+        self.begun: asyncio.Future[Answer] = asyncio.get_running_loop().create_future()
         self.aborted = ""
         self._bench = bench
         self._request = request
         self._limits = limits or HaltLimits()
         self._gate: JogGate | None = None
-        self._arm: HandArm | None = None
+        self._arm: ManualArm | None = None
         self._reason = ""
         self._left_lower = ""
         self._failure: Exception | None = None
@@ -70,12 +73,12 @@ class Jogging:
         """Wait for the end."""
         await asyncio.wait({self._task})
 
-    def step(self, request: JogStep, heard_s: Callable[[], float]) -> "asyncio.Future[Message]":
-        """Begin a step; see HandArm.step."""
+    def step(self, request: JogStep, heard_s: Callable[[], float]) -> "asyncio.Future[Answer]":
+        """Begin a step; see ManualArm.step."""
         return self._ready_arm().step(request, heard_s)
 
-    def hold(self, request: JogHold) -> "Message | asyncio.Future[Message]":
-        """Keep a joint moving, or stop it; see HandArm.hold."""
+    def hold(self, request: JogHold) -> "Answer | asyncio.Future[Answer]":
+        """Keep a joint moving, or stop it; see ManualArm.hold."""
         return self._ready_arm().hold(request)
 
     def end(self, reason: str) -> None:
@@ -95,8 +98,8 @@ class Jogging:
         self.end(reason)
 
     def moves(self, joint: str | None, reason: str) -> None:
-        """Tell what moves."""
-        self._tell(joint, reason)
+        """Announce what moves."""
+        self._announce(joint, reason)
 
     def failed(self, error: Exception) -> None:
         """End since a motion failed; the arm has been stopped."""
@@ -109,7 +112,7 @@ class Jogging:
         self._failure = SafetyError(f"{self.aborted} ({self._failure})" if self._failure else self.aborted)
         self.end(self.aborted)
 
-    def _ready_arm(self) -> HandArm:
+    def _ready_arm(self) -> ManualArm:
         if self._arm is None or self._reason:
             raise RefusedError(
                 f"the jog is over: {self._reason}" if self._reason else "the jog is only beginning"
@@ -118,11 +121,11 @@ class Jogging:
 
     async def _serve(self) -> None:
         try:
-            async with self._bench.lender.lent() as devices:
+            async with self._bench.pool.acquired() as devices:
                 await self._jog(devices)
         except asyncio.CancelledError:
             self._failure = self._failure or InterruptedRunError(self._reason or "the engine ends")
-        except Exception as error:  # noqa: BLE001  # whatever ends a jog is told; the engine lives on
+        except Exception as error:  # noqa: BLE001  # whatever ends a jog is announced; the engine lives on
             self._failure = self._failure or error
         self._close()
 
@@ -130,7 +133,7 @@ class Jogging:
         facts = await self._bench.facts()
         simulated = require_permission(self._identities(devices), facts.cell, self._request.arm)
         if not simulated and (text := unconfirmed_text(facts.bench.workspace.unconfirmed)):
-            self._bench.tell("warning", text=text, data={})
+            self._bench.announce(WarningTold(text=text))
         door = None if devices.io is None else DoorWatch(devices.io, self._bench.clock, self._door_opened)
         self._gate = gate = JogGate(devices, facts, self._request.percent, door)
         async with nullcontext() if door is None else door.watching(self._unwatched):
@@ -147,9 +150,9 @@ class Jogging:
             if self._reason:
                 # A cancellation that comes together with an answer may be lost on its way through a library.
                 raise InterruptedRunError(self._reason)
-            self._arm = HandArm(robot, facts.bench, gate, self._bench.clock, self._limits, self)
-            self.begun.set_result({"override_percent": override_percent, "simulated": simulated})
-            self._tell(None)
+            self._arm = ManualArm(robot, facts.bench, gate, self._bench.clock, self._limits, self)
+            self.begun.set_result(answers.Jogging(override_percent=override_percent, simulated=simulated))
+            self._announce(None)
             await self._stand_by(robot, self._arm)
         except Exception as error:
             self._failure = self._failure or error
@@ -166,7 +169,7 @@ class Jogging:
             return
         guard.on_stop = self.abort
         for text in await guard.hold("moved by hand", self._bench.folder, simulated=simulated):
-            self._bench.tell("warning", text=text, data={})
+            self._bench.announce(WarningTold(text=text))
 
     def _door_opened(self, trouble: str) -> None:
         """Stop what moves; that ends the jog, and whoever goes on begins a new one."""
@@ -192,7 +195,7 @@ class Jogging:
             )
         return {name: known[name] for name in devices.named() if name in known}
 
-    async def _stand_by(self, robot: Robot, arm: HandArm) -> None:
+    async def _stand_by(self, robot: Robot, arm: ManualArm) -> None:
         """Look at the arm while it stands, until the end.
 
         Raises:
@@ -237,14 +240,14 @@ class Jogging:
         if error is not None and not self.begun.done():
             self.begun.set_exception(refusal_of(error))
         elif error is not None:
-            self._bench.tell("error", text=text_of(error), exit_code=int(refusal_of(error).code))
+            self._bench.announce(ErrorTold(text=text_of(error), exit_code=int(refusal_of(error).code)))
         if self._arm is not None:
-            self._tell(None, self._reason, on=False)
+            self._announce(None, self._reason, on=False)
         if self._left_lower:
-            self._bench.tell("warning", text=self._left_lower, data={})
+            self._bench.announce(WarningTold(text=self._left_lower))
 
     def _note_lowered(self, before_percent: float, percent: float, cap_percent: float) -> None:
-        """Have the end of the jog tell that runs will be slow."""
+        """Have the end of the jog say that runs will be slow."""
         if percent <= min(before_percent, cap_percent) - WHOLE_PERCENT:
             self._left_lower = (
                 f"the speed override stays at {percent:g} % and runs are planned with {cap_percent:g} %: raise it at "
@@ -256,7 +259,14 @@ class Jogging:
         if not self.begun.done():
             self.begun.set_exception(refusal_of(InterruptedRunError(self._reason or "the engine ends")))
 
-    def _tell(self, moving: str | None, reason: str = "", *, on: bool = True) -> None:
-        percent = None if self._gate is None else self._gate.override_percent
-        why = {"reason": reason} if reason else {}
-        self._bench.tell("jog", on=on, by=self.who, percent=percent, moving=moving, **why)
+    def _announce(self, moving: str | None, reason: str = "", *, on: bool = True) -> None:
+        self._bench.announce(
+            JogChanged(
+                on=on,
+                by=self.client.text,
+                client=self.client.client,
+                percent=None if self._gate is None else self._gate.override_percent,
+                moving=moving,
+                reason=reason or None,
+            )
+        )

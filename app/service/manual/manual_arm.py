@@ -7,13 +7,14 @@ from typing import Any, Final, Literal, Protocol
 from catseye.app.engine.halt import HaltLimits
 from catseye.app.errors import InterruptedRunError, SafetyError
 from catseye.app.exitcode import ExitCode
+from catseye.app.protocol.answers import Answer, Moving, Stepped
+from catseye.app.protocol.requests import JogHold, JogStep
 from catseye.app.service.errors import RefusedError, refusal_of
 from catseye.app.service.manual.approach import Approach
 from catseye.app.service.manual.hold import Hold, Sight
 from catseye.app.service.manual.jog_gate import JogGate
-from catseye.app.service.manual.manual_motion import HandMotion
+from catseye.app.service.manual.manual_motion import ManualMotion
 from catseye.app.service.manual.steps import step_target
-from catseye.app.service.messages import JogHold, JogStep, Message
 from catseye.drivers.roles.clock import Clock
 from catseye.drivers.roles.pose import Pose
 from catseye.drivers.roles.robot import Robot
@@ -25,7 +26,7 @@ SILENCE_S: Final = 0.5
 _TICK_S = 0.05
 
 
-class Teller(Protocol):
+class MotionListener(Protocol):
     """Is told what becomes of motions."""
 
     def moves(self, joint: str | None, reason: str) -> None:
@@ -41,7 +42,7 @@ class Teller(Protocol):
         ...
 
 
-class HandArm:
+class ManualArm:
     """Moves an arm by hand.
 
     Args:
@@ -50,25 +51,31 @@ class HandArm:
         gate: of every motion.
         clock: real time.
         limits: how long a halt may take.
-        teller: is told what becomes of motions.
+        listener: is told what becomes of motions.
 
     Attributes:
         motion: under way; None while the arm stands.
     """
 
     def __init__(
-        self, robot: Robot, bench: Bench, gate: JogGate, clock: Clock, limits: HaltLimits, teller: Teller
+        self,
+        robot: Robot,
+        bench: Bench,
+        gate: JogGate,
+        clock: Clock,
+        limits: HaltLimits,
+        listener: MotionListener,
     ) -> None:
-        self.motion: HandMotion | None = None
+        self.motion: ManualMotion | None = None
         self._robot = robot
         self._bench = bench
         self._gate = gate
         self._clock = clock
         self._limits = limits
-        self._teller = teller
-        self._task: asyncio.Task[Message] | None = None
+        self._listener = listener
+        self._task: asyncio.Task[Answer] | None = None
 
-    def step(self, request: JogStep, heard_s: Callable[[], float]) -> "asyncio.Task[Message]":
+    def step(self, request: JogStep, heard_s: Callable[[], float]) -> "asyncio.Task[Answer]":
         """Begin a step; the result is there when the arm stands.
 
         Args:
@@ -80,10 +87,10 @@ class HandArm:
         """
         if self.motion is not None:
             raise RefusedError(f"{self.motion.joint} is moving: wait until the arm stands, or stop it")
-        motion = HandMotion(request.joint, self._robot, self._clock, self._limits)
+        motion = ManualMotion(request.joint, self._robot, self._clock, self._limits)
         return self._begin(motion, self._step(motion, request, heard_s))
 
-    def hold(self, request: JogHold) -> "Message | asyncio.Future[Message]":
+    def hold(self, request: JogHold) -> "Answer | asyncio.Future[Answer]":
         """Keep a joint moving, or stop; the result is there when it has been set going.
 
         Raises:
@@ -93,7 +100,7 @@ class HandArm:
         if request.direction == 0:
             if motion is not None:
                 self._release(motion, "released")
-            return {}
+            return Answer()
         if motion is None:
             return self._begin_hold(request)
         if motion.hold is None:
@@ -104,7 +111,7 @@ class HandArm:
             motion.hold.feed()
         else:
             motion.hold.release("another joint or direction is asked for")
-        return {}
+        return Answer()
 
     def stop(self, reason: str) -> None:
         """Stop the robot now if a motion is under way."""
@@ -121,21 +128,21 @@ class HandArm:
         if self._task is not None:
             await asyncio.wait({self._task})
 
-    def _release(self, motion: HandMotion, reason: str) -> None:
+    def _release(self, motion: ManualMotion, reason: str) -> None:
         if motion.hold is not None:
             motion.hold.release(reason)
         else:
             motion.stop("the step was stopped")
 
-    def _begin_hold(self, request: JogHold) -> "asyncio.Future[Message]":
+    def _begin_hold(self, request: JogHold) -> "asyncio.Future[Answer]":
         if not self._robot.abilities.jogs:
             raise RefusedError(
                 "this robot's driver knows no jog that ends by itself when nobody feeds it: move by steps"
             )
         sight = Sight(self._robot.joints, self._gate.require_permission)
         hold = Hold(self._robot, request.joint, self._approach(request), sight, self._clock)
-        motion = HandMotion(request.joint, self._robot, self._clock, self._limits, hold)
-        answer: asyncio.Future[Message] = asyncio.get_running_loop().create_future()
+        motion = ManualMotion(request.joint, self._robot, self._clock, self._limits, hold)
+        answer: asyncio.Future[Answer] = asyncio.get_running_loop().create_future()
         task = self._begin(motion, self._hold(motion, hold, answer))
         task.add_done_callback(lambda ended: _settle(answer, ended, hold))
         return answer
@@ -147,29 +154,29 @@ class HandArm:
         way: Literal[-1, 1] = 1 if request.direction > 0 else -1
         return Approach(ranges[request.joint], way, share * fastest_deg_s[request.joint])
 
-    def _begin(self, motion: HandMotion, work: Coroutine[Any, Any, Message]) -> "asyncio.Task[Message]":
+    def _begin(self, motion: ManualMotion, work: Coroutine[Any, Any, Answer]) -> "asyncio.Task[Answer]":
         self.motion = motion
         self._gate.belong_to(motion.require_unstopped)
         self._task = asyncio.create_task(self._conducted(motion, work))
         return self._task
 
-    async def _conducted(self, motion: HandMotion, work: Coroutine[Any, Any, Message]) -> Message:
+    async def _conducted(self, motion: ManualMotion, work: Coroutine[Any, Any, Answer]) -> Answer:
         reason = ""
         try:
             return await work
         except Exception as error:
             reason = str(error)
             if motion.unconfirmed:
-                self._teller.unsafe(motion.unconfirmed)
+                self._listener.unsafe(motion.unconfirmed)
             elif motion.began and not isinstance(error, InterruptedRunError):
-                self._teller.failed(error)
+                self._listener.failed(error)
             raise refusal_of(error) from error
         finally:
             self.motion = None
             if motion.began:
-                self._teller.moves(None, motion.hold.reason if motion.hold and not reason else reason)
+                self._listener.moves(None, motion.hold.reason if motion.hold and not reason else reason)
 
-    async def _step(self, motion: HandMotion, request: JogStep, heard_s: Callable[[], float]) -> Message:
+    async def _step(self, motion: ManualMotion, request: JogStep, heard_s: Callable[[], float]) -> Answer:
         targets: list[Pose] = []
 
         async def gate() -> None:
@@ -178,20 +185,20 @@ class HandArm:
             await self._gate.require(*targets, here=here)
 
         async def move() -> None:
-            self._teller.moves(request.joint, "")
+            self._listener.moves(request.joint, "")
             await self._robot.move_joints(targets[0])
 
         async def alive() -> None:
             await self._until_silent(heard_s)
 
         await motion.carry_out(gate, move, alive)
-        return {"joints": list(await self._robot.joints())}
+        return Stepped(joints=tuple(await self._robot.joints()))
 
-    async def _hold(self, motion: HandMotion, hold: Hold, answer: "asyncio.Future[Message]") -> Message:
+    async def _hold(self, motion: ManualMotion, hold: Hold, answer: "asyncio.Future[Answer]") -> Answer:
         def begun() -> None:
-            self._teller.moves(hold.joint, "")
+            self._listener.moves(hold.joint, "")
             if not answer.done():
-                answer.set_result({"moving": hold.joint})
+                answer.set_result(Moving(moving=hold.joint))
 
         async def gate() -> None:
             here = await self._robot.joints()
@@ -201,7 +208,7 @@ class HandArm:
 
         hold.on_begun = begun
         await motion.carry_out(gate, hold.move)
-        return {}
+        return Answer()
 
     async def _until_silent(self, heard_s: Callable[[], float]) -> None:
         begun_s = self._clock.monotonic_s()
@@ -213,7 +220,7 @@ class HandArm:
         )
 
 
-def _settle(answer: "asyncio.Future[Message]", ended: "asyncio.Task[Message]", hold: Hold) -> None:
+def _settle(answer: "asyncio.Future[Answer]", ended: "asyncio.Task[Answer]", hold: Hold) -> None:
     """Answer a hold that ended before it had been set going."""
     error = None if ended.cancelled() else ended.exception()
     if answer.done():

@@ -4,19 +4,21 @@ import asyncio
 from collections.abc import Callable, Coroutine
 from typing import Any
 
+from catseye.app.protocol.answers import Answer
+from catseye.app.protocol.requests import JogHold, JogMode, JogStep, Raw, Send
+from catseye.app.service.client_registry import ClientRegistry
 from catseye.app.service.errors import RefusedError
-from catseye.app.service.hub import Hub, Member
-from catseye.app.service.manual.device_loan import HandBench
+from catseye.app.service.manual.device_loan import ManualBench
 from catseye.app.service.manual.jogging import Jogging
 from catseye.app.service.manual.raw_link import RawLink
-from catseye.app.service.messages import JogHold, JogMode, JogStep, Message, Raw, Send
+from catseye.app.service.member import Member
 
 
-class ByHand:
+class ManualControl:
     """Carries out `jog`, `jog-step`, `jog-hold`, `raw` and `send`.
 
     Args:
-        hub: of the clients.
+        registry: of the clients.
         bench: between runs.
         require_idle: raises RefusedError during a run, and after an abort that nobody has cleared.
         on_abort: takes why nothing may move before an operator has cleared it.
@@ -26,58 +28,62 @@ class ByHand:
     """
 
     def __init__(
-        self, hub: Hub, bench: HandBench, require_idle: Callable[[], None], on_abort: Callable[[str], None]
+        self,
+        registry: ClientRegistry,
+        bench: ManualBench,
+        require_idle: Callable[[], None],
+        on_abort: Callable[[str], None],
     ) -> None:
         self.begun = 0
-        self._hub = hub
+        self._registry = registry
         self._bench = bench
         self._require_idle = require_idle
         self._on_abort = on_abort
         self._jog: Jogging | None = None
         self._raw: dict[str, RawLink] = {}
         self._holder: Member | None = None
-        self._tasks: set[asyncio.Task[Message]] = set()
-        hub.on_control = self._control_changed
+        self._tasks: set[asyncio.Task[Answer]] = set()
+        registry.on_control = self._control_changed
 
     @property
     def occupied(self) -> str | None:
         """What is done by hand and how it is ended; None when nothing is."""
         if self._jog is not None:
-            return f"{self._jog.who} moves the arm by hand: end that first (jog, on: false)"
+            return f"{self._jog.client.text} moves the arm by hand: end that first (jog, on: false)"
         if self._raw:
             return f"the link of {', '.join(self._raw)} is open for raw bytes: give it back first (raw, on: false)"
         return None
 
-    def jog(self, member: Member, request: JogMode) -> "asyncio.Future[Message]":
+    def jog(self, member: Member, request: JogMode) -> "asyncio.Future[Answer]":
         """Begin or end a jog; the result is there when the arm may be moved, or stands."""
         if not request.on:
             return self._later(self._end_jog(f"{member.text} ended it"))
         self._begin(member)
-        self._jog = jog = Jogging(self._bench, request, member.text)
+        self._jog = jog = Jogging(self._bench, request, member.client)
         jog.add_done_callback(self._jog_over)
         return jog.begun
 
-    def step(self, member: Member, request: JogStep) -> "asyncio.Future[Message]":
+    def step(self, member: Member, request: JogStep) -> "asyncio.Future[Answer]":
         """Move one joint by a step."""
         return self._jogging().step(request, lambda: member.heard_s)
 
-    def hold(self, request: JogHold) -> "Message | asyncio.Future[Message]":
+    def hold(self, request: JogHold) -> "Answer | asyncio.Future[Answer]":
         """Keep one joint moving, or stop it."""
         if self._jog is None and request.direction == 0:
             # Whoever lets a key go late has nothing to stop any more.
-            return {}
+            return Answer()
         return self._jogging().hold(request)
 
-    def raw(self, member: Member, request: Raw) -> "asyncio.Future[Message]":
+    def raw(self, member: Member, request: Raw) -> "asyncio.Future[Answer]":
         """Take a device's link from its driver, or give it back."""
         if not request.on:
             return self._later(self._give_back(request.device))
         self._begin(member, request.device)
-        self._raw[request.device] = link = RawLink(self._bench, request, member.text)
+        self._raw[request.device] = link = RawLink(self._bench, request, member.client)
         link.add_done_callback(self._raw_over)
         return link.begun
 
-    def send(self, request: Send) -> "asyncio.Future[Message]":
+    def send(self, request: Send) -> "asyncio.Future[Answer]":
         """Send bytes on a link that was taken."""
         if request.device not in self._raw:
             raise RefusedError(f"the link of {request.device} was not taken: take it first (raw)")
@@ -126,19 +132,19 @@ class ByHand:
             raise RefusedError("the arm is not moved by hand: begin that first (jog, on: true)")
         return self._jog
 
-    async def _end_jog(self, reason: str) -> Message:
+    async def _end_jog(self, reason: str) -> Answer:
         jog = self._jog
         if jog is not None:
             jog.end(reason)
             await jog.over()
-        return {}
+        return Answer()
 
-    async def _give_back(self, device: str) -> Message:
+    async def _give_back(self, device: str) -> Answer:
         link = self._raw.get(device)
         if link is not None:
             link.give_back()
             await link.over()
-        return {}
+        return Answer()
 
     def _jog_over(self, jog: Jogging) -> None:
         self._jog = None
@@ -153,7 +159,7 @@ class ByHand:
     def _control_changed(self) -> None:
         """End what a client does by hand when it does not hold control any more."""
         holder = self._holder
-        if holder is None or self._hub.holds(holder):
+        if holder is None or self._registry.lease.held_by(holder):
             return
         self._holder = None
         reason = f"{holder.text} does not hold control any more"
@@ -162,7 +168,7 @@ class ByHand:
         for link in self._raw.values():
             link.end(reason)
 
-    def _later(self, work: Coroutine[Any, Any, Message]) -> "asyncio.Task[Message]":
+    def _later(self, work: Coroutine[Any, Any, Answer]) -> "asyncio.Task[Answer]":
         task = asyncio.create_task(work)
         self._tasks.add(task)
         task.add_done_callback(self._tasks.discard)

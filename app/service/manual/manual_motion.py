@@ -7,9 +7,9 @@ from typing import Any
 from catseye.app.engine.control import RunControl
 from catseye.app.engine.ending import DeviceFaultError, react
 from catseye.app.engine.halt import HaltLimits
-from catseye.app.engine.states import State
 from catseye.app.engine.waiting import cancel
 from catseye.app.errors import SafetyError
+from catseye.app.protocol.state import ControlState
 from catseye.app.service.manual.hold import Hold
 from catseye.drivers.roles.clock import Clock
 from catseye.drivers.roles.robot import Robot
@@ -18,7 +18,7 @@ Watch = Callable[[], Awaitable[None]]
 """Goes on until the motion ends; what it raises breaks the motion off."""
 
 
-class HandMotion:
+class ManualMotion:
     """A step, or a joint that is kept moving.
 
     Args:
@@ -41,7 +41,7 @@ class HandMotion:
         self.hold = hold
         self.began = False
         self._over = False
-        self._control = RunControl(clock, _tell_nobody, limits)
+        self._control = RunControl(clock, _ignore, limits)
         self._control.attach(robot)
         self._control.starting()
         self._control.started()
@@ -119,5 +119,5 @@ class HandMotion:
             self.break_off(error)
 
 
-def _tell_nobody(_state: State, _reason: str) -> None:
+def _ignore(_state: ControlState, _reason: str) -> None:
     """Clients are told what moves, not the states of each motion."""

@@ -11,10 +11,12 @@ from catseye.app.engine.halt import HaltLimits, halt
 from catseye.app.engine.instruments import stop_request
 from catseye.app.errors import InterruptedRunError, SafetyError, UsageError, exit_code_of
 from catseye.app.guard.raw import plain_connection, raw_connection, raw_guard
+from catseye.app.protocol.answers import Answer, LinkTaken
+from catseye.app.protocol.events import Client, RawChanged, WarningTold
+from catseye.app.protocol.requests import Raw
 from catseye.app.service.errors import RefusedError, refusal_of
-from catseye.app.service.manual.device_loan import HandBench
+from catseye.app.service.manual.device_loan import ManualBench
 from catseye.app.service.manual.raw_door import RawDoor, raw_door
-from catseye.app.service.messages import Message, Raw
 from catseye.app.service.watching.bench_facts import BenchFacts, DeviceFacts
 from catseye.drivers.links.transport import Transport
 from catseye.drivers.roles.errors import DeviceError
@@ -28,7 +30,7 @@ class RawLink:
     Args:
         bench: whose device it is.
         request: which device, and the typed permission.
-        who: takes it.
+        client: takes it.
 
     Attributes:
         device: its name in the cell file.
@@ -36,13 +38,13 @@ class RawLink:
         aborted: why nothing may move before somebody has looked at the bench; empty while all is well.
     """
 
-    def __init__(self, bench: HandBench, request: Raw, who: str) -> None:
+    def __init__(self, bench: ManualBench, request: Raw, client: Client) -> None:
         self.device = request.device
-        self.begun: asyncio.Future[Message] = asyncio.get_running_loop().create_future()
+        self.begun: asyncio.Future[Answer] = asyncio.get_running_loop().create_future()
         self.aborted = ""
         self._bench = bench
         self._arm = request.arm
-        self._who = who
+        self._client = client
         self._transport: Transport | None = None
         self._door: RawDoor | None = None
         self._reason = ""
@@ -61,7 +63,7 @@ class RawLink:
         """Wait for the end."""
         await asyncio.wait({self._task})
 
-    async def send(self, data: bytes) -> Message:
+    async def send(self, data: bytes) -> Answer:
         """Send bytes.
 
         Raises:
@@ -80,12 +82,12 @@ class RawLink:
             text = str(error) or f"{self.device} does not take the bytes"
             self.end(text)
             raise RefusedError(text, exit_code_of(error)) from error
-        return {}
+        return Answer()
 
     def give_back(self) -> None:
         """End on the word of whoever took it: what was started by hand goes on."""
         self._given_back = True
-        self.end(f"{self._who} gave it back")
+        self.end(f"{self._client.text} gave it back")
 
     def stop(self, reason: str) -> bool:
         """End and have the arm stopped, also one that is left to itself just now; return whether there is one."""
@@ -109,7 +111,7 @@ class RawLink:
             if error is not None and not self.begun.done():
                 self.begun.set_exception(refusal_of(error))
                 return
-            self._bench.tell("raw", device=self.device, on=False, by=self._who, reason=self._reason)
+            self._announce(on=False, reason=self._reason)
             if self._moves and not self._given_back:
                 await self._stop_what_moves()
 
@@ -121,7 +123,7 @@ class RawLink:
             # It was this link's own end; what follows is not to be cut short.
             self._task.uncancel()
             return InterruptedRunError(self._reason or "the engine ends")
-        except Exception as failed:  # noqa: BLE001  # whatever ends it is told; the engine lives on
+        except Exception as failed:  # noqa: BLE001  # whatever ends it is announced; the engine lives on
             self._reason = self._reason or str(failed)
             return failed
         return None
@@ -136,7 +138,7 @@ class RawLink:
         device = _device(facts, self.device)
         self._require_permission(facts, device)
         opened = await self._opening(device, owned)
-        async with self._bench.lender.parked(self.device), opened as transport:
+        async with self._bench.pool.detached(self.device), opened as transport:
             try:
                 async with raw_door(
                     self._bench.door() if self._moves else None,
@@ -146,8 +148,8 @@ class RawLink:
                 ) as self._door:
                     self._door.require_closed()
                     self._transport = transport
-                    self.begun.set_result({"endpoint": device.endpoint})
-                    self._bench.tell("raw", device=self.device, on=True, by=self._who)
+                    self.begun.set_result(LinkTaken(endpoint=device.endpoint))
+                    self._announce(on=True)
                     try:
                         while True:
                             # What comes is shown as it passes.
@@ -173,7 +175,14 @@ class RawLink:
             record,
             self._bench.folder,
             simulated=self._simulated,
-            tell=lambda text: self._bench.tell("warning", text=text, data={}),
+            tell=lambda text: self._bench.announce(WarningTold(text=text)),
+        )
+
+    def _announce(self, *, on: bool, reason: str | None = None) -> None:
+        self._bench.announce(
+            RawChanged(
+                device=self.device, on=on, by=self._client.text, client=self._client.client, reason=reason
+            )
         )
 
     def _guard_stopped(self, reason: str) -> None:
@@ -204,7 +213,7 @@ class RawLink:
     async def _stop_what_moves(self) -> None:
         """Stop what was started by hand: whoever started it is gone."""
         try:
-            async with self._bench.lender.lent_robot(self.device) as robot:
+            async with self._bench.pool.acquired_robot(self.device) as robot:
                 report = await halt(robot, self._bench.clock, HaltLimits(), lambda: None)
         except Exception as error:  # noqa: BLE001  # whatever fails: nobody but the operator can look now
             self.aborted = f"whether the arm of {self.device} moves is not known: look at it ({error})"
@@ -212,7 +221,7 @@ class RawLink:
             if not report.standstill:
                 self.aborted = f"standstill of {self.device} is not confirmed: {report.text}"
         if self.aborted:
-            self._bench.tell("warning", text=self.aborted, data={})
+            self._bench.announce(WarningTold(text=self.aborted))
 
 
 def _device(facts: BenchFacts, name: str) -> DeviceFacts:

@@ -6,10 +6,10 @@ from typing import Literal
 import numpy as np
 
 from catseye.app.errors import UsageError
-from catseye.calibration.kinematics import forward, wrap_rad
-from catseye.calibration.pointing import aim as aimed_j4_rad
-from catseye.calibration.pointing import beam_direction, nearest_branch
-from catseye.calibration.types import Floats
+from catseye.calibration.core.types import Floats
+from catseye.calibration.scara.planar import forward, wrap_rad
+from catseye.calibration.scara.pointing import aim as aimed_j4_rad
+from catseye.calibration.scara.pointing import beam_direction, nearest_branch
 from catseye.drivers.roles.pose import Pose
 from catseye.procedures.kit.bench import Bench, Reflector
 

@@ -170,10 +170,10 @@ class Walk:
         self._total_s, self._done_s = sum(map(self._time_s, legs)), 0.0
         for number, leg in enumerate(legs, 1):
             await self._lead_to(ctx, leg.start, tubes)
-            self._tell(ctx, leg, f"motion {number} of {len(legs)}")
+            self._show_leg(ctx, leg, f"motion {number} of {len(legs)}")
             await self._go(ctx, leg, tubes)
             self._done_s += self._time_s(leg)
-        self._tell(ctx, legs[-1], f"{len(legs)} motions")
+        self._show_leg(ctx, legs[-1], f"{len(legs)} motions")
 
     async def _lead_to(self, ctx: Context, start: Pose, tubes: Tubes) -> None:
         """Bring the arm to where a motion begins."""
@@ -230,7 +230,7 @@ class Walk:
         quill_s = float(travel[2]) / (arm.j3_speed_mm_s * self._percent / 100.0)
         return max(float(move_time_s(arm, travel[None, [0, 1, 3]])[0]), quill_s)
 
-    def _tell(self, ctx: Context, leg: Leg, text: str) -> None:
+    def _show_leg(self, ctx: Context, leg: Leg, text: str) -> None:
         fastest = fastest_mm_s(self._bench, leg.start, leg.end, self._percent)
         ctx.progress(self._done_s, self._total_s, f"{text}, {self._percent:g} %")
         ctx.show(Live("speed, at most", fastest, "mm/s", high=FASTEST_MM_S))

@@ -6,7 +6,7 @@ from catseye.app.cell.model import Cell
 from catseye.app.engine.devices import WireRecorder
 from catseye.app.engine.instruments import device_builder, further_device
 from catseye.app.service.watching.device_pool import CellDevices
-from catseye.app.service.watching.latest_values import Gauges
+from catseye.app.service.watching.latest_values import LatestValues
 from catseye.app.service.watching.observed_devices import (
     ObservedController,
     ObservedDevice,
@@ -18,12 +18,12 @@ from catseye.drivers.roles.device import Role
 from catseye.drivers.roles.registry import load_driver
 
 
-def cell_devices(cell: Cell, gauges: Gauges, clock: Clock, record: WireRecorder) -> CellDevices:
-    """Return every device of a cell, seen by gauges and not connected.
+def cell_devices(cell: Cell, latest: LatestValues, clock: Clock, record: WireRecorder) -> CellDevices:
+    """Return every device of a cell, seen by latest and not connected.
 
     Args:
         cell: names drivers and endpoints.
-        gauges: are told what the devices tell.
+        latest: takes what the devices report.
         clock: real time.
         record: takes what goes over the wires.
 
@@ -31,7 +31,7 @@ def cell_devices(cell: Cell, gauges: Gauges, clock: Clock, record: WireRecorder)
         ConfigError: a driver is not installed or a setting is wrong.
     """
     material = None if cell.material is None else cell.material.sensor
-    devices = observed(device_builder(cell, clock)(record), gauges, material)
+    devices = observed(device_builder(cell, clock)(record), latest, material)
     kept: dict[str, ObservedDevice] = {}
     for device in devices.named().values():
         if isinstance(device, ObservedDevice):
@@ -42,16 +42,16 @@ def cell_devices(cell: Cell, gauges: Gauges, clock: Clock, record: WireRecorder)
                 further.name,
                 load_driver(further.driver).role,
                 further_device(further, clock, record),
-                gauges,
+                latest,
             )
     return CellDevices(devices, kept)
 
 
-def _further(name: str, role: Role, driver: Any, gauges: Gauges) -> ObservedDevice:
+def _further(name: str, role: Role, driver: Any, latest: LatestValues) -> ObservedDevice:
     """Return a device, seen, whose values are not those of the bench's own."""
     match role:
         case "environment":
-            return ObservedSensor(name, driver, gauges)
+            return ObservedSensor(name, driver, latest)
         case "robot":
-            return ObservedController(name, driver, gauges)
-    return ObservedDevice(name, driver, gauges)
+            return ObservedController(name, driver, latest)
+    return ObservedDevice(name, driver, latest)

@@ -5,7 +5,7 @@ import logging
 from contextlib import suppress
 
 from catseye.app.engine.waiting import cancel, within
-from catseye.app.service.watching.latest_values import Gauges
+from catseye.app.service.watching.latest_values import LatestValues
 from catseye.app.service.watching.observed_devices import ObservedDevice
 from catseye.app.service.watching.polling import round_for
 from catseye.drivers.roles.clock import Clock
@@ -26,12 +26,12 @@ _ROUND_LIMIT_S = 1.0
 """Real seconds for the questions under way: a link that is closed between two answers is closed properly."""
 
 
-class Keeper:
+class DeviceSupervisor:
     """Keeps one device connected and asks it what it can tell.
 
     Args:
         device: that is kept.
-        gauges: are told what becomes of the link.
+        latest: takes what becomes of the link.
         clock: real time.
 
     Attributes:
@@ -41,12 +41,12 @@ class Keeper:
         connected: it answered when it was connected and has not been lost since.
     """
 
-    def __init__(self, device: ObservedDevice, gauges: Gauges, clock: Clock) -> None:
+    def __init__(self, device: ObservedDevice, latest: LatestValues, clock: Clock) -> None:
         self.name = device.name
         self.asking = asyncio.Lock()
         self.connected = False
         self.device = device
-        self._gauges = gauges
+        self._latest = latest
         self._clock = clock
         self._round = round_for(device)
         self._task: asyncio.Task[None] | None = None
@@ -101,7 +101,7 @@ class Keeper:
             if self._ended.is_set():
                 return
             stuck = await self._close()
-            self._gauges.lost(self.name, stuck or why)
+            self._latest.lost(self.name, stuck or why)
             await self._clock.sleep(pause_s)
             pause_s = min(2.0 * pause_s, LONGEST_PAUSE_S)
 

@@ -2,8 +2,9 @@
 
 import math
 from dataclasses import dataclass
-from typing import Generic, Literal, TypeVar
+from typing import Generic, TypeVar
 
+from catseye.app.protocol.bench import LinkState
 from catseye.app.service.watching.columns import Columns
 from catseye.drivers.roles.air import AirSample
 from catseye.drivers.roles.clock import Clock
@@ -15,8 +16,6 @@ from catseye.drivers.roles.robot import RobotStatus
 T = TypeVar("T")
 T_co = TypeVar("T_co", covariant=True)
 
-LinkState = Literal["connecting", "ok", "lost", "closed", "raw"]
-
 
 @dataclass(frozen=True)
 class Stamped(Generic[T_co]):
@@ -24,7 +23,7 @@ class Stamped(Generic[T_co]):
 
     Attributes:
         value: as it was told.
-        time_s: on the clock of the gauges, s.
+        time_s: on the clock of the latest, s.
     """
 
     value: T_co
@@ -32,7 +31,7 @@ class Stamped(Generic[T_co]):
 
 
 @dataclass
-class LinkGauge:
+class LinkValues:
     """What is known of one device's link.
 
     Attributes:
@@ -48,7 +47,7 @@ class LinkGauge:
     heard_s: float | None = None
 
 
-class Gauges:
+class LatestValues:
     """Keeps what devices tell, whoever asked them.
 
     Args:
@@ -71,7 +70,7 @@ class Gauges:
 
     def clear(self) -> None:
         """Forget everything: another cell is looked at."""
-        self.links: dict[str, LinkGauge] = {}
+        self.links: dict[str, LinkValues] = {}
         self.status: Stamped[RobotStatus] | None = None
         self.joints: Stamped[Pose] | None = None
         self.beam: Stamped[BeamStatus] | None = None
@@ -80,13 +79,13 @@ class Gauges:
         self.door_closed: Stamped[bool] | None = None
         self.columns = Columns()
 
-    def link(self, device: str) -> LinkGauge:
+    def link(self, device: str) -> LinkValues:
         """Return what is known of a device's link."""
-        return self.links.setdefault(device, LinkGauge())
+        return self.links.setdefault(device, LinkValues())
 
     def wanted(self, device: str) -> None:
         """A device will be connected; how it was lost before is forgotten."""
-        self.links[device] = LinkGauge("connecting", self.link(device).identity)
+        self.links[device] = LinkValues("connecting", self.link(device).identity)
 
     def connecting(self, device: str) -> None:
         """A device is being connected."""
@@ -94,7 +93,7 @@ class Gauges:
 
     def connected(self, device: str, identity: Identity) -> None:
         """A device answers and says who it is."""
-        self.links[device] = LinkGauge("ok", identity, None, self._clock.monotonic_s())
+        self.links[device] = LinkValues("ok", identity, None, self._clock.monotonic_s())
 
     def answered(self, device: str) -> None:
         """A device has answered, be it with a refusal."""
@@ -114,7 +113,7 @@ class Gauges:
 
     def taken(self, device: str) -> None:
         """A link was taken from its driver by hand."""
-        self.links[device] = LinkGauge("raw", self.link(device).identity)
+        self.links[device] = LinkValues("raw", self.link(device).identity)
 
     def take_status(self, status: RobotStatus) -> None:
         """Take the controller's state."""

@@ -7,8 +7,8 @@ from typing import Any
 
 from catseye.app.engine.control import RunControl
 from catseye.app.engine.devices import Devices
-from catseye.app.engine.states import State
-from catseye.app.service.watching.latest_values import Gauges, Stamped
+from catseye.app.protocol.state import ControlState
+from catseye.app.service.watching.latest_values import LatestValues, Stamped
 from catseye.app.service.watching.observed_devices import ObservedDevice
 from catseye.drivers.roles.clock import Clock
 from catseye.drivers.roles.errors import DeviceError
@@ -32,16 +32,16 @@ class RunSampler:
     would have to be healed then.
 
     Args:
-        gauges: tell how old a value is.
+        latest: tell how old a value is.
         clock: real time.
 
     Attributes:
         devices: of the run; None before there is one.
     """
 
-    def __init__(self, gauges: Gauges, clock: Clock) -> None:
+    def __init__(self, latest: LatestValues, clock: Clock) -> None:
         self.devices: Devices | None = None
-        self._gauges = gauges
+        self._latest = latest
         self._clock = clock
         self._looks: dict[str, asyncio.Task[None]] = {}
         self._due_s: dict[str, float] = {}
@@ -55,17 +55,17 @@ class RunSampler:
         """
         if self.devices is None:
             return
-        stands = not control.moving and (asking or control.state == State.HELD)
-        if (stands or control.moving) and self._is_old(self._gauges.beam, BEAM_AGE_S):
+        stands = not control.moving and (asking or control.state == ControlState.HELD)
+        if (stands or control.moving) and self._is_old(self._latest.beam, BEAM_AGE_S):
             self._look("beam", self.devices.interferometer, self._look_at_beam(self.devices))
-        elif (stands or control.moving) and self._is_old(self._gauges.displacement_mm, BEAM_AGE_S):
+        elif (stands or control.moving) and self._is_old(self._latest.displacement_mm, BEAM_AGE_S):
             # A question that watches the signal asks for the state alone.
             self._look("beam", self.devices.interferometer, self._look_at_length(self.devices))
-        if stands and self._is_old(self._gauges.joints, JOINTS_AGE_S):
+        if stands and self._is_old(self._latest.joints, JOINTS_AGE_S):
             self._look("joints", self.devices.robot, self._look_at_joints(self.devices))
 
     def _is_old(self, value: Stamped[object] | None, limit_s: float) -> bool:
-        return value is None or self._gauges.age_s(value.time_s) >= limit_s
+        return value is None or self._latest.age_s(value.time_s) >= limit_s
 
     def _look(self, what: str, device: object, look: Coroutine[Any, Any, None]) -> None:
         """Begin a look unless the link is in use or has had enough of them."""
@@ -81,7 +81,7 @@ class RunSampler:
         try:
             await look
         except DeviceError:
-            # The gauges tell it; the run finds it out by itself when it needs the device.
+            # The latest values show it; the run finds it out by itself when it needs the device.
             pass
         except Exception:  # noqa: BLE001  # a fault of a driver must not end the watching
             _log.exception("a look at the %s failed", what)

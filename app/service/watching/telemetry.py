@@ -1,4 +1,4 @@
-"""Telling those who watch: the bench and its samples, and what goes over the wires; at most five times a second."""
+"""For those who watch: the bench and its samples, and what goes over the wires; at most five times a second."""
 
 import asyncio
 import logging
@@ -10,14 +10,15 @@ from typing import Literal, Protocol
 from catseye.app.engine.devices import DeviceBuilder, Devices, WireRecorder
 from catseye.app.engine.handle import RunHandle
 from catseye.app.engine.waiting import cancel
+from catseye.app.protocol.bench import BenchStatus
+from catseye.app.protocol.events import BenchSeen, SamplesTaken, WirePassed
 from catseye.app.service.watching.bench_facts import BenchFacts
-from catseye.app.service.watching.bench_status import bench_message
-from catseye.app.service.watching.latest_values import Gauges
+from catseye.app.service.watching.bench_status import bench_status
+from catseye.app.service.watching.latest_values import LatestValues
 from catseye.app.service.watching.observed_devices import observed
 from catseye.app.service.watching.run_sampler import RunSampler
 from catseye.app.service.watching.traffic import Traffic
 from catseye.drivers.roles.clock import Clock
-from catseye.procedures.kit.context import Json
 
 _log = logging.getLogger(__name__)
 
@@ -43,11 +44,11 @@ class Audience(Protocol):
         ...
 
     def listens(self, topic: Topic) -> bool:
-        """Return whether anybody wants to be told about a topic."""
+        """Return whether anybody receives a topic."""
         ...
 
-    def tell(self, topic: Topic, event: str, fields: dict[str, Json]) -> None:
-        """Tell everybody who wants to be told about a topic."""
+    def publish_topic(self, topic: Topic, event: BenchSeen | SamplesTaken | WirePassed) -> None:
+        """Send an event to everybody who receives a topic."""
         ...
 
 
@@ -66,7 +67,7 @@ async def free_bytes_aside(folder: Path) -> int | None:
 
 
 class Telemetry:
-    """Knows the bench's gauges and tells them while somebody watches.
+    """Keeps the bench's latest values and publishes them while somebody watches.
 
     Args:
         audience: the clients.
@@ -75,11 +76,11 @@ class Telemetry:
         look_at_disk: returns the free bytes of the disk of a folder, however long that takes.
 
     Attributes:
-        gauges: of the bench.
+        latest: of the bench.
         traffic: of the links.
         facts: of the bench that is watched; None until one is known.
         prepare: sees to it that the facts of the bench are known; raises RefusedError when they cannot be.
-        on_watched: is told when somebody begins to watch, and when nobody watches any more.
+        on_watched: called with whether anybody watches, when that changes.
     """
 
     def __init__(
@@ -89,7 +90,7 @@ class Telemetry:
         root: Path,
         look_at_disk: Callable[[Path], Awaitable[int | None]] = free_bytes_aside,
     ) -> None:
-        self.gauges = Gauges(clock)
+        self.latest = LatestValues(clock)
         self.traffic = Traffic(clock)
         self.facts: BenchFacts | None = None
         self.prepare: Callable[[], None] = lambda: None
@@ -99,13 +100,13 @@ class Telemetry:
         self._root = root
         self._free_on_disk = look_at_disk
         self._free_bytes: int | None = None
-        self._sampler = RunSampler(self.gauges, clock)
+        self._sampler = RunSampler(self.latest, clock)
         self._task: asyncio.Task[None] | None = None
 
     def describe(self, facts: BenchFacts) -> None:
         """Take the facts of the bench that is watched from now on; another bench's values are forgotten."""
         if self.facts is None or (facts.cell, facts.devices) != (self.facts.cell, self.facts.devices):
-            self.gauges.clear()
+            self.latest.clear()
         self.facts = facts
 
     def observe(self, facts: BenchFacts, build: DeviceBuilder) -> DeviceBuilder:
@@ -124,63 +125,64 @@ class Telemetry:
                 record(device, direction, data)
                 self.traffic.record(device, direction, data)
 
-            devices = observed(build(both), self.gauges, facts.material)
+            devices = observed(build(both), self.latest, facts.material)
             self._sampler.devices = devices
             return devices
 
         return built
 
-    def bench(self) -> dict[str, Json]:
-        """Return the bench as it is now; empty when none is known."""
+    def bench(self) -> BenchStatus | None:
+        """Return the bench as it is now; None when none is known."""
         if self.facts is None:
-            return {}
+            return None
         run = self._audience.run
-        return bench_message(
+        return bench_status(
             self.facts,
-            self.gauges,
+            self.latest,
             moving=run is not None and run.control.moving,
             simulated=None if run is None else run.simulated,
             free_bytes=self._free_bytes,
         )
 
     def wake(self) -> None:
-        """Begin to tell, or to tell more; somebody has asked for it."""
+        """Begin to publish, or to publish more; somebody has asked for it."""
         self.traffic.listening = self._audience.listens("traffic")
         if self._task is None or self._task.done():
             # What came while nobody watched is no news.
-            self.gauges.columns.take(self._clock.monotonic_s())
+            self.latest.columns.take(self._clock.monotonic_s())
             self._task = asyncio.create_task(self._serve())
             self.on_watched(True)
 
-    def tell(self) -> None:
-        """Tell what has come since the last time."""
+    def publish(self) -> None:
+        """Publish what has come since the last time."""
         audience, run = self._audience, self._audience.run
         self.traffic.listening = audience.listens("traffic")
-        if (lines := self.traffic.take()) is not None:
-            audience.tell("traffic", "wire", lines)
+        if (wire := self.traffic.take()) is not None:
+            audience.publish_topic("traffic", wire)
         if not audience.listens("watch"):
             return
         if run is not None:
             self._sampler.tick(run.control, asking=audience.asking)
-        audience.tell("watch", "bench", self.bench())
-        audience.tell("watch", "samples", self._samples())
+        if (bench := self.bench()) is not None:
+            audience.publish_topic("watch", BenchSeen(**dict(bench)))
+        audience.publish_topic("watch", self._samples())
 
     async def end(self) -> None:
-        """Tell no more."""
+        """Publish no more."""
         if self._task is not None:
             await cancel(self._task)
 
     async def _serve(self) -> None:
-        """Tell until nobody listens. Nothing is waited for after that was seen: the next `wake` begins anew."""
+        """Publish until nobody listens. Nothing is waited for after that was seen: the next `wake` begins anew."""
         disk, failed = asyncio.create_task(self._look_at_disk()), False
         try:
             while self._audience.listens("watch") or self._audience.listens("traffic"):
                 try:
-                    self.tell()
+                    self.publish()
                     failed = False
-                except Exception:  # noqa: BLE001  # values that are not told grow old where they are shown
+                except Exception:  # noqa: BLE001  # values that are not published grow old where they are shown
                     if not failed:
-                        _log.exception("the bench could not be told")
+                        _log.exception("the bench could not be published")
                     failed = True
                 await self._clock.sleep(PERIOD_S)
         finally:
@@ -188,17 +190,17 @@ class Telemetry:
             self.traffic.listening = False
             self.on_watched(False)
 
-    def _samples(self) -> dict[str, Json]:
-        columns = self.gauges.columns
+    def _samples(self) -> SamplesTaken:
+        columns = self.latest.columns
         taken = columns.take(self._clock.monotonic_s())
-        return {
-            "quantity": "displacement_mm",
-            "period_s": columns.period_s,
-            "low": list(taken.low),
-            "high": list(taken.high),
-            "count": list(taken.count),
-            "missed": taken.missed,
-        }
+        return SamplesTaken(
+            quantity="displacement_mm",
+            period_s=columns.period_s,
+            low=tuple(taken.low),
+            high=tuple(taken.high),
+            count=tuple(taken.count),
+            missed=taken.missed,
+        )
 
     async def _look_at_disk(self) -> None:
         while True:

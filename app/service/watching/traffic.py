@@ -2,11 +2,12 @@
 
 from collections import deque
 
+from catseye.app.protocol.bench import WireLine
+from catseye.app.protocol.events import WirePassed
 from catseye.drivers.roles.clock import Clock
-from catseye.procedures.kit.context import Json
 
 MOST_LINES = 200
-"""Lines that wait to be told."""
+"""Lines that wait to be published."""
 
 SHOWN_BYTES = 256
 """Of one line; a longer one says how long it was."""
@@ -25,7 +26,7 @@ class Traffic:
     def __init__(self, clock: Clock) -> None:
         self.listening = False
         self._clock = clock
-        self._lines: deque[Json] = deque(maxlen=MOST_LINES)
+        self._lines: deque[WireLine] = deque(maxlen=MOST_LINES)
         self._missed = 0
 
     def record(self, device: str, direction: str, data: bytes) -> None:
@@ -40,21 +41,20 @@ class Traffic:
             return
         self._missed += len(self._lines) == MOST_LINES
         # Made ready here, a little at a time: all at once would hold up whoever reads an instrument meanwhile.
-        line: dict[str, Json] = {
-            "t": self._clock.now_utc().isoformat(),
-            "device": device,
-            "dir": direction,
-            "hex": data[:SHOWN_BYTES].hex(),
-        }
-        if len(data) > SHOWN_BYTES:
-            line["bytes"] = len(data)
+        line = WireLine(
+            t=self._clock.now_utc().isoformat(),
+            device=device,
+            dir="tx" if direction == "tx" else "rx",
+            hex=data[:SHOWN_BYTES].hex(),
+            bytes=len(data) if len(data) > SHOWN_BYTES else None,
+        )
         self._lines.append(line)
 
-    def take(self) -> dict[str, Json] | None:
-        """Return the lines since the last ones were taken, as a `wire` event has them; None when there is none."""
+    def take(self) -> WirePassed | None:
+        """Return the lines since the last ones were taken; None when there is none."""
         if not self._lines:
             return None
-        lines = list(self._lines)
+        lines = tuple(self._lines)
         self._lines.clear()
         missed, self._missed = self._missed, 0
-        return {"lines": lines, "missed": missed}
+        return WirePassed(lines=lines, missed=missed)

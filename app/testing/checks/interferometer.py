@@ -118,8 +118,8 @@ async def a_beam_lost_between_two_questions_is_seen(trial: Trial) -> None:
         await _zero(trial, driver)
         trial.device.fault("block_beam")
         # A stream shows a break only in the samples that fall into it.
-        until_s = trial.device.state()["time_s"] + _INTERRUPTION_S
-        while trial.device.state()["time_s"] < until_s:  # noqa: ASYNC110  # the bench tells its time only when asked
+        until_s = trial.device.state().time_s + _INTERRUPTION_S
+        while trial.device.state().time_s < until_s:  # noqa: ASYNC110  # the bench tells its time only when asked
             await asyncio.sleep(0)
         trial.device.clear_faults()
         status = await _status_with(trial, driver, beam_ok=True)
@@ -159,11 +159,11 @@ async def _zero(trial: Trial, driver: Any) -> int:
 
 def _shift(trial: Trial, along_mm: float) -> float:
     """Move the reflector along the beam; return by how much the beam has grown."""
-    beam = trial.device.state()["beam"]
-    way_rad = math.radians(beam["direction_deg"])
+    beam = trial.device.state().beam
+    way_rad = math.radians(beam.direction_deg)
     shift = {"dx_mm": along_mm * math.cos(way_rad), "dy_mm": along_mm * math.sin(way_rad)}
     trial.device.fault("move_reflector", reflector=_REFLECTOR, **shift)
-    return float(trial.device.state()["beam"]["length_mm"]) - float(beam["length_mm"])
+    return trial.device.state().beam.length_mm - beam.length_mm
 
 
 async def _expect_mm(trial: Trial, driver: Any, right_mm: float, when: str) -> None:

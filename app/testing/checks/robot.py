@@ -46,7 +46,7 @@ async def connecting_moves_nothing(trial: Trial) -> None:
         await trial.in_time(driver.status(), "status()")
         await trial.ask(driver)
         state = trial.device.state()
-        expect(not state["servo"], "the drives are on after connect(): wait for servo(on=True)")
+        expect(not state.servo, "the drives are on after connect(): wait for servo(on=True)")
         expect(trial.motions() == [], f"the arm has moved after connect(): {trial.motions()}")
 
 
@@ -64,7 +64,7 @@ async def a_motion_arrives(trial: Trial) -> None:
             expect(len(trial.motions()) == 1, f"one motion was asked for, the arm did {trial.motions()}")
             # The last set point of a stream may end with its cycle.
             await asyncio.sleep(_SETTLE_S)
-            expect(not trial.device.state()["moving"], "move_joints() has returned, and the arm still moves")
+            expect(not trial.device.state().moving, "move_joints() has returned, and the arm still moves")
 
 
 async def stop_ends_a_motion(trial: Trial) -> None:
@@ -128,7 +128,7 @@ async def stop_works_on_a_broken_link(trial: Trial) -> None:
         trial.drop()
         await trial.in_time(driver.stop(), "stop()")
         await _ended(trial, moving)
-        expect(not trial.device.state()["moving"], "stop() has returned, and the arm still moves")
+        expect(not trial.device.state().moving, "stop() has returned, and the arm still moves")
 
 
 async def targets_beyond_the_limits_are_refused(trial: Trial) -> None:

@@ -3,8 +3,8 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from catseye.calibration.kinematics import forward, wrap_rad
-from catseye.calibration.pointing import beam_direction
+from catseye.calibration.scara.planar import forward, wrap_rad
+from catseye.calibration.scara.pointing import beam_direction
 from catseye.drivers.roles.pose import Pose
 from catseye.procedures.kit.bench import Bench, Reflector
 from catseye.procedures.scara.beam.beam_scan import half_window_deg

@@ -4,8 +4,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from catseye.calibration.kinematics import forward
-from catseye.calibration.pointing import column_clearance, field_angle
+from catseye.calibration.scara.planar import forward
+from catseye.calibration.scara.pointing import column_clearance, field_angle
 from catseye.drivers.roles.pose import Pose
 from catseye.procedures.kit.beam.loss import Cause
 from catseye.procedures.kit.bench import Bench, Reflector

@@ -6,7 +6,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from catseye.calibration.kinematics import Hand, inverse
+from catseye.calibration.scara.planar import Hand, inverse
 from catseye.drivers.roles.pose import Pose
 from catseye.procedures.kit.bench import Bench
 from catseye.procedures.kit.errors import PlanError, PlanLimitError

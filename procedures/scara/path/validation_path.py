@@ -5,7 +5,7 @@ from typing import Annotated, ClassVar
 
 from pydantic import BaseModel, ConfigDict, Field
 
-from catseye.calibration.kinematics import Hand
+from catseye.calibration.scara.planar import Hand
 from catseye.drivers.roles.pose import Pose, is_at
 from catseye.drivers.roles.tracker import Position
 from catseye.procedures.kit.bench import Bench

@@ -7,9 +7,9 @@ from functools import partial
 import numpy as np
 from numpy.typing import NDArray
 
-from catseye.calibration.kinematics import forward
-from catseye.calibration.pointing import beam_direction
-from catseye.calibration.repeatability import GOOD_CONDITIONING, conditioning
+from catseye.calibration.scara.planar import forward
+from catseye.calibration.scara.pointing import beam_direction
+from catseye.calibration.standards.repeatability import GOOD_CONDITIONING, conditioning
 from catseye.procedures.kit.bench import Bench, Reflector
 from catseye.procedures.kit.errors import PlanError
 from catseye.procedures.scara.motion.round_trip import LinkPose, RoundTrip, beam_lasts, plan_round_trip

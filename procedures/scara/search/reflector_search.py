@@ -7,7 +7,7 @@ from typing import ClassVar, Final, Literal
 import numpy as np
 from pydantic import BaseModel, ConfigDict, Field
 
-from catseye.calibration.reflector_search import SearchResult
+from catseye.calibration.scara.reflector_search import SearchResult
 from catseye.procedures.kit.bench import Bench
 from catseye.procedures.kit.context import Context, Json, Row
 from catseye.procedures.kit.errors import ReflectorNotFoundError

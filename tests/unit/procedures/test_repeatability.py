@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from catseye.calibration.errors import InsufficientPointsError
+from catseye.calibration.core.errors import InsufficientPointsError
 from catseye.drivers.roles.pose import Pose
 from catseye.procedures.kit.bench import Bench
 from catseye.procedures.kit.context import Measurement, Prompt

@@ -9,7 +9,7 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from catseye.calibration.errors import OutOfReachError
+from catseye.calibration.scara.errors import OutOfReachError
 from catseye.drivers.roles.tracker import Position
 from catseye.procedures.kit.bench import Bench
 from catseye.procedures.kit.context import MeasuredPoint, Prompt, Row, Table

@@ -152,7 +152,7 @@ def test_reflectors_are_added_and_removed() -> None:
 
 
 def test_a_file_with_faults_can_be_opened_and_mended() -> None:
-    draft = Draft.of_text(TEMPLATE.replace("link1_mm = 325.0", "link1_mm = -3"))
+    draft = Draft.of_text(TEMPLATE.replace("link1_mm = 325.0 ", "link1_mm = -3    "))
     assert set(draft.faults(require_drivers)) == {"robot.link1_mm"}
     draft.give("robot.link1_mm", "325")
     assert draft.text() == TEMPLATE.replace(

@@ -12,6 +12,7 @@ from catseye.app.engine.devices import Devices, WireRecorder
 from catseye.app.engine.gate import JointLimits
 from catseye.app.engine.halt import HaltLimits
 from catseye.app.engine.request import RunRequest
+from catseye.app.protocol.events import RunEvent
 from catseye.drivers.roles.air import AirSample, AirSensor
 from catseye.drivers.roles.device import Identity
 from catseye.drivers.roles.errors import DeviceError
@@ -243,8 +244,8 @@ class FakeBench:
         record("robot", "tx", b"hello\r")
         return Devices(self.robot, self.counter, self.air)
 
-    def publish(self, event: dict[str, Json]) -> None:
-        self.published.append(event)
+    def publish(self, event: RunEvent) -> None:
+        self.published.append(event.json_object())
 
     def install(self, on_signal: Callable[[int], None]) -> AbstractContextManager[None]:
         @contextmanager

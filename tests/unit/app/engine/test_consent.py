@@ -89,7 +89,6 @@ def _found() -> dict[tuple[str, str], Prompt]:
                 if isinstance(call, ast.Call) and ast.unparse(call.func) == "Prompt":
                     found[path.relative_to(_ROOT).as_posix(), function.name] = _prompt(call)
     # Read back from an event for a front end; it asks nothing of its own.
-    del found["app/service/questions.py", "prompt_of"]
     del found["app/protocol/prompts.py", "prompt"]
     return found
 

@@ -15,8 +15,7 @@ from catseye.app.engine.devices import Devices
 from catseye.app.engine.gate import JointLimits, MotionGate
 from catseye.app.engine.host import run_procedure
 from catseye.app.engine.operator import Answer, Operator
-from catseye.app.engine.simulated_operator import Hands
-from catseye.app.engine.states import State
+from catseye.app.engine.simulated_operator import SimulatedOperator
 from catseye.app.errors import (
     ConfigError,
     InterruptedRunError,
@@ -27,6 +26,7 @@ from catseye.app.errors import (
     SafetyError,
 )
 from catseye.app.exitcode import ExitCode
+from catseye.app.protocol.state import ControlState
 from catseye.app.store.reader import RunReader
 from catseye.app.store.run_store import RunStore
 from catseye.drivers.roles.interferometer import BeamStatus
@@ -40,8 +40,8 @@ from tests.unit.app.engine.fakes import AWAY, HOME, LIMITS, FakeBench, FakeRobot
 READY = RobotStatus(True, False, True, False, False, 20.0, 0, "")
 
 
-class Willing(Hands):
-    """Hands that do whatever they are told, or break."""
+class Willing(SimulatedOperator):
+    """SimulatedOperator that do whatever they are told, or break."""
 
     async def do(self, task: Mapping[str, Json]) -> dict[str, Json]:
         if task["do"] == "break":
@@ -486,5 +486,5 @@ async def test_a_stop_beside_a_live_value_stays_a_stop(parts: Parts, monkeypatch
     with pytest.raises(InterruptedRunError, match="F12"):
         await asking
     await parts.control.halted()
-    assert parts.control.state == State.STOPPED
+    assert parts.control.state == ControlState.STOPPED
     assert parts.bench.robot.calls == ["stop"]

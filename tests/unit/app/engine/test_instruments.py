@@ -8,7 +8,7 @@ import pytest
 
 from catseye.app.cell.model import Cell
 from catseye.app.cell.template import TEMPLATE
-from catseye.app.commands.doctor import doctor_command
+from catseye.app.cli.doctor import doctor
 from catseye.app.engine.instruments import device_builder, stop_request
 from catseye.app.errors import ConfigError
 from catseye.drivers.roles.clock import SystemClock
@@ -55,7 +55,7 @@ def test_a_wrong_setting_of_a_further_device_is_told_before_anything_is_connecte
     file.write_text(f"{TEMPLATE}\n[[device]]\n{display}", encoding="utf-8")
     # Warnings are errors here: no examination may be left unawaited.
     with pytest.raises(ConfigError, match=r"\[nd\] decimals"):
-        doctor_command(file, None, as_json=False)
+        doctor(file, None, as_json=False)
 
 
 @pytest.mark.parametrize("driver", ["melfa-r3", "melfa-mxt", "melfa-datalink"])

@@ -11,13 +11,13 @@ from catseye.app.errors import UsageError
 from catseye.app.files.compensated_path import Origin
 from catseye.app.files.melfa_program import MelfaSettings, melfa_program
 from catseye.app.files.path_csv import CommandPath, cartesian_commands
-from catseye.calibration.error_map import BidirectionalMap
-from catseye.calibration.identification import IdentifiedArm
-from catseye.calibration.layout import Layout
-from catseye.simulators.bench.bench import Bench
-from catseye.simulators.truth import TrueArm
+from catseye.calibration.scara.identification import IdentifiedArm
+from catseye.calibration.scara.layout import Layout
+from catseye.simulators.world.scara.axis_errors import JointMap
+from catseye.simulators.world.scara.bench import scara_bench
+from catseye.simulators.world.scara.truth import TrueArm
 from tests.unit.simulators.benches import QUIET
-from tests.unit.simulators.melfa_desk import Desk
+from tests.unit.simulators.melfa.desk import Desk
 
 NOMINAL = (325.0, 225.0)
 LINKS = (325.06, 224.95)
@@ -30,9 +30,9 @@ ORIGIN = Origin(
 SETTINGS = MelfaSettings(j3_mm=50.0, j4_deg=-30.0, override_percent=20.0, settle_time_s=0.5)
 
 
-def joint_map(nodes: list[float], tables: tuple[list[float], list[float]]) -> BidirectionalMap:
+def joint_map(nodes: list[float], tables: tuple[list[float], list[float]]) -> JointMap:
     up, down = (np.radians(1e-3 * np.array(table)) for table in tables)
-    return BidirectionalMap(np.deg2rad(nodes), up, down)
+    return JointMap(np.deg2rad(nodes), up, down)
 
 
 def compensated(y_mm: list[float]) -> CompensatedPath:
@@ -47,10 +47,10 @@ def compensated(y_mm: list[float]) -> CompensatedPath:
 
 def desk_with_true_arm() -> Desk:
     """Return a controller whose arm has the errors, and nothing random."""
-    desk = Desk(replace(QUIET, dynamics=replace(QUIET.dynamics, j4_backlash_mdeg=0.0)))
+    desk = Desk(replace(QUIET, scara=replace(QUIET.scara, j4_backlash_mdeg=0.0)))
     places = {place.name: (place.x_mm, place.y_mm) for place in QUIET.reflectors}
     truth = TrueArm(*LINKS, joint_map(NODES1, MAP1), joint_map(NODES2, MAP2), places)
-    desk.bench = Bench(truth, desk.controller.config)
+    desk.bench = scara_bench(truth, desk.controller.config)
     desk.controller.bench = desk.bench
     return desk
 
@@ -68,7 +68,7 @@ def test_the_program_brings_the_arm_to_the_path() -> None:
     while desk.controller.task.running:
         # Every delay begins at standstill and is half a second long.
         if desk.controller.task.line_text.endswith("Dly 0.50") and not desk.bench.moving:
-            stood.append(complex(*desk.bench.insight().axis_mm))
+            stood.append(complex(*desk.bench.true_state().axis_mm))
             desk.bench.advance(0.6)
         else:
             desk.bench.advance(0.01)

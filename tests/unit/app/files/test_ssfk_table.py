@@ -8,11 +8,11 @@ import pytest
 from catseye.app.errors import UsageError
 from catseye.app.files.compensated_path import Origin
 from catseye.app.files.ssfk_table import maps_of, ssfk_table
-from catseye.calibration.error_map import BidirectionalMap
-from catseye.calibration.extension import Term
-from catseye.calibration.identification import IdentifiedArm
-from catseye.calibration.layout import Layout
-from catseye.calibration.types import Floats
+from catseye.calibration.core.types import Floats
+from catseye.calibration.scara.error_map import BidirectionalMap
+from catseye.calibration.scara.extension import Term
+from catseye.calibration.scara.identification import IdentifiedArm
+from catseye.calibration.scara.layout import Layout
 
 ORIGIN = Origin(
     "result.json",

@@ -33,12 +33,12 @@ from catseye.app.report.content import (
     TruthTables,
 )
 from catseye.app.report.page import render_html
-from catseye.calibration.identification import Identification, identify
-from catseye.calibration.kinematics import forward, inverse
-from catseye.calibration.layout import ModelName
-from catseye.calibration.points import Commands, Points
-from catseye.calibration.types import Floats
-from tests.unit.calibration.paper import (
+from catseye.calibration.core.types import Floats
+from catseye.calibration.scara.identification import Identification, identify
+from catseye.calibration.scara.layout import ModelName
+from catseye.calibration.scara.planar import forward, inverse
+from catseye.calibration.scara.points import Commands, Points
+from tests.unit.calibration.scara.paper import (
     MDEG,
     NODES1_DEG,
     NODES2_DEG,

@@ -10,7 +10,7 @@ from catseye.app.report.content import ReportContent
 from catseye.app.report.figures.distance_deviation import distance_figure
 from catseye.app.report.page import render_html
 from catseye.app.report.verdict import verdict
-from catseye.calibration.points import Commands, Points
+from catseye.calibration.scara.points import Commands, Points
 from tests.unit.app.report import sample
 from tests.unit.app.report.page_reader import read_page
 

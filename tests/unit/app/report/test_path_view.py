@@ -12,7 +12,7 @@ from catseye.app.report.figures.path_deviation import path_figure
 from catseye.app.report.figures.trajectories import magnification, trajectory_figure
 from catseye.app.report.page import render_html
 from catseye.app.report.path_view import gaps, path_axis
-from catseye.calibration.types import Floats
+from catseye.calibration.core.types import Floats
 from tests.unit.app.report import sample
 from tests.unit.app.report.page_reader import read_page
 

@@ -10,8 +10,9 @@ import pytest
 
 from catseye.app.cell.bench import bench_of
 from catseye.app.cell.load import load_cell
-from catseye.app.commands.config import init_command
-from catseye.app.commands.procedures import procedures_command
+from catseye.app.cli.init import init
+from catseye.app.cli.procedures import procedures as list_procedures
+from catseye.app.protocol.bench import DeviceStatus, LinkState
 from catseye.app.protocol.procedures import load_procedure, procedure_names
 from catseye.app.results.readiness.cell_runs import runs_of_cell
 from catseye.app.results.readiness.need import Need, links_need
@@ -31,7 +32,7 @@ class History:
 
     def __init__(self, folder: Path) -> None:
         self.cell, self.root = folder / "cell.toml", folder / "runs"
-        init_command(self.cell)
+        init(self.cell)
         self.clock = ManualClock()
         self.bench = bench_of(load_cell(self.cell).cell)
 
@@ -145,14 +146,14 @@ async def test_what_the_cell_cannot_do_is_left_out(history: History) -> None:
 
 async def test_last_runs_and_needs_are_told(history: History, capsys: pytest.CaptureFixture[str]) -> None:
     run = await history.put("open-loop", status="stopped")
-    procedures_command(history.cell, history.root, as_json=True)
+    list_procedures(history.cell, history.root, as_json=True)
     *procedures, stages = [json.loads(line) for line in capsys.readouterr().out.splitlines()]
     (open_loop,) = [each for each in procedures if each["name"] == "open-loop"]
     assert open_loop["last"]["name"] == run
     assert open_loop["last"]["status"] == "stopped"
     assert {need["what"] for need in open_loop["needs"]} >= {"reflectors", "search", "warm arm", "plan"}
     assert stages["cell"] == "lab-1"
-    procedures_command(history.cell, history.root, as_json=False)
+    list_procedures(history.cell, history.root, as_json=False)
     out = capsys.readouterr()
     assert "→ beam-level" in out.out
     assert out.err.startswith("next: catseye run beam-level")
@@ -171,13 +172,20 @@ async def test_a_run_with_a_changed_time_is_passed_over(history: History, time_u
     assert [found.named(name) is not None for name in (sound, changed)] == [True, False]
 
 
+def robot(link: LinkState, error: str | None = None) -> DeviceStatus:
+    endpoint = "tcp://127.0.0.1:10001"
+    return DeviceStatus(
+        name="robot", endpoint=endpoint, driver="melfa-r3", link=link, identity=None, error=error, age_s=None
+    )
+
+
 def test_lost_devices_are_missing_and_unknown_ones_are_not() -> None:
     assert links_need(None).met == "advised"
-    assert links_need([{"name": "robot", "link": "ok"}]).met == "met"
-    lost = links_need([{"name": "robot", "link": "lost", "error": "no answer: is it on?"}])
+    assert links_need([robot("ok")]).met == "met"
+    lost = links_need([robot("lost", "no answer: is it on?")])
     assert lost.met == "missing"
     assert lost.text == "robot: no answer: is it on?"
-    assert links_need([{"name": "robot", "link": "connecting"}]).met == "advised"
+    assert links_need([robot("connecting")]).met == "advised"
 
 
 @pytest.mark.parametrize("provenance", ["anywhere", ["a run"], {"runs": None}, {"runs": 7}, None])

@@ -5,41 +5,42 @@ from collections.abc import Awaitable, Callable
 from typing import Any
 
 from catseye.app.cell.model import Cell
+from catseye.app.protocol.requests import JogHold, JogMode, JogStep
 from catseye.app.service.manual.jogging import Jogging
-from catseye.app.service.messages import JogHold, JogMode, JogStep
-from tests.unit.app.service.manual.timed_arm import HandFixture, TimedArm
+from tests.unit.app.service.manual.benches import client
+from tests.unit.app.service.manual.timed_arm import ManualFixture, TimedArm
 from tests.unit.drivers.virtual_time import run
 
-Script = Callable[[HandFixture, Jogging], Awaitable[None]]
+Script = Callable[[ManualFixture, Jogging], Awaitable[None]]
 
 
 def mode(**fields: Any) -> JogMode:
-    return JogMode.model_validate({"v": 1, "id": 1, "op": "jog", "on": True, **fields})
+    return JogMode.model_validate({"on": True, **fields})
 
 
 def step(**fields: Any) -> JogStep:
-    return JogStep.model_validate({"v": 1, "id": 1, "op": "jog-step", **fields})
+    return JogStep.model_validate({**fields})
 
 
 def hold(joint: str = "j1", direction: int = 1) -> JogHold:
-    return JogHold.model_validate({"v": 1, "id": 1, "op": "jog-hold", "joint": joint, "direction": direction})
+    return JogHold.model_validate({"joint": joint, "direction": direction})
 
 
 def now_s() -> float:
     return asyncio.get_running_loop().time()
 
 
-def jogged(cell: Cell, script: Script, robot: TimedArm | None = None, **fields: Any) -> HandFixture:
+def jogged(cell: Cell, script: Script, robot: TimedArm | None = None, **fields: Any) -> ManualFixture:
     """Begin a jog, do what the script says, end it if the script has not; return what is left."""
 
-    async def work() -> HandFixture:
-        fixture = HandFixture(cell, robot or TimedArm())
-        jog = Jogging(fixture.bench, mode(**fields), "Ada (test-1)")
+    async def work() -> ManualFixture:
+        fixture = ManualFixture(cell, robot or TimedArm())
+        jog = Jogging(fixture.bench, mode(**fields), client())
         await jog.begun
         await script(fixture, jog)
         jog.end("the script is over")
         await jog.over()
-        assert not fixture.lent_now
+        assert not fixture.acquired_now
         return fixture
 
     return run(work())
@@ -60,5 +61,5 @@ async def alive(jog: Jogging, request: JogStep) -> Any:
     return await jog.step(request, now_s)
 
 
-async def nothing(_fixture: HandFixture, _jog: Jogging) -> None:
+async def nothing(_fixture: ManualFixture, _jog: Jogging) -> None:
     """End it as soon as it has begun."""

@@ -7,11 +7,13 @@ import pytest
 
 from catseye.app.cell.model import Cell
 from catseye.app.exitcode import ExitCode
+from catseye.app.protocol.answers import Answer, Stepped
 from catseye.app.service.errors import RefusedError
 from catseye.app.service.manual.jogging import Jogging
 from catseye.app.service.manual.manual_arm import SILENCE_S
+from tests.unit.app.service.manual.benches import client
 from tests.unit.app.service.manual.jogs import alive, fed, hold, jogged, mode, nothing, now_s, step
-from tests.unit.app.service.manual.timed_arm import HOME, HandFixture, StepsOnlyArm, TimedArm
+from tests.unit.app.service.manual.timed_arm import HOME, ManualFixture, StepsOnlyArm, TimedArm
 from tests.unit.drivers.virtual_time import run
 
 
@@ -41,9 +43,9 @@ def test_no_override_beyond_that_of_the_cell_and_none_is_raised(cell: Cell) -> N
     [(None, ExitCode.USAGE, "the devices are real"), ("other", ExitCode.SAFETY, "names 'other'")],
 )
 def test_real_devices_need_the_cells_name(cell: Cell, typed: str | None, code: ExitCode, text: str) -> None:
-    async def work() -> HandFixture:
-        fixture = HandFixture(cell, TimedArm(simulated=False))
-        jog = Jogging(fixture.bench, mode(arm=typed), "Ada")
+    async def work() -> ManualFixture:
+        fixture = ManualFixture(cell, TimedArm(simulated=False))
+        jog = Jogging(fixture.bench, mode(arm=typed), client())
         with pytest.raises(RefusedError, match=text) as refused:
             await jog.begun
         assert refused.value.code == code
@@ -52,21 +54,21 @@ def test_real_devices_need_the_cells_name(cell: Cell, typed: str | None, code: E
 
     fixture = run(work())
     assert fixture.arm.log == []
-    assert fixture.told == []
+    assert fixture.announced == []
 
 
 def test_real_devices_move_when_the_cells_name_is_typed(cell: Cell) -> None:
-    async def script(_fixture: HandFixture, jog: Jogging) -> None:
-        assert await alive(jog, step(joint="j1", by=1.0)) == {"joints": [1.0, 0.0, 50.0, 0.0]}
+    async def script(_fixture: ManualFixture, jog: Jogging) -> None:
+        assert await alive(jog, step(joint="j1", by=1.0)) == Stepped(joints=(1.0, 0.0, 50.0, 0.0))
 
     assert jogged(cell, script, TimedArm(simulated=False), arm=cell.name).arm.said("move")
 
 
 def test_the_devices_are_not_to_be_had(cell: Cell) -> None:
     async def work() -> None:
-        fixture = HandFixture(cell, TimedArm())
-        fixture.lend_error = RefusedError("the robot is not connected", ExitCode.DEVICE)
-        jog = Jogging(fixture.bench, mode(), "Ada")
+        fixture = ManualFixture(cell, TimedArm())
+        fixture.acquire_error = RefusedError("the robot is not connected", ExitCode.DEVICE)
+        jog = Jogging(fixture.bench, mode(), client())
         with pytest.raises(RefusedError, match="not connected") as refused:
             await jog.begun
         assert refused.value.code == ExitCode.DEVICE
@@ -76,16 +78,16 @@ def test_the_devices_are_not_to_be_had(cell: Cell) -> None:
 
 
 def test_a_step_ends_where_it_should(cell: Cell) -> None:
-    async def script(_fixture: HandFixture, jog: Jogging) -> None:
-        assert await alive(jog, step(joint="j2", by=-2.5)) == {"joints": [0.0, -2.5, 50.0, 0.0]}
-        assert await alive(jog, step(joint="j4", by=7.0)) == {"joints": [0.0, -2.5, 50.0, 7.0]}
+    async def script(_fixture: ManualFixture, jog: Jogging) -> None:
+        assert await alive(jog, step(joint="j2", by=-2.5)) == Stepped(joints=(0.0, -2.5, 50.0, 0.0))
+        assert await alive(jog, step(joint="j4", by=7.0)) == Stepped(joints=(0.0, -2.5, 50.0, 7.0))
 
     fixture = jogged(cell, script)
     assert [event["moving"] for event in fixture.events("jog")] == [None, "j2", None, "j4", None, None]
 
 
 def test_a_step_beyond_a_limit_moves_nothing_and_the_jog_goes_on(cell: Cell) -> None:
-    async def script(_fixture: HandFixture, jog: Jogging) -> None:
+    async def script(_fixture: ManualFixture, jog: Jogging) -> None:
         with pytest.raises(RefusedError, match="J1 = 171 deg is outside") as refused:
             await alive(jog, step(joint="j1", by=2.0))
         assert refused.value.code == ExitCode.SAFETY
@@ -96,7 +98,7 @@ def test_a_step_beyond_a_limit_moves_nothing_and_the_jog_goes_on(cell: Cell) -> 
 
 
 def test_an_arm_at_another_height_is_not_moved(cell: Cell) -> None:
-    async def script(_fixture: HandFixture, jog: Jogging) -> None:
+    async def script(_fixture: ManualFixture, jog: Jogging) -> None:
         with pytest.raises(RefusedError, match="J3 = 0 mm is outside"):
             await alive(jog, step(joint="j1", by=1.0))
         with pytest.raises(RefusedError, match="J3 = 0 mm is outside"):
@@ -106,7 +108,7 @@ def test_an_arm_at_another_height_is_not_moved(cell: Cell) -> None:
 
 
 def test_an_override_that_somebody_raised_comes_down_before_the_next_motion(cell: Cell) -> None:
-    async def script(fixture: HandFixture, jog: Jogging) -> None:
+    async def script(fixture: ManualFixture, jog: Jogging) -> None:
         arm = fixture.arm
         arm.state = replace(arm.state, override_percent=100.0)
         await alive(jog, step(joint="j1", by=1.0))
@@ -123,7 +125,7 @@ def test_an_override_that_somebody_raised_comes_down_before_the_next_motion(cell
 
 
 def test_one_motion_at_a_time(cell: Cell) -> None:
-    async def script(_fixture: HandFixture, jog: Jogging) -> None:
+    async def script(_fixture: ManualFixture, jog: Jogging) -> None:
         long = jog.step(step(joint="j1", by=20.0), now_s)
         with pytest.raises(RefusedError, match="j1 is moving"):
             jog.step(step(joint="j2", by=1.0), now_s)
@@ -135,16 +137,16 @@ def test_one_motion_at_a_time(cell: Cell) -> None:
 
 
 def test_a_long_step_goes_on_while_its_client_lives(cell: Cell) -> None:
-    async def script(_fixture: HandFixture, jog: Jogging) -> None:
+    async def script(_fixture: ManualFixture, jog: Jogging) -> None:
         begun_s = now_s()
-        assert await alive(jog, step(joint="j1", by=50.0)) == {"joints": [50.0, 0.0, 50.0, 0.0]}
+        assert await alive(jog, step(joint="j1", by=50.0)) == Stepped(joints=(50.0, 0.0, 50.0, 0.0))
         assert now_s() - begun_s > 5.0
 
     jogged(cell, script)
 
 
 def test_a_step_is_stopped_when_its_client_falls_silent(cell: Cell) -> None:
-    async def script(fixture: HandFixture, jog: Jogging) -> None:
+    async def script(fixture: ManualFixture, jog: Jogging) -> None:
         begun_s = now_s()
         with pytest.raises(RefusedError, match="no sign of life") as refused:
             await jog.step(step(joint="j1", by=50.0), lambda: begun_s)
@@ -161,12 +163,12 @@ def test_a_step_is_stopped_when_its_client_falls_silent(cell: Cell) -> None:
 
 @pytest.mark.parametrize("how", ["release", "stop", "end"])
 def test_a_step_is_stopped_at_once(cell: Cell, how: str) -> None:
-    async def script(fixture: HandFixture, jog: Jogging) -> None:
+    async def script(fixture: ManualFixture, jog: Jogging) -> None:
         moving = jog.step(step(joint="j1", by=50.0), now_s)
         await asyncio.sleep(1.0)
         asked_s = now_s()
         if how == "release":
-            assert jog.hold(hold(direction=0)) == {}
+            assert jog.hold(hold(direction=0)) == Answer()
         else:
             jog.end("Ben stopped it")
         with pytest.raises(RefusedError, match="stopped") as refused:
@@ -188,7 +190,7 @@ def test_a_step_is_stopped_at_once(cell: Cell, how: str) -> None:
 
 @pytest.mark.parametrize("moving", [True, False])
 def test_a_stop_is_idempotent(cell: Cell, moving: bool) -> None:
-    async def script(_fixture: HandFixture, jog: Jogging) -> None:
+    async def script(_fixture: ManualFixture, jog: Jogging) -> None:
         if moving:
             await jog.hold(hold())  # type: ignore[misc]  # the first feed is answered later
         for _ in range(3):
@@ -203,7 +205,7 @@ def test_a_stop_is_idempotent(cell: Cell, moving: bool) -> None:
 
 
 def test_a_hold_moves_while_it_is_fed_and_stops_soon_after(cell: Cell) -> None:
-    async def script(fixture: HandFixture, jog: Jogging) -> None:
+    async def script(fixture: ManualFixture, jog: Jogging) -> None:
         await fed(jog, 1.0, hold("j2", -1))
         last_s = now_s()
         await asyncio.sleep(0.4)
@@ -220,7 +222,7 @@ def test_a_hold_moves_while_it_is_fed_and_stops_soon_after(cell: Cell) -> None:
 
 
 def test_a_hold_is_released_at_once(cell: Cell) -> None:
-    async def script(fixture: HandFixture, jog: Jogging) -> None:
+    async def script(fixture: ManualFixture, jog: Jogging) -> None:
         await fed(jog, 0.5, hold())
         asked_s = now_s()
         jog.hold(hold(direction=0))
@@ -232,7 +234,7 @@ def test_a_hold_is_released_at_once(cell: Cell) -> None:
 
 
 def test_another_direction_begins_after_standstill(cell: Cell) -> None:
-    async def script(fixture: HandFixture, jog: Jogging) -> None:
+    async def script(fixture: ManualFixture, jog: Jogging) -> None:
         await fed(jog, 0.5, hold("j1", 1))
         await fed(jog, 0.6, hold("j1", -1))
         assert fixture.arm.said("jog", "stop")[:3] == ["jog J1+1", "stop", "jog J1-1"]
@@ -241,7 +243,7 @@ def test_another_direction_begins_after_standstill(cell: Cell) -> None:
 
 
 def test_a_hold_that_is_let_go_before_it_began_moves_nothing(cell: Cell) -> None:
-    async def script(_fixture: HandFixture, jog: Jogging) -> None:
+    async def script(_fixture: ManualFixture, jog: Jogging) -> None:
         answer = jog.hold(hold())
         assert isinstance(answer, asyncio.Future)
         jog.hold(hold(direction=0))
@@ -252,7 +254,7 @@ def test_a_hold_that_is_let_go_before_it_began_moves_nothing(cell: Cell) -> None
 
 
 def test_a_slow_controller_does_not_set_a_joint_going_that_nobody_holds_any_more(cell: Cell) -> None:
-    async def script(_fixture: HandFixture, jog: Jogging) -> None:
+    async def script(_fixture: ManualFixture, jog: Jogging) -> None:
         with pytest.raises(RefusedError, match="not fed any more"):
             await jog.hold(hold())  # type: ignore[misc]  # the first feed is answered later
 
@@ -269,7 +271,7 @@ def test_a_hold_stops_ahead_of_the_limit(
     pose = list(HOME)
     pose[place] = limit_deg - way * 45.0
 
-    async def script(fixture: HandFixture, jog: Jogging) -> None:
+    async def script(fixture: ManualFixture, jog: Jogging) -> None:
         with pytest.raises(RefusedError, match=f"{joint.upper()} is too near to its limit"):
             await fed(jog, 100.0, hold(joint, way))
         left_deg = way * (limit_deg - (await fixture.arm.joints())[place])
@@ -288,8 +290,8 @@ def test_a_hold_stops_ahead_of_the_limit(
 
 def test_a_robot_without_a_dead_man_is_moved_by_steps(cell: Cell) -> None:
     async def work() -> None:
-        fixture = HandFixture(cell, StepsOnlyArm())
-        jog = Jogging(fixture.bench, mode(), "Ada")
+        fixture = ManualFixture(cell, StepsOnlyArm())
+        jog = Jogging(fixture.bench, mode(), client())
         await jog.begun
         with pytest.raises(RefusedError, match="move by steps"):
             jog.hold(hold())

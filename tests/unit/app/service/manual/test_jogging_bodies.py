@@ -9,7 +9,7 @@ from catseye.app.cell.model import Cell
 from catseye.app.service.errors import RefusedError
 from catseye.app.service.manual.jogging import Jogging
 from tests.unit.app.service.manual.jogs import alive, fed, hold, jogged, nothing, step
-from tests.unit.app.service.manual.timed_arm import HOME, HandFixture, TimedArm
+from tests.unit.app.service.manual.timed_arm import HOME, ManualFixture, TimedArm
 
 
 @pytest.fixture
@@ -21,7 +21,7 @@ def walled(cell: Cell) -> Cell:
 
 
 def test_a_step_into_a_stand_is_refused(walled: Cell) -> None:
-    async def script(_fixture: HandFixture, jog: Jogging) -> None:
+    async def script(_fixture: ManualFixture, jog: Jogging) -> None:
         with pytest.raises(RefusedError, match=r"the stand of reflector P1 stands in the arm's way"):
             await alive(jog, step(joint="j1", by=60.0))
         await alive(jog, step(joint="j1", by=5.0))
@@ -31,7 +31,7 @@ def test_a_step_into_a_stand_is_refused(walled: Cell) -> None:
 
 @pytest.mark.parametrize("speed_deg_s", [1.0, 20.0])
 def test_a_hold_stops_ahead_of_a_stand(walled: Cell, speed_deg_s: float) -> None:
-    async def script(fixture: HandFixture, jog: Jogging) -> None:
+    async def script(fixture: ManualFixture, jog: Jogging) -> None:
         with pytest.raises(RefusedError, match=r"too near to its limit.*the stand of reflector P1"):
             await fed(jog, 100.0, hold("j1", 1))
         j1_deg = (await fixture.arm.joints())[0]
@@ -47,7 +47,7 @@ def test_a_hold_stops_ahead_of_a_stand(walled: Cell, speed_deg_s: float) -> None
 
 
 def test_an_arm_inside_a_body_is_not_moved(walled: Cell) -> None:
-    async def script(_fixture: HandFixture, jog: Jogging) -> None:
+    async def script(_fixture: ManualFixture, jog: Jogging) -> None:
         with pytest.raises(RefusedError, match="move it away with the controller's teach pendant"):
             await jog.hold(hold("j1", 1))  # type: ignore[misc]  # the first feed is answered later
 

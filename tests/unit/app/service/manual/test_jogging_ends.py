@@ -12,14 +12,15 @@ from catseye.app.exitcode import ExitCode
 from catseye.app.service.errors import RefusedError
 from catseye.app.service.manual.jogging import Jogging
 from catseye.drivers.roles.errors import LinkError
+from tests.unit.app.service.manual.benches import client
 from tests.unit.app.service.manual.jogs import alive, fed, hold, jogged, mode, nothing, now_s, step
-from tests.unit.app.service.manual.timed_arm import HandFixture, TimedArm
+from tests.unit.app.service.manual.timed_arm import ManualFixture, TimedArm
 from tests.unit.drivers.virtual_time import run
 
 
 @pytest.mark.parametrize("how", ["step", "hold"])
 def test_an_open_door_stops_a_motion_and_ends_the_jog(cell: Cell, how: str) -> None:
-    async def script(fixture: HandFixture, jog: Jogging) -> None:
+    async def script(fixture: ManualFixture, jog: Jogging) -> None:
         if how == "step":
             moving = asyncio.create_task(alive(jog, step(joint="j1", by=50.0)))
         else:
@@ -41,7 +42,7 @@ def test_an_open_door_stops_a_motion_and_ends_the_jog(cell: Cell, how: str) -> N
 def test_nothing_is_told_to_the_controller_after_a_stop(cell: Cell, how: str) -> None:
     """A raised override is lowered before a motion; a stop that comes while it is read forbids that too."""
 
-    async def script(fixture: HandFixture, jog: Jogging) -> None:
+    async def script(fixture: ManualFixture, jog: Jogging) -> None:
         fixture.arm.state = replace(fixture.arm.state, override_percent=100.0)
         moving = jog.step(step(joint="j1", by=5.0), now_s) if how == "step" else jog.hold(hold())
         await asyncio.sleep(0)
@@ -56,9 +57,9 @@ def test_nothing_is_told_to_the_controller_after_a_stop(cell: Cell, how: str) ->
 
 def test_no_drives_while_the_door_is_open(cell: Cell) -> None:
     async def work() -> None:
-        fixture = HandFixture(cell, TimedArm())
+        fixture = ManualFixture(cell, TimedArm())
         fixture.door.closed = False
-        jog = Jogging(fixture.bench, mode(), "Ada")
+        jog = Jogging(fixture.bench, mode(), client())
         with pytest.raises(RefusedError, match="the door is open"):
             await jog.begun
         await jog.over()
@@ -68,7 +69,7 @@ def test_no_drives_while_the_door_is_open(cell: Cell) -> None:
 
 
 def test_an_alarm_between_motions_ends_the_jog(cell: Cell) -> None:
-    async def script(fixture: HandFixture, jog: Jogging) -> None:
+    async def script(fixture: ManualFixture, jog: Jogging) -> None:
         fixture.arm.state = replace(fixture.arm.state, alarm_number=2100, alarm_text="collision")
         await jog.over()
 
@@ -79,15 +80,15 @@ def test_an_alarm_between_motions_ends_the_jog(cell: Cell) -> None:
 
 def test_an_end_while_the_drives_come_on_leaves_them_off(cell: Cell) -> None:
     async def work() -> None:
-        fixture = HandFixture(cell, TimedArm(answer_s=0.1))
-        jog = Jogging(fixture.bench, mode(), "Ada")
+        fixture = ManualFixture(cell, TimedArm(answer_s=0.1))
+        jog = Jogging(fixture.bench, mode(), client())
         await asyncio.sleep(0.45)
         jog.end("Ada released control")
         with pytest.raises(RefusedError, match="released control"):
             await jog.begun
         await jog.over()
         assert fixture.arm.said("servo")[-1] == "servo off"
-        assert fixture.told == []
+        assert fixture.announced == []
 
     run(work())
 
@@ -95,8 +96,8 @@ def test_an_end_while_the_drives_come_on_leaves_them_off(cell: Cell) -> None:
 @pytest.mark.parametrize("stuck", [True, False])
 def test_an_arm_that_does_not_stop_is_told_and_lets_nothing_begin(cell: Cell, stuck: bool) -> None:
     async def work() -> None:
-        fixture = HandFixture(cell, TimedArm())
-        jog = Jogging(fixture.bench, mode(), "Ada")
+        fixture = ManualFixture(cell, TimedArm())
+        jog = Jogging(fixture.bench, mode(), client())
         await jog.begun
         moving = jog.step(step(joint="j1", by=50.0), now_s)
         await asyncio.sleep(1.0)
@@ -115,7 +116,7 @@ def test_an_arm_that_does_not_stop_is_told_and_lets_nothing_begin(cell: Cell, st
 
 
 def test_a_fault_of_the_program_stops_the_arm_too(cell: Cell, monkeypatch: pytest.MonkeyPatch) -> None:
-    async def script(fixture: HandFixture, jog: Jogging) -> None:
+    async def script(fixture: ManualFixture, jog: Jogging) -> None:
         moving = asyncio.create_task(alive(jog, step(joint="j1", by=50.0)))
         await asyncio.sleep(1.0)
         monkeypatch.setattr(fixture.door, "door_closed", None)
@@ -134,7 +135,7 @@ def test_a_watch_that_is_cancelled_from_outside_ends_the_jog(
     async def cancelled() -> bool:
         raise asyncio.CancelledError
 
-    async def script(fixture: HandFixture, jog: Jogging) -> None:
+    async def script(fixture: ManualFixture, jog: Jogging) -> None:
         motion = asyncio.create_task(alive(jog, step(joint="j1", by=50.0))) if moving else None
         await asyncio.sleep(1.0)
         monkeypatch.setattr(fixture.door, "door_closed", cancelled)
@@ -150,7 +151,7 @@ def test_a_watch_that_is_cancelled_from_outside_ends_the_jog(
 
 
 def test_a_step_whose_client_is_watched_no_more_is_stopped(cell: Cell) -> None:
-    async def script(fixture: HandFixture, jog: Jogging) -> None:
+    async def script(fixture: ManualFixture, jog: Jogging) -> None:
         def heard_s() -> float:
             if fixture.arm.moving:
                 raise asyncio.CancelledError
@@ -165,8 +166,8 @@ def test_a_step_whose_client_is_watched_no_more_is_stopped(cell: Cell) -> None:
 
 def test_an_engine_that_ends_leaves_the_arm_at_rest(cell: Cell) -> None:
     async def work() -> TimedArm:
-        fixture = HandFixture(cell, TimedArm())
-        jog = Jogging(fixture.bench, mode(), "Ada")
+        fixture = ManualFixture(cell, TimedArm())
+        jog = Jogging(fixture.bench, mode(), client())
         await jog.begun
         feeding = asyncio.create_task(fed(jog, 5.0, hold()))
         await asyncio.sleep(1.0)
@@ -197,8 +198,8 @@ def test_the_end_tells_of_an_override_that_stays_low(
 
 def test_a_jog_that_is_ended_in_its_first_moment_answers(cell: Cell) -> None:
     async def work() -> None:
-        fixture = HandFixture(cell, TimedArm())
-        jog = Jogging(fixture.bench, mode(), "Ada")
+        fixture = ManualFixture(cell, TimedArm())
+        jog = Jogging(fixture.bench, mode(), client())
         jog.end("Ben stopped it")
         await jog.over()
         with pytest.raises(RefusedError, match="Ben stopped it") as refused:
@@ -213,9 +214,9 @@ def test_a_jog_that_is_ended_in_its_first_moment_answers(cell: Cell) -> None:
 def test_an_end_that_a_library_swallows_ends_the_jog_all_the_same(
     cell: Cell, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    async def work() -> HandFixture:
-        fixture = HandFixture(cell, TimedArm())
-        jog = Jogging(fixture.bench, mode(), "Ada")
+    async def work() -> ManualFixture:
+        fixture = ManualFixture(cell, TimedArm())
+        jog = Jogging(fixture.bench, mode(), client())
 
         async def deaf(percent: float) -> float:
             with suppress(asyncio.CancelledError):
@@ -239,9 +240,9 @@ def test_an_end_that_a_library_swallows_ends_the_jog_all_the_same(
 
 def test_a_robot_that_nobody_knows_is_not_moved(cell: Cell) -> None:
     async def work() -> None:
-        fixture = HandFixture(cell, TimedArm(simulated=False))
+        fixture = ManualFixture(cell, TimedArm(simulated=False))
         fixture.bench = replace(fixture.bench, identities=dict)
-        jog = Jogging(fixture.bench, mode(), "Ada")
+        jog = Jogging(fixture.bench, mode(), client())
         with pytest.raises(RefusedError, match="not known which robot answers"):
             await jog.begun
         await jog.over()
@@ -254,8 +255,8 @@ def test_a_driver_that_fails_at_the_end_lets_nothing_begin(
     cell: Cell, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     async def work() -> None:
-        fixture = HandFixture(cell, TimedArm())
-        jog = Jogging(fixture.bench, mode(), "Ada")
+        fixture = ManualFixture(cell, TimedArm())
+        jog = Jogging(fixture.bench, mode(), client())
         await jog.begun
 
         async def broken() -> None:
@@ -271,7 +272,7 @@ def test_a_driver_that_fails_at_the_end_lets_nothing_begin(
 
 
 def test_the_speed_that_is_told_is_the_one_that_was_read(cell: Cell) -> None:
-    async def script(fixture: HandFixture, jog: Jogging) -> None:
+    async def script(fixture: ManualFixture, jog: Jogging) -> None:
         await alive(jog, step(joint="j1", by=1.0))
         fixture.arm.state = replace(fixture.arm.state, override_percent=8.0)
         await alive(jog, step(joint="j1", by=1.0))

@@ -9,11 +9,11 @@ from hypothesis import settings
 from hypothesis import strategies as st
 from hypothesis.stateful import RuleBasedStateMachine, invariant, precondition, rule
 
+from catseye.app.protocol.requests import JogHold, JogMode, JogStep
 from catseye.app.service.errors import RefusedError
 from catseye.app.service.manual.jogging import Jogging
-from catseye.app.service.messages import JogHold, JogMode, JogStep
-from tests.unit.app.service.manual.benches import cell_from_template
-from tests.unit.app.service.manual.timed_arm import HandFixture, TimedArm
+from tests.unit.app.service.manual.benches import cell_from_template, client
+from tests.unit.app.service.manual.timed_arm import ManualFixture, TimedArm
 from tests.unit.drivers.virtual_time import runner
 
 PERCENT = 5.0
@@ -30,7 +30,7 @@ class JogMachine(RuleBasedStateMachine):
         super().__init__()
         self.runner = runner()
         # Near enough to its limits that steps and holds reach them.
-        self.fixture = HandFixture(CELL, TimedArm(speed_deg_s=15.0, pose=(150.0, -120.0, 50.0, 340.0)))
+        self.fixture = ManualFixture(CELL, TimedArm(speed_deg_s=15.0, pose=(150.0, -120.0, 50.0, 340.0)))
         self.arm = self.fixture.arm
         self.jog: Jogging | None = None
         self.heard_s = self.fed_s = -10.0
@@ -57,8 +57,8 @@ class JogMachine(RuleBasedStateMachine):
         """Somebody begins to jog, and may not wait until it has begun."""
 
         async def work() -> None:
-            request = JogMode.model_validate({"v": 1, "id": 1, "op": "jog", "on": True, "percent": PERCENT})
-            self.jog = Jogging(self.fixture.bench, request, "Ada")
+            request = JogMode.model_validate({"on": True, "percent": PERCENT})
+            self.jog = Jogging(self.fixture.bench, request, client())
             self.jog.begun.add_done_callback(lambda begun: begun.exception())
             self.quiet_after = None
 
@@ -75,7 +75,7 @@ class JogMachine(RuleBasedStateMachine):
 
         async def work() -> None:
             self.heard_s = asyncio.get_running_loop().time()
-            request = JogStep(v=1, id=1, op="jog-step", joint=joint, by=by)
+            request = JogStep(joint=joint, by=by)
             assert self.jog is not None
             try:
                 step = self.jog.step(request, lambda: self.heard_s)
@@ -96,7 +96,7 @@ class JogMachine(RuleBasedStateMachine):
                 self.heard_s = self.fed_s = asyncio.get_running_loop().time()
                 assert self.jog is not None
                 try:
-                    answer = self.jog.hold(JogHold(v=1, id=1, op="jog-hold", joint=joint, direction=way))
+                    answer = self.jog.hold(JogHold(joint=joint, direction=way))
                 except RefusedError:
                     return
                 if isinstance(answer, asyncio.Future):
@@ -115,7 +115,7 @@ class JogMachine(RuleBasedStateMachine):
             self.heard_s = asyncio.get_running_loop().time()
             assert self.jog is not None
             try:
-                self.jog.hold(JogHold(v=1, id=1, op="jog-hold", joint="j1", direction=0))
+                self.jog.hold(JogHold(joint="j1", direction=0))
             except RefusedError:
                 return
 
@@ -225,7 +225,7 @@ class JogMachine(RuleBasedStateMachine):
         async def work() -> None:
             assert not self.arm.moving
             assert not self.arm.state.servo_on
-            assert not self.fixture.lent_now
+            assert not self.fixture.acquired_now
 
         self.do(work)
 

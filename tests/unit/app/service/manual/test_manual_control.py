@@ -11,16 +11,18 @@ import pytest
 from catseye.app.errors import ArmInUseError
 from catseye.app.exitcode import ExitCode
 from catseye.app.guard import raw
+from catseye.app.protocol.answers import Answer, LinkTaken
+from catseye.app.protocol.requests import JogHold, JogMode, JogStep, Raw, Send
+from catseye.app.service.client_registry import ClientRegistry
 from catseye.app.service.errors import RefusedError
-from catseye.app.service.hub import Hub, Member
 from catseye.app.service.mailbox import Mailbox
-from catseye.app.service.manual.manual_control import ByHand
-from catseye.app.service.messages import JogHold, JogMode, JogStep, Raw, Send
+from catseye.app.service.manual.manual_control import ManualControl
+from catseye.app.service.member import Member
 from catseye.app.service.watching.bench_facts import DeviceFacts
 from catseye.drivers.roles.errors import LinkError
 from tests.unit.app.guard.fakes import FakeGuard
 from tests.unit.app.service.manual.benches import cell_from_template
-from tests.unit.app.service.manual.timed_arm import HandFixture, TimedArm
+from tests.unit.app.service.manual.timed_arm import ManualFixture, TimedArm
 from tests.unit.drivers.virtual_time import VirtualClock, run
 
 
@@ -76,34 +78,36 @@ class Engine:
     """An engine with two clients, of which Ada holds control."""
 
     def __init__(self, monkeypatch: pytest.MonkeyPatch) -> None:
-        self.fixture = HandFixture(cell_from_template(), TimedArm())
+        self.fixture = ManualFixture(cell_from_template(), TimedArm())
         self.arm = self.fixture.arm
-        self.hub = Hub(VirtualClock())
+        self.registry = ClientRegistry(VirtualClock())
         self.busy: RefusedError | None = None
         self.aborts: list[str] = []
-        self.by_hand = ByHand(self.hub, self.fixture.bench, self._require_idle, self.aborts.append)
-        self.ada, self.ben = (self.hub.join("test", who, Mailbox(), print) for who in ("Ada", "Ben"))
-        self.hub.take_control(self.ada, force=False)
+        self.by_hand = ManualControl(
+            self.registry, self.fixture.bench, self._require_idle, self.aborts.append
+        )
+        self.ada, self.ben = (self.registry.join("test", who, Mailbox(), print) for who in ("Ada", "Ben"))
+        self.registry.lease.take(self.ada, force=False)
         self.wire = Wire()
         self.guard = FakeGuard()
         monkeypatch.setattr(raw, "open_transport", self._opened)
         monkeypatch.setattr(raw, "ArmGuard", lambda _endpoint: self.guard)
 
     def jog(self, *, on: bool = True, who: Member | None = None) -> "asyncio.Future[Any]":
-        return self.by_hand.jog(who or self.ada, JogMode(v=1, id=1, op="jog", on=on))
+        return self.by_hand.jog(who or self.ada, JogMode(on=on))
 
     def step(self, by: float) -> "asyncio.Future[Any]":
-        return self.by_hand.step(self.ada, JogStep(v=1, id=1, op="jog-step", joint="j1", by=by))
+        return self.by_hand.step(self.ada, JogStep(joint="j1", by=by))
 
     def hold(self, direction: int) -> Any:
-        request = {"v": 1, "id": 1, "op": "jog-hold", "joint": "j1", "direction": direction}
+        request = {"joint": "j1", "direction": direction}
         return self.by_hand.hold(JogHold.model_validate(request))
 
     def raw(self, device: str = "interferometer", **fields: Any) -> "asyncio.Future[Any]":
-        return self.by_hand.raw(self.ada, Raw(v=1, id=1, op="raw", device=device, **fields))
+        return self.by_hand.raw(self.ada, Raw(device=device, **fields))
 
     def send(self, data: str, device: str = "interferometer") -> "asyncio.Future[Any]":
-        return self.by_hand.send(Send(v=1, id=1, op="send", device=device, hex=data))
+        return self.by_hand.send(Send(device=device, hex=data))
 
     def _require_idle(self) -> None:
         if self.busy:
@@ -128,8 +132,8 @@ def played(script: Script, monkeypatch: pytest.MonkeyPatch) -> Engine:
         assert engine.by_hand.occupied is None
         assert not engine.arm.moving
         assert not engine.wire.is_open
-        assert engine.fixture.parked_now == []
-        assert not engine.fixture.lent_now
+        assert engine.fixture.detached_now == []
+        assert not engine.fixture.acquired_now
         await asyncio.sleep(0.1)
         assert asyncio.all_tasks() == {asyncio.current_task()}
         return engine
@@ -182,10 +186,10 @@ def test_without_a_jog_nothing_is_moved_and_nothing_to_stop(monkeypatch: pytest.
         for ask in (lambda: engine.step(1.0), lambda: engine.hold(1)):
             with pytest.raises(RefusedError, match="begin that first"):
                 ask()
-        assert engine.hold(0) == {}
+        assert engine.hold(0) == Answer()
         assert not engine.by_hand.stop("Ben stopped it")
         assert not engine.by_hand.abort("Ben aborted it")
-        assert await engine.jog(on=False) == {}
+        assert await engine.jog(on=False) == Answer()
 
     assert played(script, monkeypatch).arm.log == []
 
@@ -205,15 +209,15 @@ def test_the_arm_stops_when_its_client_loses_control(
         lost_s = asyncio.get_running_loop().time()
         match how:
             case "release":
-                engine.hub.release(engine.ada)
+                engine.registry.lease.release(engine.ada)
             case "hand over":
-                engine.hub.hand_over(engine.ada, engine.ben.name)
+                engine.registry.lease.hand_over(engine.ben)
             case "force":
-                engine.hub.take_control(engine.ben, force=True)
+                engine.registry.lease.take(engine.ben, force=True)
             case "left":
-                engine.hub.leave(engine.ada, None)
+                engine.registry.leave(engine.ada, None)
             case _:
-                engine.hub.leave(engine.ada, "it closed the connection")
+                engine.registry.leave(engine.ada, "it closed the connection")
         await asyncio.sleep(0.5)
         assert next(time_s for time_s, text in engine.arm.log if text == "stop") == lost_s
         await asyncio.sleep(1.0)
@@ -227,7 +231,7 @@ def test_the_arm_stops_when_its_client_loses_control(
 def test_somebody_elses_loss_of_control_means_nothing(monkeypatch: pytest.MonkeyPatch) -> None:
     async def script(engine: Engine) -> None:
         await engine.jog()
-        engine.hub.leave(engine.ben, "it closed the connection")
+        engine.registry.leave(engine.ben, "it closed the connection")
         await asyncio.sleep(1.0)
         assert engine.by_hand.occupied is not None
 
@@ -251,14 +255,14 @@ def test_a_stop_ends_a_jog_and_an_abort_has_to_be_cleared(monkeypatch: pytest.Mo
 
 def test_bytes_go_out_and_what_comes_is_recorded(monkeypatch: pytest.MonkeyPatch) -> None:
     async def script(engine: Engine) -> None:
-        assert await engine.raw() == {"endpoint": "memory://counter"}
-        assert engine.fixture.parked_now == ["interferometer"]
-        assert await engine.send("610d") == {}
+        assert await engine.raw() == LinkTaken(endpoint="memory://counter")
+        assert engine.fixture.detached_now == ["interferometer"]
+        assert await engine.send("610d") == Answer()
         await asyncio.sleep(0.01)
         assert engine.fixture.wire == [("interferometer", "tx", b"a\r"), ("interferometer", "rx", b"A\r")]
-        assert await engine.raw(on=False) == {}
-        assert engine.fixture.parked_now == []
-        assert await engine.raw(on=False) == {}
+        assert await engine.raw(on=False) == Answer()
+        assert engine.fixture.detached_now == []
+        assert await engine.raw(on=False) == Answer()
         with pytest.raises(RefusedError, match="was not taken: take it first"):
             engine.send("61")
 
@@ -274,7 +278,7 @@ def test_several_links_may_be_open(monkeypatch: pytest.MonkeyPatch) -> None:
     async def script(engine: Engine) -> None:
         await engine.raw("interferometer")
         await engine.raw("robot")
-        assert engine.fixture.parked_now == ["interferometer", "robot"]
+        assert engine.fixture.detached_now == ["interferometer", "robot"]
         await engine.raw("robot", on=False)
 
     # What was started by hand goes on at the operator's word: no stop is sent.
@@ -309,7 +313,7 @@ def test_a_link_that_cannot_be_had_says_why(monkeypatch: pytest.MonkeyPatch) -> 
             await engine.raw()
         assert refused.value.code == ExitCode.DEVICE
 
-    assert played(script, monkeypatch).fixture.told == []
+    assert played(script, monkeypatch).fixture.announced == []
 
 
 def test_a_link_that_breaks_is_told_and_given_back(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -340,7 +344,7 @@ def test_a_robot_whose_client_is_gone_is_stopped_when_its_driver_has_it_back(
 ) -> None:
     async def script(engine: Engine) -> None:
         await engine.raw("robot")
-        engine.hub.leave(engine.ada, "it closed the connection")
+        engine.registry.leave(engine.ada, "it closed the connection")
         await asyncio.sleep(1.0)
         assert engine.by_hand.occupied is None
 
@@ -365,7 +369,7 @@ def test_another_robot_of_the_cell_is_stopped_likewise(monkeypatch: pytest.Monke
         if how == "stop":
             assert engine.by_hand.stop("Ben stopped it")
         else:
-            engine.hub.leave(engine.ada, "it closed the connection")
+            engine.registry.leave(engine.ada, "it closed the connection")
         await asyncio.sleep(1.0)
 
     engine = played(script, monkeypatch)
@@ -382,7 +386,7 @@ def test_a_stop_reaches_a_robot_that_is_sent_raw_bytes(monkeypatch: pytest.Monke
         await engine.raw("robot")
         assert getattr(engine.by_hand, word)("Ben stopped it")
         await asyncio.sleep(1.0)
-        assert engine.fixture.parked_now == ["interferometer"]
+        assert engine.fixture.detached_now == ["interferometer"]
 
     assert played(script, monkeypatch).arm.said("stop") == ["stop"]
 
@@ -397,7 +401,7 @@ def test_a_stop_reaches_a_robot_whose_link_is_just_being_given_back(
         given_back = engine.raw("robot", on=False)
         await asyncio.sleep(0.1)
         if word == "release":
-            engine.hub.release(engine.ada)
+            engine.registry.lease.release(engine.ada)
         else:
             assert getattr(engine.by_hand, word)("Ben stopped it")
         await given_back
@@ -421,7 +425,7 @@ def test_an_arm_is_given_back_after_its_stop(monkeypatch: pytest.MonkeyPatch) ->
 
         monkeypatch.setattr(engine.guard, "let_go", noted)
         await engine.raw("robot")
-        engine.hub.leave(engine.ada, "it closed the connection")
+        engine.registry.leave(engine.ada, "it closed the connection")
         await asyncio.sleep(1.0)
 
     assert played(script, monkeypatch).arm.said("stop") == ["stop"]
@@ -431,8 +435,8 @@ def test_an_arm_is_given_back_after_its_stop(monkeypatch: pytest.MonkeyPatch) ->
 def test_a_robot_that_cannot_be_stopped_after_that_is_warned_about(monkeypatch: pytest.MonkeyPatch) -> None:
     async def script(engine: Engine) -> None:
         await engine.raw("robot")
-        engine.fixture.lend_error = RefusedError("the robot is not connected")
-        engine.hub.leave(engine.ada, "it closed the connection")
+        engine.fixture.acquire_error = RefusedError("the robot is not connected")
+        engine.registry.leave(engine.ada, "it closed the connection")
         await asyncio.sleep(1.0)
 
     warned = played(script, monkeypatch).fixture.events("warning")
@@ -453,8 +457,8 @@ def test_a_link_that_is_ended_in_its_first_moment_answers(monkeypatch: pytest.Mo
 def test_whatever_keeps_a_robot_from_being_stopped_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
     async def script(engine: Engine) -> None:
         await engine.raw("robot")
-        engine.fixture.lend_error = ValueError("no number: b'?'")
-        engine.hub.leave(engine.ada, "it closed the connection")
+        engine.fixture.acquire_error = ValueError("no number: b'?'")
+        engine.registry.leave(engine.ada, "it closed the connection")
         await asyncio.sleep(1.0)
         assert engine.by_hand.occupied is None
 

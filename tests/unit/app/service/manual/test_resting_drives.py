@@ -10,10 +10,10 @@ from typing import Any
 import pytest
 
 from catseye.app.errors import ArmInUseError
+from catseye.app.protocol.events import AnyEvent, DrivesChanged
 from catseye.app.service.errors import RefusedError
 from catseye.app.service.manual.drives import RestingDrives
 from catseye.drivers.roles.errors import LinkError
-from catseye.procedures.kit.context import Json
 from tests.unit.app.engine.fakes import FakeRobot
 from tests.unit.app.engine.test_door_watch import SteppedClock
 
@@ -29,20 +29,21 @@ class Bench:
         self.occupied: str | None = None
         self.away = False
         self.elsewhere = False
-        self.told: list[dict[str, Json]] = []
-        self.drives = RestingDrives(self, self.clock, self._tell, self, self.owned)
+        self.announced: list[DrivesChanged] = []
+        self.drives = RestingDrives(self, self.clock, self._announce, self, self.owned)
 
-    def _tell(self, event: str, **fields: Json) -> None:
-        self.told.append({"event": event, **fields})
+    def _announce(self, event: AnyEvent) -> None:
+        assert isinstance(event, DrivesChanged)
+        self.announced.append(event)
 
-    def lent(self) -> AbstractAsyncContextManager[Any]:
+    def acquired(self) -> AbstractAsyncContextManager[Any]:
         raise NotImplementedError
 
-    def parked(self, device: str) -> AbstractAsyncContextManager[None]:
+    def detached(self, device: str) -> AbstractAsyncContextManager[None]:
         raise NotImplementedError
 
     @asynccontextmanager
-    async def lent_robot(self, device: str) -> AsyncIterator[FakeRobot]:
+    async def acquired_robot(self, device: str) -> AsyncIterator[FakeRobot]:
         assert device == "robot"
         if self.away:
             raise RefusedError("robot is not connected: no answer")
@@ -75,11 +76,8 @@ async def test_drives_go_off_after_their_rest(bench: Bench) -> None:
     assert bench.robot.calls == []
     await bench.pass_s(2.0)
     assert bench.robot.calls == ["servo off"]
-    assert bench.told[-1] == {
-        "event": "drives",
-        "on": False,
-        "reason": "the arm has rested for 300 s: the drives are off",
-    }
+    reason = "the arm has rested for 300 s: the drives are off"
+    assert bench.announced[-1] == DrivesChanged(on=False, reason=reason)
     assert bench.drives.facts is None
 
 
@@ -88,9 +86,9 @@ async def test_everybody_is_told_when_the_drives_go_off(bench: Bench) -> None:
     begun = bench.clock.now_utc()
     for _ in range(3):
         await asyncio.sleep(0)
-    (told,) = bench.told
-    assert (datetime.fromisoformat(str(told["off_at_utc"])) - begun).total_seconds() == 300.0
-    assert bench.drives.facts == {"on": True, "off_at_utc": told["off_at_utc"]}
+    (announced,) = bench.announced
+    assert (datetime.fromisoformat(str(announced.off_at_utc)) - begun).total_seconds() == 300.0
+    assert bench.drives.facts == announced
 
 
 async def test_a_jog_begins_the_count_anew(bench: Bench) -> None:
@@ -156,14 +154,14 @@ async def test_drives_of_another_programs_arm_stay_as_they_are(bench: Bench) -> 
     bench.drives.begin(10.0)
     await bench.pass_s(11.0)
     assert bench.robot.calls == []
-    assert "process 7" in str(bench.told[-1]["reason"])
+    assert "process 7" in str(bench.announced[-1].reason)
 
 
 async def test_what_failed_after_the_rest_is_tried_at_the_end(bench: Bench) -> None:
     bench.drives.begin(300.0)
     bench.away = True
     await bench.pass_s(302.0)
-    assert bench.told[-1]["on"] is True
+    assert bench.announced[-1].on is True
     bench.away = False
     await bench.drives.end()
     assert bench.robot.calls == ["servo off"]
@@ -189,5 +187,5 @@ async def test_drives_that_stay_on_are_said(bench: Bench, how: str, monkeypatch:
     bench.away = how == "away"
     bench.drives.begin(10.0)
     await bench.pass_s(11.0)
-    assert bench.told[-1]["on"] is True
-    assert "not certain to be off" in str(bench.told[-1]["reason"])
+    assert bench.announced[-1].on is True
+    assert "not certain to be off" in str(bench.announced[-1].reason)

@@ -11,14 +11,15 @@ from catseye.app.cell.air import air_rule
 from catseye.app.cell.bench import bench_of
 from catseye.app.cell.model import Cell
 from catseye.app.engine.devices import Devices
-from catseye.app.service.manual.device_loan import HandBench
+from catseye.app.protocol.events import AnyEvent
+from catseye.app.protocol.message import JsonObject
+from catseye.app.service.manual.device_loan import ManualBench
 from catseye.app.service.watching.bench_facts import BenchFacts, DeviceFacts
 from catseye.drivers.roles.device import Identity
 from catseye.drivers.roles.errors import DeviceError, RefusedError
 from catseye.drivers.roles.io import Io, Light
 from catseye.drivers.roles.pose import Pose
 from catseye.drivers.roles.robot import Robot, RobotAbilities, RobotStatus
-from catseye.procedures.kit.context import Json
 from tests.unit.app.guard.fakes import FakeGuard
 from tests.unit.drivers.virtual_time import VirtualClock
 
@@ -190,7 +191,7 @@ class Door(Io):
         """There are no lamps."""
 
 
-class HandFixture:
+class ManualFixture:
     """Everything that moving by hand needs, around one arm."""
 
     def __init__(self, cell: Cell, arm: TimedArm) -> None:
@@ -199,11 +200,11 @@ class HandFixture:
         self.guard = FakeGuard()
         self.robot: Any = arm
         self.robots: dict[str, Any] = {"robot": arm}
-        self.told: list[dict[str, Json]] = []
+        self.announced: list[JsonObject] = []
         self.wire: list[tuple[str, str, bytes]] = []
-        self.lent_now = False
-        self.parked_now: list[str] = []
-        self.lend_error: Exception | None = None
+        self.acquired_now = False
+        self.detached_now: list[str] = []
+        self.acquire_error: Exception | None = None
         self.facts_now = BenchFacts(
             cell.name,
             (
@@ -215,45 +216,45 @@ class HandFixture:
             air_rule(cell),
             None,
         )
-        self.bench = HandBench(
+        self.bench = ManualBench(
             self,
             self._facts,
             self._identities,
             self._record,
-            self._tell,
+            self._announce,
             VirtualClock(),
             Path(),
             lambda: self.door,
         )
 
     @asynccontextmanager
-    async def lent(self) -> AsyncIterator[Devices]:
-        if self.lend_error:
-            raise self.lend_error
-        self.lent_now = True
+    async def acquired(self) -> AsyncIterator[Devices]:
+        if self.acquire_error:
+            raise self.acquire_error
+        self.acquired_now = True
         try:
             await asyncio.sleep(0)
             none = cast(Any, None)
             yield Devices(self.robot, none, none, io=self.door, guard=self.guard)
         finally:
-            self.lent_now = False
+            self.acquired_now = False
 
     @asynccontextmanager
-    async def lent_robot(self, device: str) -> AsyncIterator[Any]:
-        if self.lend_error:
-            raise self.lend_error
+    async def acquired_robot(self, device: str) -> AsyncIterator[Any]:
+        if self.acquire_error:
+            raise self.acquire_error
         yield self.robots[device]
 
     @asynccontextmanager
-    async def parked(self, device: str) -> AsyncIterator[None]:
-        self.parked_now.append(device)
+    async def detached(self, device: str) -> AsyncIterator[None]:
+        self.detached_now.append(device)
         try:
             yield
         finally:
-            self.parked_now.remove(device)
+            self.detached_now.remove(device)
 
-    def events(self, name: str) -> list[dict[str, Json]]:
-        return [event for event in self.told if event["event"] == name]
+    def events(self, name: str) -> list[JsonObject]:
+        return [event for event in self.announced if event["event"] == name]
 
     async def _facts(self) -> BenchFacts:
         return self.facts_now
@@ -264,5 +265,5 @@ class HandFixture:
     def _record(self, device: str, direction: str, data: bytes) -> None:
         self.wire.append((device, direction, data))
 
-    def _tell(self, event: str, **fields: Json) -> None:
-        self.told.append({"event": event, **fields})
+    def _announce(self, event: AnyEvent) -> None:
+        self.announced.append(event.json_object())

@@ -7,8 +7,10 @@ from typing import Any, ClassVar
 
 from catseye.app.engine.devices import Devices
 from catseye.app.engine.handle import RunHandle
+from catseye.app.protocol.events import AnyEvent
+from catseye.app.protocol.message import JsonObject
 from catseye.app.service.watching.device_pool import CellDevices
-from catseye.app.service.watching.latest_values import Gauges
+from catseye.app.service.watching.latest_values import LatestValues
 from catseye.app.service.watching.observed_devices import ObservedDevice, observed
 from catseye.app.service.watching.telemetry import Topic
 from catseye.drivers.roles.air import AirSample, AirSensor
@@ -23,7 +25,6 @@ from catseye.drivers.roles.interferometer import (
 )
 from catseye.drivers.roles.pose import Pose
 from catseye.drivers.roles.robot import Robot, RobotAbilities, RobotStatus
-from catseye.procedures.kit.context import Json
 from tests.unit.drivers.virtual_time import VirtualClock
 
 
@@ -138,13 +139,13 @@ class PulledCell:
     def everyone(self) -> tuple[Pulled, ...]:
         return self.robot, self.counter, self.air
 
-    def observed(self, gauges: Gauges) -> Devices:
-        return observed(Devices(self.robot, self.counter, self.air), gauges, None)
+    def observed(self, latest: LatestValues) -> Devices:
+        return observed(Devices(self.robot, self.counter, self.air), latest, None)
 
-    async def made(self, gauges: Gauges) -> CellDevices:
+    async def made(self, latest: LatestValues) -> CellDevices:
         if self.fault is not None:
             raise self.fault
-        devices = self.observed(gauges)
+        devices = self.observed(latest)
         kept: dict[str, ObservedDevice] = {}
         for device in devices.named().values():
             assert isinstance(device, ObservedDevice)
@@ -154,22 +155,22 @@ class PulledCell:
 
 @dataclass
 class Listeners:
-    """Implements `catseye.app.service.watching.telemetry.Audience`: what everybody was told, and when."""
+    """Implements `catseye.app.service.watching.telemetry.Audience`: what everybody received, and when."""
 
     topics: set[Topic] = field(default_factory=set)
     run: RunHandle | None = None
     asking: bool = False
-    told: list[tuple[float, str, dict[str, Json]]] = field(default_factory=list)
+    received: list[tuple[float, str, JsonObject]] = field(default_factory=list)
 
     def listens(self, topic: Topic) -> bool:
         return topic in self.topics
 
-    def tell(self, topic: Topic, event: str, fields: dict[str, Json]) -> None:
+    def publish_topic(self, topic: Topic, event: AnyEvent) -> None:
         assert topic in self.topics
-        self.told.append((VirtualClock().monotonic_s(), event, fields))
+        self.received.append((VirtualClock().monotonic_s(), event.event, event.json_object()))
 
     def of(self, event: str) -> list[dict[str, Any]]:
-        return [fields for _, told, fields in self.told if told == event]
+        return [fields for _, name, fields in self.received if name == event]
 
 
 async def disk(_folder: Path) -> int:

@@ -9,9 +9,9 @@ import pytest
 from catseye.app.engine.waiting import cancel
 from catseye.app.errors import ConfigError
 from catseye.app.service.errors import RefusedError
-from catseye.app.service.watching.device_pool import WAKING_LIMIT_S, IdleBench
+from catseye.app.service.watching.device_pool import WAKING_LIMIT_S, DevicePool
 from catseye.app.service.watching.device_supervisor import CLOSE_LIMIT_S
-from catseye.app.service.watching.latest_values import Gauges
+from catseye.app.service.watching.latest_values import LatestValues
 from catseye.app.service.watching.polling import AIR_S
 from catseye.drivers.roles.air import AirSample
 from catseye.drivers.roles.errors import RefusedError as DeviceRefusedError
@@ -27,9 +27,9 @@ class Idle:
     troubles: list[str] = field(default_factory=list)
 
     def __post_init__(self) -> None:
-        self.gauges = Gauges(VirtualClock())
-        self.bench = IdleBench(
-            lambda: self.cell.made(self.gauges), self.gauges, VirtualClock(), self.troubles.append
+        self.latest = LatestValues(VirtualClock())
+        self.bench = DevicePool(
+            lambda: self.cell.made(self.latest), self.latest, VirtualClock(), self.troubles.append
         )
 
     async def watched(self, duration_s: float = 1.0) -> None:
@@ -37,7 +37,7 @@ class Idle:
         await asyncio.sleep(duration_s)
 
     def links(self) -> list[str]:
-        return [self.gauges.links[name].state for name in ("robot", "interferometer", "environment")]
+        return [self.latest.links[name].state for name in ("robot", "interferometer", "environment")]
 
     def held(self) -> list[bool]:
         return [device.open for device in self.cell.everyone()]
@@ -90,14 +90,14 @@ def test_a_broken_device_hides_no_other_and_is_tried_again_ever_more_seldom() ->
         idle.cell.counter.error = lost()
         await idle.watched(60.0)
         assert idle.links() == ["ok", "lost", "ok"]
-        assert idle.gauges.links["interferometer"].error == "no cable: plug it in"
+        assert idle.latest.links["interferometer"].error == "no cable: plug it in"
         # Pauses of 0.5, 1, 2, 4, 8, then 10 s, and 5 ms for each attempt.
         tried_s = [0.0, 0.5, 1.5, 3.5, 7.5, 15.5, 25.5, 35.5, 45.5, 55.5]
         assert idle.cell.counter.times_s == pytest.approx(tried_s, abs=0.06)
         idle.cell.counter.error = None
         await asyncio.sleep(10.0)
         assert idle.links() == ["ok", "ok", "ok"]
-        assert idle.gauges.links["interferometer"].error is None
+        assert idle.latest.links["interferometer"].error is None
 
     played(play)
 
@@ -107,9 +107,9 @@ def test_a_device_that_is_pulled_is_lost_and_comes_back() -> None:
         await idle.watched()
         idle.cell.robot.error = lost()
         await asyncio.sleep(0.4)
-        assert (idle.links()[0], idle.gauges.links["robot"].error) == ("lost", "no cable: plug it in")
-        assert idle.gauges.joints is not None
-        age_s = idle.gauges.age_s(idle.gauges.joints.time_s)
+        assert (idle.links()[0], idle.latest.links["robot"].error) == ("lost", "no cable: plug it in")
+        assert idle.latest.joints is not None
+        age_s = idle.latest.age_s(idle.latest.joints.time_s)
         assert 0.0 < age_s < 1.0
         idle.cell.robot.error = None
         await asyncio.sleep(1.0)
@@ -143,7 +143,7 @@ def test_a_fault_of_a_driver_is_told_like_a_lost_link() -> None:
         idle.cell.air.sample = broken  # type: ignore[method-assign,assignment]  # a driver with a fault
         await idle.watched()
         assert idle.links() == ["ok", "ok", "lost"]
-        assert idle.gauges.links["environment"].error == "ZeroDivisionError: division by zero"
+        assert idle.latest.links["environment"].error == "ZeroDivisionError: division by zero"
 
     played(play)
 
@@ -175,7 +175,7 @@ def test_no_answer_is_cut_off_by_a_release_but_a_connection_that_hangs_is() -> N
         assert idle.cell.robot.log == ["connect", "status", "joints", "close"]
         idle.bench.take_up()
         await asyncio.sleep(0.002)
-        assert idle.gauges.links["robot"].state == "connecting"
+        assert idle.latest.links["robot"].state == "connecting"
         await idle.bench.release()
         assert idle.held() == [False, False, False]
 
@@ -208,7 +208,7 @@ def test_a_cell_file_that_is_wrong_is_told_and_read_again() -> None:
         await idle.watched()
         assert idle.troubles == ["the devices of the cell cannot be made: line 3: no such key"]
         with pytest.raises(RefusedError, match="cannot be made"):
-            async with idle.bench.lent():
+            async with idle.bench.acquired():
                 pass
         idle.cell.fault = None
         idle.bench.watched(on=True)
@@ -220,20 +220,20 @@ def test_a_cell_file_that_is_wrong_is_told_and_read_again() -> None:
 
 def test_a_borrower_has_the_robot_for_himself_and_is_seen() -> None:
     async def play(idle: Idle) -> None:
-        async with idle.bench.lent() as devices:
-            assert idle.bench.lent_devices == ["interferometer", "robot"]
+        async with idle.bench.acquired() as devices:
+            assert idle.bench.acquired_devices == ["interferometer", "robot"]
             asked = len(idle.cell.robot.log)
             read = idle.cell.counter.log.count("read")
             await asyncio.sleep(5.0)
             assert len(idle.cell.robot.log) == asked
             assert idle.cell.counter.log.count("read") > read + 30
             await devices.robot.joints()
-            assert idle.gauges.joints is not None
-            assert idle.gauges.age_s(idle.gauges.joints.time_s) == 0.0
+            assert idle.latest.joints is not None
+            assert idle.latest.age_s(idle.latest.joints.time_s) == 0.0
             with pytest.raises(RefusedError, match="used by hand: end that first"):
                 await idle.bench.release()
             with pytest.raises(RefusedError, match="used by hand already"):
-                async with idle.bench.parked("robot"):
+                async with idle.bench.detached("robot"):
                     pass
         await asyncio.sleep(0.1)
         # Nobody watches.
@@ -246,16 +246,16 @@ def test_nothing_is_lent_without_robot_or_beam_or_during_a_run() -> None:
     async def play(idle: Idle) -> None:
         idle.cell.counter.error = lost()
         with pytest.raises(RefusedError, match="interferometer is not connected: no cable"):
-            async with idle.bench.lent():
+            async with idle.bench.acquired():
                 pass
         await asyncio.sleep(0.1)
         idle.cell.counter.error = None
         await idle.bench.release()
         with pytest.raises(RefusedError, match="a run is under way or begins"):
-            async with idle.bench.lent():
+            async with idle.bench.acquired():
                 pass
         idle.bench.take_up()
-        async with idle.bench.lent():
+        async with idle.bench.acquired():
             pass
 
     played(play)
@@ -264,18 +264,18 @@ def test_nothing_is_lent_without_robot_or_beam_or_during_a_run() -> None:
 def test_a_robot_is_lent_by_itself_to_whoever_stops_it() -> None:
     async def play(idle: Idle) -> None:
         idle.cell.counter.error = lost()
-        async with idle.bench.lent_robot("robot") as robot:
+        async with idle.bench.acquired_robot("robot") as robot:
             asked = len(idle.cell.robot.log)
             await asyncio.sleep(5.0)
             assert len(idle.cell.robot.log) == asked
             await robot.stop()
         assert idle.cell.robot.log.count("stop") == 1
         with pytest.raises(RefusedError, match="environment is no robot: its driver cannot stop"):
-            async with idle.bench.lent_robot("environment"):
+            async with idle.bench.acquired_robot("environment"):
                 pass
         idle.cell.robot.error = lost()
         with pytest.raises(RefusedError, match="robot is not connected: no cable"):
-            async with idle.bench.lent_robot("robot"):
+            async with idle.bench.acquired_robot("robot"):
                 pass
 
     played(play)
@@ -289,7 +289,7 @@ def test_a_robot_that_never_answers_keeps_a_borrower_waiting_for_a_bounded_time(
         idle.cell.robot.connect = never  # type: ignore[method-assign,assignment]  # it hangs
         start_s = VirtualClock().monotonic_s()
         with pytest.raises(RefusedError, match="robot is not connected: it does not answer"):
-            async with idle.bench.lent():
+            async with idle.bench.acquired():
                 pass
         assert VirtualClock().monotonic_s() - start_s == pytest.approx(WAKING_LIMIT_S, abs=0.1)
 
@@ -299,12 +299,12 @@ def test_a_robot_that_never_answers_keeps_a_borrower_waiting_for_a_bounded_time(
 def test_a_parked_device_is_let_go_alone_and_connected_again() -> None:
     async def play(idle: Idle) -> None:
         await idle.watched()
-        async with idle.bench.parked("environment"):
+        async with idle.bench.detached("environment"):
             assert idle.held() == [True, True, False]
             await asyncio.sleep(10.0)
             assert idle.links() == ["ok", "ok", "raw"]
             assert idle.cell.air.log.count("connect") == 1
-            async with idle.bench.lent():
+            async with idle.bench.acquired():
                 pass
             with pytest.raises(RefusedError, match="environment: used by hand"):
                 await idle.bench.release()
@@ -313,11 +313,11 @@ def test_a_parked_device_is_let_go_alone_and_connected_again() -> None:
         with pytest.raises(
             RefusedError, match="no device 'door'; there are robot, interferometer, environment"
         ):
-            async with idle.bench.parked("door"):
+            async with idle.bench.detached("door"):
                 pass
         idle.cell.air.hangs = asyncio.Event()
         with pytest.raises(RefusedError, match="environment: the driver does not let its link go"):
-            async with idle.bench.parked("environment"):
+            async with idle.bench.detached("environment"):
                 pass
         idle.cell.air.hangs.set()
         await asyncio.sleep(1.0)
@@ -339,7 +339,7 @@ def test_a_robot_that_is_lost_while_its_borrower_waits_is_not_lent() -> None:
         idle.cell.robot.joints = slow  # type: ignore[method-assign,assignment]  # it is pulled while it answers
         await asked.wait()
         with pytest.raises(RefusedError, match="robot is not connected: no cable"):
-            async with idle.bench.lent():
+            async with idle.bench.acquired():
                 pytest.fail("a robot that nobody has asked who it is was lent")
 
     played(play)
@@ -360,7 +360,7 @@ def test_a_device_that_is_parked_for_a_moment_is_asked_by_one_keeper_only() -> N
         await asked.wait()
 
         async def park() -> None:
-            async with idle.bench.parked("environment"):
+            async with idle.bench.detached("environment"):
                 pass
 
         parking = asyncio.create_task(park())

@@ -7,7 +7,7 @@ from typing import ClassVar
 import pytest
 
 from catseye.app.engine.devices import Devices
-from catseye.app.service.watching.latest_values import Gauges
+from catseye.app.service.watching.latest_values import LatestValues
 from catseye.app.service.watching.observed_devices import (
     ObservedAir,
     ObservedInterferometer,
@@ -36,10 +36,10 @@ from tests.unit.drivers.virtual_time import VirtualClock, run
 
 def test_answers_pass_and_are_seen_with_their_time() -> None:
     async def ask() -> None:
-        gauges, cell = Gauges(VirtualClock()), PulledCell()
-        devices = cell.observed(gauges)
+        latest, cell = LatestValues(VirtualClock()), PulledCell()
+        devices = cell.observed(latest)
         identity = await devices.robot.connect()
-        assert (identity.model, gauges.links["robot"].state) == ("model", "ok")
+        assert (identity.model, latest.links["robot"].state) == ("model", "ok")
         await devices.robot.servo(on=True)
         assert await devices.robot.set_override(7.0) == 7.0
         await devices.robot.move_joints((1.0, 0.0, 0.0, 0.0))
@@ -47,20 +47,20 @@ def test_answers_pass_and_are_seen_with_their_time() -> None:
         assert cell.robot.log == ["connect", "servo True", "override", "move (1.0, 0.0, 0.0, 0.0)", "stop"]
         joints = await devices.robot.joints()
         status = await devices.robot.status()
-        assert gauges.joints is not None
-        assert gauges.status is not None
-        assert (gauges.joints.value, gauges.status.value) == (joints, status)
-        assert gauges.status.time_s == VirtualClock().monotonic_s() == gauges.joints.time_s + 0.005
+        assert latest.joints is not None
+        assert latest.status is not None
+        assert (latest.joints.value, latest.status.value) == (joints, status)
+        assert latest.status.time_s == VirtualClock().monotonic_s() == latest.joints.time_s + 0.005
         reading, beam = await devices.interferometer.read(), await devices.interferometer.status()
         air = await devices.environment.sample()
-        assert gauges.displacement_mm is not None
-        assert gauges.beam is not None
-        assert gauges.air is not None
-        assert gauges.displacement_mm.value == reading.displacement_mm
-        assert (gauges.beam.value, gauges.air.value) == (beam, air)
+        assert latest.displacement_mm is not None
+        assert latest.beam is not None
+        assert latest.air is not None
+        assert latest.displacement_mm.value == reading.displacement_mm
+        assert (latest.beam.value, latest.air.value) == (beam, air)
         assert await devices.interferometer.zero() == 1
         await devices.robot.close()
-        assert gauges.links["robot"].state == "closed"
+        assert latest.links["robot"].state == "closed"
 
     run(ask())
 
@@ -73,12 +73,12 @@ def test_an_observed_robot_can_do_what_its_driver_can() -> None:
             await self._asked(f"follow {len(way)}")
 
     async def follow() -> None:
-        gauges, cell = Gauges(VirtualClock()), PulledCell()
-        plain = cell.observed(gauges)
+        latest, cell = LatestValues(VirtualClock()), PulledCell()
+        plain = cell.observed(latest)
         assert plain.robot.abilities.following == "stops"
         assert plain.interferometer.compensated == "none"
         cell.robot = Way()
-        way = cell.observed(gauges).robot
+        way = cell.observed(latest).robot
         assert way.abilities.following == "blended"
         await way.follow([(0.0, 0.0, 0.0, 0.0)] * 3)
         assert cell.robot.log == ["follow 3"]
@@ -90,9 +90,9 @@ def test_notes_of_a_driver_are_passed_on() -> None:
     class Noting(PulledAir):
         notes = ("old firmware",)
 
-    gauges = Gauges(VirtualClock())
-    assert ObservedAir("environment", Noting(), gauges).notes == ("old firmware",)
-    assert ObservedAir("environment", PulledAir(), gauges).notes == ()
+    latest = LatestValues(VirtualClock())
+    assert ObservedAir("environment", Noting(), latest).notes == ("old firmware",)
+    assert ObservedAir("environment", PulledAir(), latest).notes == ()
 
 
 def test_doors_and_links_temperatures_are_seen() -> None:
@@ -105,18 +105,18 @@ def test_doors_and_links_temperatures_are_seen() -> None:
             await self._asked(light)
 
     async def look() -> None:
-        gauges, io, steel = Gauges(VirtualClock()), Door(), PulledAir()
-        door = ObservedIo("io", io, gauges)
+        latest, io, steel = LatestValues(VirtualClock()), Door(), PulledAir()
+        door = ObservedIo("io", io, latest)
         assert await door.door_closed() is False
         await door.show("green")
-        assert gauges.door_closed is not None
-        assert (gauges.door_closed.value, io.log) == (False, ["door", "green"])
+        assert latest.door_closed is not None
+        assert (latest.door_closed.value, io.log) == (False, ["door", "green"])
         cell = PulledCell()
-        devices = observed(Devices(cell.robot, cell.counter, cell.air, material=steel), gauges, "steel")
+        devices = observed(Devices(cell.robot, cell.counter, cell.air, material=steel), latest, "steel")
         assert devices.material is not None
         await devices.material.sample()
-        assert gauges.air is None
-        assert gauges.links["steel"].state == "ok"
+        assert latest.air is None
+        assert latest.links["steel"].state == "ok"
 
     run(look())
 
@@ -124,15 +124,15 @@ def test_doors_and_links_temperatures_are_seen() -> None:
 @pytest.mark.parametrize("error", [LinkTimeoutError("silent"), ProtocolError("garbage")])
 def test_a_link_that_fails_is_lost_until_it_answers(error: DeviceError) -> None:
     async def fail() -> None:
-        gauges, cell = Gauges(VirtualClock()), PulledCell()
-        devices = cell.observed(gauges)
+        latest, cell = LatestValues(VirtualClock()), PulledCell()
+        devices = cell.observed(latest)
         cell.robot.error = error
         with pytest.raises(type(error)):
             await devices.robot.status()
-        assert (gauges.links["robot"].state, gauges.links["robot"].error) == ("lost", str(error))
+        assert (latest.links["robot"].state, latest.links["robot"].error) == ("lost", str(error))
         cell.robot.error = None
         await devices.robot.status()
-        assert (gauges.links["robot"].state, gauges.links["robot"].error) == ("ok", None)
+        assert (latest.links["robot"].state, latest.links["robot"].error) == ("ok", None)
 
     run(fail())
 
@@ -140,28 +140,28 @@ def test_a_link_that_fails_is_lost_until_it_answers(error: DeviceError) -> None:
 @pytest.mark.parametrize("refusal", [RefusedError("no beam", 3), AlarmError("hot", 4)])
 def test_a_refusal_is_an_answer(refusal: DeviceError) -> None:
     async def refuse() -> None:
-        gauges, cell = Gauges(VirtualClock()), PulledCell()
-        devices = cell.observed(gauges)
+        latest, cell = LatestValues(VirtualClock()), PulledCell()
+        devices = cell.observed(latest)
         cell.counter.refusal = refusal
         with pytest.raises(type(refusal)):
             await devices.interferometer.read()
-        assert gauges.links["interferometer"].state == "ok"
-        assert gauges.displacement_mm is None
+        assert latest.links["interferometer"].state == "ok"
+        assert latest.displacement_mm is None
 
     run(refuse())
 
 
 def test_every_value_of_a_stream_is_seen_once() -> None:
     async def stream() -> None:
-        gauges, driver = Gauges(VirtualClock()), StreamingCounter()
-        counter = ObservedInterferometer("interferometer", driver, gauges)
+        latest, driver = LatestValues(VirtualClock()), StreamingCounter()
+        counter = ObservedInterferometer("interferometer", driver, latest)
         assert driver.on_value is not None
         for number in range(5):
             driver.on_value(0.0, float(number))
         # What is read has come by the stream already.
         await counter.read()
         await asyncio.sleep(0.02)
-        taken = gauges.columns.take(VirtualClock().monotonic_s())
+        taken = latest.columns.take(VirtualClock().monotonic_s())
         assert (taken.count, taken.low, taken.high) == ([5], [0.0], [4.0])
 
     run(stream())
@@ -169,7 +169,7 @@ def test_every_value_of_a_stream_is_seen_once() -> None:
 
 def test_somebody_who_waits_for_an_answer_is_seen() -> None:
     async def wait() -> None:
-        robot = PulledCell().observed(Gauges(VirtualClock())).robot
+        robot = PulledCell().observed(LatestValues(VirtualClock())).robot
         assert not robot.busy  # type: ignore[attr-defined]  # it is an observed one
         asking = asyncio.create_task(robot.status())
         await asyncio.sleep(0)

@@ -6,8 +6,8 @@ from collections.abc import Awaitable, Callable
 import pytest
 
 from catseye.app.engine.control import RunControl
-from catseye.app.engine.states import State
-from catseye.app.service.watching.latest_values import Gauges
+from catseye.app.protocol.state import ControlState
+from catseye.app.service.watching.latest_values import LatestValues
 from catseye.app.service.watching.run_sampler import RunSampler
 from tests.unit.app.service.watching.pulled_devices import PulledCell, lost
 from tests.unit.drivers.virtual_time import VirtualClock, run
@@ -18,11 +18,11 @@ class Run:
 
     def __init__(self) -> None:
         self.cell = PulledCell()
-        self.gauges = Gauges(VirtualClock())
+        self.latest = LatestValues(VirtualClock())
         self.control = RunControl(VirtualClock(), lambda _state, _reason: None)
-        self.control.state = State.EXECUTE
-        self.sampler = RunSampler(self.gauges, VirtualClock())
-        self.sampler.devices = self.cell.observed(self.gauges)
+        self.control.state = ControlState.EXECUTE
+        self.sampler = RunSampler(self.latest, VirtualClock())
+        self.sampler.devices = self.cell.observed(self.latest)
         self.asking = False
 
     async def ticks(self, duration_s: float) -> list[str]:
@@ -44,12 +44,12 @@ def played(play: Callable[[Run], Awaitable[None]]) -> None:
 def test_nothing_is_asked_while_the_run_works() -> None:
     async def play(bench: Run) -> None:
         for state in (
-            State.STARTING,
-            State.EXECUTE,
-            State.SUSPENDED,
-            State.HOLDING,
-            State.STOPPING,
-            State.COMPLETE,
+            ControlState.STARTING,
+            ControlState.EXECUTE,
+            ControlState.SUSPENDED,
+            ControlState.HOLDING,
+            ControlState.STOPPING,
+            ControlState.COMPLETE,
         ):
             bench.control.state = state
             assert await bench.ticks(2.0) == []
@@ -71,11 +71,11 @@ def test_while_the_arm_moves_the_beam_alone_is_asked_at_most_four_times_a_second
     played(play)
 
 
-@pytest.mark.parametrize("state", [State.HELD, State.EXECUTE])
-def test_while_a_person_is_waited_for_the_joints_are_asked_too(state: State) -> None:
+@pytest.mark.parametrize("state", [ControlState.HELD, ControlState.EXECUTE])
+def test_while_a_person_is_waited_for_the_joints_are_asked_too(state: ControlState) -> None:
     async def play(bench: Run) -> None:
         bench.control.state = state
-        bench.asking = state == State.EXECUTE
+        bench.asking = state == ControlState.EXECUTE
         asked = await bench.ticks(10.0)
         assert 8 <= asked.count("joints") <= 10
         assert asked.count("read") >= 20
@@ -106,9 +106,9 @@ def test_the_length_is_read_where_the_run_looks_at_the_signal_alone() -> None:
         for _ in range(50):
             await bench.sampler.devices.interferometer.status()
             await bench.ticks(0.2)
-            length = bench.gauges.displacement_mm
+            length = bench.latest.displacement_mm
             assert length is not None
-            assert bench.gauges.age_s(length.time_s) < 1.0
+            assert bench.latest.age_s(length.time_s) < 1.0
         assert bench.cell.counter.log.count("read") <= 40
 
     played(play)
@@ -140,6 +140,6 @@ def test_a_device_that_does_not_answer_is_asked_seldom_and_ends_nothing() -> Non
         asked = await bench.ticks(60.0)
         # A second each, and twenty without.
         assert asked == ["status"] * 3
-        assert bench.gauges.links["interferometer"].state == "lost"
+        assert bench.latest.links["interferometer"].state == "lost"
 
     played(play)

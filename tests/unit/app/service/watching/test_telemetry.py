@@ -7,6 +7,7 @@ from pathlib import Path
 import pytest
 
 from catseye.app.engine.devices import Devices
+from catseye.app.protocol.bench import BenchStatus
 from catseye.app.service.watching.bench_facts import facts_of
 from catseye.app.service.watching.telemetry import Telemetry, free_bytes
 from catseye.drivers.roles.interferometer import BeamStatus
@@ -15,6 +16,12 @@ from tests.unit.app.service.watching.pulled_devices import Listeners, PulledCell
 from tests.unit.drivers.virtual_time import VirtualClock, run
 
 FACTS = facts_of(cell_from_template(), bench_from_template())
+
+
+def status_of(telemetry: Telemetry) -> BenchStatus:
+    bench = telemetry.bench()
+    assert bench is not None
+    return bench
 
 
 def played(folder: Path, play: Callable[[Telemetry, Listeners], Awaitable[None]]) -> None:
@@ -31,10 +38,10 @@ def played(folder: Path, play: Callable[[Telemetry, Listeners], Awaitable[None]]
 
 def test_a_bench_that_nobody_knows_is_told_as_nothing(tmp_path: Path) -> None:
     async def play(telemetry: Telemetry, listeners: Listeners) -> None:
-        assert telemetry.bench() == {}
+        assert telemetry.bench() is None
         telemetry.describe(FACTS)
-        assert telemetry.bench()["cell"] == FACTS.cell
-        assert listeners.told == []
+        assert status_of(telemetry).cell == FACTS.cell
+        assert listeners.received == []
 
     played(tmp_path, play)
 
@@ -42,18 +49,18 @@ def test_a_bench_that_nobody_knows_is_told_as_nothing(tmp_path: Path) -> None:
 def test_five_messages_a_second_with_every_column_once(tmp_path: Path) -> None:
     async def play(telemetry: Telemetry, listeners: Listeners) -> None:
         telemetry.describe(FACTS)
-        telemetry.gauges.take_displacement(-1.0)
+        telemetry.latest.take_displacement(-1.0)
         await asyncio.sleep(1.0)
         listeners.topics.add("watch")
         telemetry.wake()
         telemetry.wake()
         for number in range(1000):
             await asyncio.sleep(0.001)
-            telemetry.gauges.take_displacement(float(number))
+            telemetry.latest.take_displacement(float(number))
         await asyncio.sleep(0.3)
         benches, samples = listeners.of("bench"), listeners.of("samples")
         assert len(benches) == len(samples) == 7
-        times_s = [time_s for time_s, event, _ in listeners.told if event == "bench"]
+        times_s = [time_s for time_s, event, _ in listeners.received if event == "bench"]
         assert times_s == pytest.approx([1.0 + 0.2 * number for number in range(7)])
         counts = [count for event in samples for count in event["count"]]
         # The sample from before is told to nobody.
@@ -79,7 +86,7 @@ def test_whoever_wants_one_topic_is_told_no_other(tmp_path: Path) -> None:
         await asyncio.sleep(0.1)
         telemetry.traffic.record("robot", "tx", b"1")
         await asyncio.sleep(0.5)
-        assert [event for _, event, _ in listeners.told] == ["wire"]
+        assert [event for _, event, _ in listeners.received] == ["wire"]
         listeners.topics = {"watch"}
         telemetry.wake()
         await asyncio.sleep(0.3)
@@ -87,9 +94,9 @@ def test_whoever_wants_one_topic_is_told_no_other(tmp_path: Path) -> None:
         listeners.topics.clear()
         await asyncio.sleep(0.3)
         assert len(listeners.of("wire")) == 1
-        count = len(listeners.told)
+        count = len(listeners.received)
         await asyncio.sleep(10.0)
-        assert len(listeners.told) == count
+        assert len(listeners.received) == count
         assert watched == [True, False]
         listeners.topics.add("traffic")
         telemetry.wake()
@@ -114,7 +121,7 @@ def test_devices_of_a_run_are_seen_and_their_traffic_goes_both_ways(tmp_path: Pa
         devices = telemetry.observe(FACTS, build)(lambda *line: stored.append(line))
         await devices.robot.joints()
         assert stored == [("robot", "tx", b"hello")]
-        assert telemetry.gauges.joints is not None
+        assert telemetry.latest.joints is not None
         await asyncio.sleep(0.3)
         assert len(listeners.of("wire")) == 1
 
@@ -126,13 +133,13 @@ def test_another_bench_makes_the_values_of_the_first_one_void_and_another_aim_do
 ) -> None:
     async def play(telemetry: Telemetry, listeners: Listeners) -> None:
         telemetry.describe(FACTS)
-        telemetry.gauges.take_beam(BeamStatus(True, False, False, True, 0.8))
+        telemetry.latest.take_beam(BeamStatus(True, False, False, True, 0.8))
         aimed = bench_from_template().aimed({"P1": (1.0, 2.0)}, 0.5)
         telemetry.describe(facts_of(cell_from_template(), aimed))
-        assert telemetry.bench()["beam"] is not None
+        assert status_of(telemetry).beam is not None
         telemetry.describe(facts_of(cell_from_template().model_copy(update={"name": "lab-2"}), aimed))
-        assert telemetry.bench()["beam"] is None
-        assert listeners.told == []
+        assert status_of(telemetry).beam is None
+        assert listeners.received == []
 
     played(tmp_path, play)
 
@@ -159,4 +166,4 @@ def test_a_fault_on_the_way_to_those_who_watch_does_not_end_the_watching(
         assert watched == [True]
 
     played(tmp_path, play)
-    assert caplog.messages == ["the bench could not be told"]
+    assert caplog.messages == ["the bench could not be published"]
